@@ -1,0 +1,213 @@
+"""What is wrong with a table, in one sentence that names file, row, column and remedy."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from narrows.captive.columns import COLUMNS, Column
+from narrows.errors import InputError, did_you_mean
+from narrows.particulars import Setting
+
+FIRST_ROW = 2
+"""What editors call the row under a header."""
+
+
+def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
+    """Return the file's row of the first hit (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        Its index counts the rows of the file.
+    where : array (rows,) of bool
+        The hits.
+    """
+    return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
+
+
+def check_present(columns: list[Column], headers: list[str], needed: list[str], place: str) -> None:
+    """Raise where a needed quantity has no column, or has two (ours).
+
+    Parameters
+    ----------
+    columns : list of Column
+        What was recognised.
+    headers : list of str
+        Every header of the table.
+    needed : list of str
+        Quantities.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the quantity and the nearest header.
+    """
+    found = [column.quantity for column in columns]
+    for name in found:
+        if found.count(name) > 1:
+            both = [c.header for c in columns if c.quantity == name]
+            raise InputError(f"{place}: columns {both[0]!r} and {both[1]!r} are both {name}; keep one")
+    for name in needed:
+        if name not in found:
+            unit, meaning = COLUMNS[name]
+            hint = did_you_mean(name, [h for h in headers if h not in [c.header for c in columns]] or ["none"])
+            raise InputError(f"{place}: column {name!r} is missing ({meaning} [{unit}]); add it{hint}")
+
+
+def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
+    """Return a column as floats (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    header : str
+        The column.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        At the first cell that is not a finite number.
+    """
+    values = pd.to_numeric(frame[header], errors="coerce").to_numpy(dtype=float)
+    wrong = ~np.isfinite(values)
+    if wrong.any():
+        cell = frame[header].iloc[int(np.argmax(wrong))]
+        row = row_number(frame, wrong)
+        raise InputError(f"{place}: row {row}, column {header!r} holds {cell}, not a finite number; mend the cell")
+    return values
+
+
+def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, place: str) -> None:
+    """Raise where time stands still or runs back inside a test (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    test : array (rows,)
+        Name of each row's test.
+    t : array (rows,) [s]
+        Time.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the row and says whether the time is a duplicate or unsorted.
+    """
+    stuck = np.concatenate([[False], (np.diff(t) <= 0) & (test[1:] == test[:-1])])
+    if stuck.any():
+        i = int(np.argmax(stuck))
+        fault = "repeats the time of the row above" if t[i] == t[i - 1] else "goes back in time"
+        row = row_number(frame, stuck)
+        raise InputError(f"{place}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); sort it by time")
+
+
+def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, place: str) -> None:
+    """Raise where the ship lies across the canal, or the heading looks like degrees (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    psi : array (rows,) [rad]
+        Heading.
+    column : Column
+        Where it came from.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the row.
+    """
+    across = np.abs(psi) >= math.pi / 2
+    if not across.any():
+        return
+    row, value = row_number(frame, across), psi[int(np.argmax(across))]
+    if not column.stated:
+        raise InputError(
+            f"{place}: row {row}, column {column.header!r} = {value:g} rad looks like degrees; "
+            "head the column 'psi [deg]'"
+        )
+    raise InputError(
+        f"{place}: row {row}, column {column.header!r} is a heading of {math.degrees(value):.1f} deg; "
+        "the model holds for |psi| < 90 deg, leave the row out"
+    )
+
+
+def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, found: dict[str, Column], place: str) -> None:
+    """Raise where psi and r differ by the factor of degrees to radians (ours).
+
+    Parameters
+    ----------
+    columns : dict of str to array (rows,)
+        In what should be SI.
+    test : array (rows,)
+        Name of each row's test.
+    found : dict of str to Column
+        Where each came from.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the column that is likely in degrees.
+    """
+    if not {"t", "psi", "r"} <= columns.keys():
+        return
+    inside = test[1:] == test[:-1]
+    turned = np.diff(columns["psi"])[inside]
+    expected = (0.5 * (columns["r"][1:] + columns["r"][:-1]) * np.diff(columns["t"]))[inside]
+    if not (turned @ turned > 0 and expected @ expected > 0):
+        return
+    correlation = turned @ expected / math.sqrt((turned @ turned) * (expected @ expected))
+    factor = math.sqrt((turned @ turned) / (expected @ expected))
+    for name, ratio in (("psi", factor), ("r", 1 / factor)):
+        if correlation > 0.9 and 40 < ratio < 80 and not found[name].stated:
+            unit = "deg" if name == "psi" else "deg/s"
+            raise InputError(
+                f"{place}: column {name!r} is {ratio:.0f} times what "
+                f"{'r' if name == 'psi' else 'psi'} says, so it looks like degrees; head it '{name} [{unit}]'"
+            )
+
+
+def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: Setting, place: str) -> None:
+    """Raise where a hull corner touches or crosses a bank (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    columns : dict of str to array (rows,)
+        With y, cos_psi and sin_psi.
+    setting : Setting
+        Ship and canal.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the row.
+    """
+    if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
+        return
+    ship, width = setting.ship, columns.get("width", setting.canal.width)
+    reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(columns["sin_psi"]) + ship.beam / 2 * columns["cos_psi"]
+    touching = reach >= np.asarray(width) / 2
+    if touching.any():
+        row, y = row_number(frame, touching), columns["y"][int(np.argmax(touching))]
+        raise InputError(
+            f"{place}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
+            f"{setting.canal.width:g} m wide; check y, psi and the ship file"
+        )

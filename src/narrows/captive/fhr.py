@@ -1,0 +1,43 @@
+"""Tables of Flanders Hydraulics Research's tests for SIMMAN: planar motion folded to phases, several depths.
+
+Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row a phase of a harmonic run or a steady run,
+``env`` the environment (a water depth), ``rud_given_deg`` the rudder angle. Sinkage stands for heave.
+"""
+
+import pandas as pd
+
+HARMONIC = ("PMMY2", "PMMPSI2")
+"""Harmonic sway and harmonic yaw: the tests that the paper's terms can explain."""
+
+RENAMED = {"env": "condition", "sinkage_mm": "heave [mm]"}
+
+
+def recognises(frame: pd.DataFrame) -> bool:
+    """Say whether a frame has this layout (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As read.
+    """
+    return {"env", "type", "psi_deg", "rud_given_deg"} <= set(frame.columns)
+
+
+def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Bring the layout to the documented headers (ours).
+
+    Unless the user's selection speaks of the type of test or of the rudder, harmonic tests with the rudder
+    amidships are kept: the paper's terms know neither a rudder nor a drift of 90 degrees.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As read.
+    chosen : str
+        The user's selection of rows, already applied.
+    """
+    frame = frame.rename(columns=RENAMED)
+    if "type" in chosen or "rud_given_deg" in chosen:
+        return frame, ()
+    kept = frame[frame["type"].isin(HARMONIC) & (frame["rud_given_deg"].abs() < 1)]
+    return kept, (f"{len(kept)} of {len(frame)} rows read: harmonic sway and yaw with the rudder amidships",)

@@ -1,0 +1,85 @@
+"""Files to data frames: CSV, Parquet and MATLAB, whole or in chunks."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from narrows.errors import InputError
+
+READABLE = (".csv", ".parquet", ".mat")
+
+
+def read_frame(path: Path) -> pd.DataFrame:
+    """Read a whole table (ours).
+
+    Parameters
+    ----------
+    path : Path
+        CSV, Parquet or MATLAB by its suffix.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, empty, damaged or of another kind.
+    """
+    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
+    reader: Any = readers[_suffix(path, READABLE)]
+    return _guarded(path, lambda: reader(path))
+
+
+def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
+    """Read a table chunk by chunk, holding one at a time (ours).
+
+    Parameters
+    ----------
+    path : Path
+        CSV or Parquet by its suffix.
+    rows : int
+        Of a chunk, at most.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, empty, damaged or of another kind.
+    """
+    if _suffix(path, READABLE[:2]) == ".csv":
+        yield from _guarded(path, lambda: pd.read_csv(path, chunksize=rows))
+        return
+    import pyarrow.parquet as parquet
+
+    first = 0
+    for batch in _guarded(path, lambda: parquet.ParquetFile(path)).iter_batches(batch_size=rows):
+        frame = batch.to_pandas()
+        frame.index = range(first, first + len(frame))
+        first += len(frame)
+        yield frame
+
+
+def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
+    suffix = path.suffix.lower()
+    if suffix not in allowed:
+        raise InputError(f"{path}: cannot read a {suffix or 'nameless'} file here; give {', '.join(allowed)}")
+    return suffix
+
+
+def _guarded(path: Path, read: Any) -> Any:
+    try:
+        return read()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; check the path") from None
+    except pd.errors.EmptyDataError:
+        raise InputError(f"{path}: the table is empty; give a header and rows") from None
+    except (OSError, ValueError, NotImplementedError, TypeError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(f"{path}: is not a readable {path.suffix[1:]} table ({reason}); export it again") from None
+
+
+def _read_mat(path: Path) -> pd.DataFrame:
+    from scipy.io import loadmat
+
+    loaded = {k: v for k, v in loadmat(path, simplify_cells=True).items() if not k.startswith("__")}
+    if len(loaded) == 1 and isinstance(struct := next(iter(loaded.values())), dict):
+        loaded = struct
+    return pd.DataFrame(loaded)

@@ -1,0 +1,193 @@
+"""Tables of captive tests, in the documented columns, to CaptiveTests."""
+
+import hashlib
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from narrows.captive import check, fhr
+from narrows.captive.columns import Column, parse_header
+from narrows.captive.frames import read_frame
+from narrows.captive.tests import CaptiveTests
+from narrows.errors import InputError
+from narrows.model import Source
+from narrows.particulars import Setting, read_ship
+from narrows.terms import PAPER, TermTable
+from narrows.vocabulary import MOTION
+
+
+class Rows(NamedTuple):
+    """Checked rows of a table: columns in SI, and each row's test and condition."""
+
+    columns: dict[str, np.ndarray]
+    test: np.ndarray
+    condition: np.ndarray
+    notes: tuple[str, ...]
+
+
+def read_captive(
+    path: str | Path, ship: str | Path | Setting, terms: TermTable = PAPER, where: str | None = None
+) -> CaptiveTests:
+    """Read a table of captive tests into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV, Parquet or .mat; columns ``test, t, x, y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI
+        and radians unless the header carries a unit, as in ``psi [deg]``. Optional: ``condition``, and
+        ``depth``, ``draft``, ``width`` where they change from row to row.
+    ship : str, Path or Setting
+        The ship file, or what was read from it.
+    terms : TermTable
+        What the columns must suffice for.
+    where : str, optional
+        Which rows to take, as in ``"abs(y) < 0.5 and u > 0.3"``, on the headers of the table.
+
+    Returns
+    -------
+    CaptiveTests
+        Checked, in SI.
+
+    Raises
+    ------
+    InputError
+        In one sentence with file, row, column and remedy.
+    """
+    path = Path(path)
+    setting = ship if isinstance(ship, Setting) else read_ship(ship)
+    frame, notes = prepared(read_frame(path), where, str(path))
+    if not len(frame):
+        raise InputError(f"{path}: no rows are left to read; give a test at least one row")
+    rows = checked(frame, setting, terms, str(path))
+    return gathered(rows, setting, Source("captive tests", path.name, _sha256(path)), notes)
+
+
+def prepared(frame: pd.DataFrame, where: str | None, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Bring a raw frame to the documented headers and rows (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As read.
+    where : str, optional
+        Which rows to take.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Where the selection cannot be understood.
+    """
+    if where:
+        frame = _selected(frame, where, place)
+    return fhr.translated(frame, chosen=where or "") if fhr.recognises(frame) else (frame, ())
+
+
+def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str) -> Rows:
+    """Check a frame and bring it to SI (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        In the documented headers; its index counts the rows of the file.
+    setting : Setting
+        Ship, canal and water.
+    terms : TermTable
+        What the columns must suffice for.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        At the first thing that is wrong.
+    """
+    found = [column for header in frame.columns if (column := parse_header(str(header)))]
+    needed, assumed = _needed(terms, {c.quantity for c in found})
+    check.check_present(found, [str(h) for h in frame.columns], needed, place)
+    columns = {c.quantity: check.numbers(frame, c.header, place) * c.scale for c in found}
+    test = frame["test"].astype(str).to_numpy() if "test" in frame else np.full(len(frame), "all")
+    by_name = {c.quantity: c for c in found}
+    if "t" in columns:
+        check.check_time(frame, test, columns["t"], place)
+    if "psi" in columns:
+        check.check_heading(frame, columns["psi"], by_name["psi"], place)
+        check.check_rates(columns, test, by_name, place)
+        columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
+    columns |= {name: np.zeros(len(frame)) for name in assumed}
+    condition = _conditions(frame, columns, setting)
+    check.check_inside(frame, columns, setting, place)
+    notes = tuple(f"column {name!r} is absent: taken as 0" for name in assumed)
+    return Rows(columns, test, condition, notes)
+
+
+def gathered(rows: Rows, setting: Setting, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
+    """Put the rows of each test together (ours).
+
+    Parameters
+    ----------
+    rows : Rows
+        Checked rows.
+    setting : Setting
+        Ship, canal and water.
+    source : Source
+        Where they come from.
+    notes : tuple of str
+        What to say beside the rows' own notes.
+    """
+    order, names, starts = _grouped(rows.test)
+    return CaptiveTests(
+        columns={name: column[order] for name, column in rows.columns.items()},
+        names=names,
+        starts=starts,
+        setting=setting,
+        conditions=tuple(rows.condition[order][starts[:-1]]) if rows.condition.size else (),
+        source=source,
+        notes=notes + rows.notes,
+    )
+
+
+def _needed(terms: TermTable, found: set[str]) -> tuple[list[str], list[str]]:
+    """Columns that the terms need, and those of them that may be taken as zero."""
+    motion = [name for name in terms.inputs if name in MOTION]
+    needed = ["psi" if name in ("cos_psi", "sin_psi") else name for name in motion]
+    forces = [force for force, own in terms.forces.items() if own]
+    assumed = [name for name in ("heave",) if name in needed and name not in found]
+    return [name for name in [*needed, *forces] if name not in assumed], assumed
+
+
+def _conditions(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: Setting) -> np.ndarray:
+    """Each row's condition; a condition that the ship file gives a depth gets it as a column."""
+    if "condition" in frame:
+        condition = frame["condition"].astype(str).to_numpy()
+        if "depth" not in columns and setting.depths and set(condition) <= setting.depths.keys():
+            columns["depth"] = np.array([setting.depths[name] for name in condition], dtype=float)
+        return condition
+    if "depth" in columns and np.ptp(columns["depth"]) > 0:
+        return np.array([f"h{depth:.4g}" for depth in columns["depth"]])
+    return np.empty(0, dtype=str)
+
+
+def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
+    codes, names = pd.factorize(test)
+    order = np.argsort(codes, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(np.bincount(codes))])
+    return order, tuple(str(name) for name in names), starts
+
+
+def _selected(frame: pd.DataFrame, where: str, place: str) -> pd.DataFrame:
+    try:
+        return frame.query(where, engine="python")
+    except Exception as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(f"{place}: cannot select rows where {where!r} ({reason}); use the table's headers") from None
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+

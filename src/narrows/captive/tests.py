@@ -1,0 +1,191 @@
+"""Captive tests in memory, and the blocks of rows in which anything that identifies takes them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean
+from narrows.model import Source
+from narrows.particulars import Setting
+from narrows.vocabulary import FORCES, Number
+
+BLOCK_ROWS = 32_000
+"""Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory."""
+
+
+class Span(NamedTuple):
+    """Consecutive rows of one test inside a block; ``piece`` numbers the stretches of a long test."""
+
+    test: str
+    piece: int
+    start: int
+    stop: int
+
+
+class Block(NamedTuple):
+    """Some rows: every quantity by name, columns and particulars alike, and whose rows they are."""
+
+    values: Mapping[str, Number]
+    rows: int
+    spans: list[Span]
+
+
+class Tests(Protocol):
+    """What identification asks of tests, be they in memory or on disk."""
+
+    @property
+    def setting(self) -> Setting:
+        """Ship, canal and water."""
+
+    @property
+    def source(self) -> Source:
+        """Where the rows come from."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the reader has to say."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The tests, as far as they are known before the rows are read."""
+
+    def blocks(self, pieces: int) -> Iterator[Block]:
+        """Every row once."""
+
+
+@dataclass(frozen=True)
+class CaptiveTests:
+    """Captive tests in memory, in SI and radians.
+
+    Parameters
+    ----------
+    columns : mapping of str to array (rows,)
+        Motion, forces, and particulars that change from row to row; ``cos_psi`` and ``sin_psi`` for psi.
+    names : tuple of str
+        The tests, in the order of their rows.
+    starts : array (tests + 1,) of int
+        First row of each test, and the number of rows.
+    setting : Setting
+        Ship, canal and water.
+    conditions : tuple of str
+        The condition (a water depth, say) of each test.
+    source : Source
+        Where the rows come from.
+    notes : tuple of str
+        What the reader has to say: rows left out, columns assumed.
+    """
+
+    columns: Mapping[str, np.ndarray]
+    names: tuple[str, ...]
+    starts: np.ndarray
+    setting: Setting
+    conditions: tuple[str, ...] = ()
+    source: Source = field(default_factory=Source)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return int(self.starts[-1])
+
+    def test(self, name: str) -> dict[str, np.ndarray]:
+        """Return the columns of one test.
+
+        Parameters
+        ----------
+        name : str
+            One of ``names``.
+
+        Raises
+        ------
+        InputError
+            Where there is no such test.
+        """
+        if name not in self.names:
+            raise InputError(f"no test is called {name!r}{did_you_mean(name, self.names)}")
+        return self._rows_of(self.names.index(name))
+
+    def where(self, keep: list[bool] | np.ndarray) -> "CaptiveTests":
+        """Return some of the tests.
+
+        Parameters
+        ----------
+        keep : array (tests,) of bool
+            Which.
+
+        Raises
+        ------
+        InputError
+            Where none is kept.
+        """
+        kept = np.flatnonzero(np.asarray(keep, dtype=bool))
+        if not kept.size:
+            raise InputError("no test is left after the selection; widen it")
+        parts = [self._rows_of(i) for i in kept]
+        lengths = np.diff(self.starts)[kept]
+        return replace(
+            self,
+            columns={name: np.concatenate([part[name] for part in parts]) for name in self.columns},
+            names=tuple(self.names[i] for i in kept),
+            starts=np.concatenate([[0], np.cumsum(lengths)]),
+            conditions=tuple(self.conditions[i] for i in kept) if self.conditions else (),
+        )
+
+    def by_condition(self) -> dict[str, "CaptiveTests"]:
+        """Split the tests by condition, each with its own water depth."""
+        labels = dict.fromkeys(self.conditions or ("",))
+        if len(labels) <= 1:
+            return {next(iter(labels)): self._with_own_depth()}
+        return {
+            label: self.where([own == label for own in self.conditions])._with_own_depth() for label in labels
+        }
+
+    def _with_own_depth(self) -> "CaptiveTests":
+        depth = self.columns.get("depth")
+        if depth is None or np.ptp(depth) > 0:
+            return self
+        canal = replace(self.setting.canal, depth=float(depth[0]))
+        return replace(self, setting=replace(self.setting, canal=canal, depths={}))
+
+    def blocks(self, pieces: int = 1) -> Iterator[Block]:
+        """Yield every row once, in blocks.
+
+        Parameters
+        ----------
+        pieces : int
+            Into how many consecutive stretches each test is cut.
+        """
+        cuts = list(self._cuts(pieces))
+        particulars = self.setting.values()
+        for start in range(0, self.rows, BLOCK_ROWS):
+            stop = min(start + BLOCK_ROWS, self.rows)
+            spans = [
+                Span(test, piece, max(a, start) - start, min(b, stop) - start)
+                for test, piece, a, b in cuts
+                if a < stop and b > start
+            ]
+            columns = {name: column[start:stop] for name, column in self.columns.items()}
+            yield Block({**particulars, **columns}, stop - start, spans)
+
+    def _cuts(self, pieces: int) -> Iterator[Span]:
+        for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False):
+            edges = np.unique(np.linspace(start, stop, pieces + 1).astype(int))
+            for piece, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
+                yield Span(test, piece, int(a), int(b))
+
+    def _rows_of(self, i: int) -> dict[str, np.ndarray]:
+        rows = slice(int(self.starts[i]), int(self.starts[i + 1]))
+        return {name: column[rows] for name, column in self.columns.items()}
+
+
+def measured(columns: Mapping[str, np.ndarray]) -> list[str]:
+    """Return which of X, Y, N a table has (ours).
+
+    Parameters
+    ----------
+    columns : mapping of str to array
+        The table.
+    """
+    return [force for force in FORCES if force in columns]

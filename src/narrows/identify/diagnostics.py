@@ -1,0 +1,158 @@
+"""What the columns themselves say, before any force is looked at: rank, condition, VIF, correlation."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identify.moments import ONE, Moments
+from narrows.identify.solve import RANK_TOLERANCE
+from narrows.terms import Term, TermTable
+
+SPEED_GAP = 1.15
+"""Tests whose speeds differ by less than this factor count as one speed."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The columns of one force over some rows.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The coefficients.
+    rank : int
+        Number of directions with data.
+    condition : float [1]
+        Of the matrix with columns scaled to one; infinite where the rank is short.
+    vif : mapping of str to float [1]
+        Variance inflation, 1/(1 - R2) of a column on the others, without intercept as the model has none;
+        infinite where the column is a combination of others, NaN where it is zero.
+    correlation : array (n, n)
+        Of the columns; NaN where one does not vary.
+    alignment : array (n, n)
+        Cosine between the columns, which is what a model without intercept feels; NaN where one is zero.
+    empty : tuple of str
+        Coefficients whose column is zero.
+    missing : array (k, n)
+        Scaled directions without data, among the columns that are not zero.
+    """
+
+    names: tuple[str, ...]
+    rank: int
+    condition: float
+    vif: Mapping[str, float]
+    correlation: np.ndarray
+    alignment: np.ndarray
+    empty: tuple[str, ...]
+    missing: np.ndarray
+
+    def partner(self, name: str) -> tuple[str, float]:
+        """Return the coefficient whose column is most like this one's, and their alignment [1].
+
+        Parameters
+        ----------
+        name : str
+            A coefficient.
+        """
+        own = self.names.index(name)
+        row = np.nan_to_num(self.alignment[own])
+        row[own] = 0.0
+        most = int(np.abs(row).argmax())
+        return self.names[most], float(row[most])
+
+
+def diagnose(moments: Moments, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
+    """Diagnose the columns of one force over the rows behind some sums.
+
+    Parameters
+    ----------
+    moments : Moments
+        For its columns.
+    sums : array (m, m)
+        The rows.
+    terms : tuple of Term
+        The force's terms.
+    """
+    names = tuple(term.name for term in terms)
+    gram = moments.pick(sums, list(names))
+    norm = np.sqrt(np.diag(gram))
+    live = norm > 0
+    lengths = np.where(live, norm, np.nan)
+    alignment = gram / np.outer(lengths, lengths)
+    values, vectors = np.linalg.eigh(alignment[np.ix_(live, live)])
+    singular = np.sqrt(np.maximum(values, 0.0))
+    kept = singular > RANK_TOLERANCE * singular.max(initial=1e-300)
+    rank = int(kept.sum())
+    full = rank == len(names)
+    return Diagnosis(
+        names,
+        rank,
+        float(singular[-1] / singular[0]) if full else float("inf"),
+        dict(zip(names, _vif(values, vectors, kept, live).tolist(), strict=True)),
+        _correlation(moments, sums, names),
+        alignment,
+        tuple(name for name, alive in zip(names, live, strict=True) if not alive),
+        _spread(vectors[:, ~kept].T / norm[live], live),
+    )
+
+
+def _vif(values: np.ndarray, vectors: np.ndarray, kept: np.ndarray, live: np.ndarray) -> np.ndarray:
+    inflation = (vectors[:, kept] ** 2 / values[kept]).sum(axis=1)
+    inflation[(np.abs(vectors[:, ~kept]) > 1e-3).any(axis=1)] = np.inf
+    result = np.full(len(live), np.nan)
+    result[live] = np.maximum(inflation, 1.0)
+    return result
+
+
+def _spread(directions: np.ndarray, live: np.ndarray) -> np.ndarray:
+    wide = np.zeros((len(directions), len(live)))
+    wide[:, live] = directions
+    return wide
+
+
+def _correlation(moments: Moments, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    rows = moments.pick(sums, [ONE])[0, 0]
+    mean = moments.pick(sums, list(names), [ONE])[:, 0] / rows
+    gram = moments.pick(sums, list(names)) / rows
+    covariance = gram - np.outer(mean, mean)
+    variance = np.diag(covariance)
+    # What is left of a constant column is rounding.
+    spread = np.sqrt(np.where(variance > 1e-12 * np.diag(gram), variance, np.nan))
+    return np.asarray(np.clip(covariance / np.outer(spread, spread), -1.0, 1.0))
+
+
+def by_test(moments: Moments, terms: TermTable) -> dict[str, dict[str, Diagnosis]]:
+    """Diagnose each test by itself: test -> force -> diagnosis.
+
+    Parameters
+    ----------
+    moments : Moments
+        The sums.
+    terms : TermTable
+        The terms.
+    """
+    return {name: _all_forces(moments, moments.of_test(name), terms) for name in moments.names}
+
+
+def by_speed(moments: Moments, terms: TermTable) -> dict[float, dict[str, Diagnosis]]:
+    """Diagnose the tests of each speed together: mean speed [m/s] -> force -> diagnosis.
+
+    Parameters
+    ----------
+    moments : Moments
+        The sums.
+    terms : TermTable
+        The terms.
+    """
+    order = np.argsort(np.abs(moments.speeds))
+    size = np.maximum(np.abs(moments.speeds[order]), 1e-9)
+    groups = np.split(order, np.flatnonzero(size[1:] > SPEED_GAP * size[:-1]) + 1)
+    return {
+        float(np.mean(moments.speeds[group])): _all_forces(moments, moments.sums[group].sum(axis=0), terms)
+        for group in groups
+    }
+
+
+def _all_forces(moments: Moments, sums: np.ndarray, terms: TermTable) -> dict[str, Diagnosis]:
+    return {force: diagnose(moments, sums, own) for force, own in terms.forces.items() if own}

@@ -1,0 +1,117 @@
+"""The paper's joint problem, reduced: ties substituted, columns scaled to one, one small matrix left."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.identify.moments import ONE, Moments
+from narrows.terms import TermTable
+
+WEIGHTS = ("paper", "variance")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper, where z = parameters x scale.
+
+    Parameters
+    ----------
+    slot : mapping of str to int
+        The parameter of each coefficient; tied coefficients share one.
+    scale : array (p,)
+        Norm of each parameter's column; 1 where the column is zero.
+    lower, upper : array (p,)
+        Bounds of z.
+    weights : mapping of str to float
+        Of each force in the sum.
+    """
+
+    slot: Mapping[str, int]
+    scale: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    weights: Mapping[str, float]
+    terms: TermTable
+    columns: Mapping[str, int]
+
+    def normal(self, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Assemble H (..., p, p) and g (..., p) from sums of products.
+
+        Parameters
+        ----------
+        sums : array (..., m, m)
+            Of a Moments; leading axes are kept.
+        """
+        size = len(self.scale)
+        h, g = np.zeros((*sums.shape[:-2], size, size)), np.zeros((*sums.shape[:-2], size))
+        for force, terms in self.terms.forces.items():
+            if not terms:
+                continue
+            columns = np.array([self.columns[term.name] for term in terms])
+            place = np.array([self.slot[term.name] for term in terms])
+            weight = self.weights[force] / self.scale[place]
+            part = sums[..., columns[:, None], columns[None, :]]
+            np.add.at(h, (..., place[:, None], place[None, :]), part * weight[:, None] / self.scale[place])
+            np.add.at(g, (..., place), sums[..., columns, self.columns[force]] * weight)
+        return h, g
+
+    def coefficients(self, z: np.ndarray) -> np.ndarray:
+        """Return the coefficients (..., n) of scaled parameters z (..., p).
+
+        Parameters
+        ----------
+        z : array (..., p)
+            Scaled parameters.
+        """
+        return np.asarray((z / self.scale)[..., [self.slot[name] for name in self.terms.names]])
+
+
+def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Problem:
+    """Set up the joint problem of the paper (ours: scaled, ties substituted).
+
+    Parameters
+    ----------
+    moments : Moments
+        The sums.
+    terms : TermTable
+        Terms, bounds and ties.
+    weights : str
+        ``paper``: the plain sum of the three squared errors; ``variance``: each over its force's variance.
+
+    Raises
+    ------
+    InputError
+        Where the weights are neither.
+    """
+    if weights not in WEIGHTS:
+        raise InputError(f"weights {weights!r} are unknown; choose {' or '.join(WEIGHTS)}")
+    slot = _slots(terms)
+    total = moments.total
+    by_force = {f: _weight(moments, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
+    size = max(slot.values()) + 1
+    square, lower, upper = np.zeros(size), np.full(size, -np.inf), np.full(size, np.inf)
+    for force, own in terms.forces.items():
+        for term in own:
+            i, j = slot[term.name], moments.columns[term.name]
+            square[i] += by_force[force] * total[j, j]
+            lower[i], upper[i] = max(lower[i], term.bound[0]), min(upper[i], term.bound[1])
+    scale = np.sqrt(np.where(square > 0, square, 1.0))
+    return Problem(slot, scale, lower * scale, upper * scale, by_force, terms, moments.columns)
+
+
+def _slots(terms: TermTable) -> dict[str, int]:
+    leader = {name: name for name in terms.names}
+    for first, second in terms.ties:
+        old, new = leader[second], leader[first]
+        leader = {name: new if own == old else own for name, own in leader.items()}
+    order = list(dict.fromkeys(leader.values()))
+    return {name: order.index(own) for name, own in leader.items()}
+
+
+def _weight(moments: Moments, total: np.ndarray, force: str) -> float:
+    one, own = moments.columns[ONE], moments.columns[force]
+    rows = total[one, one]
+    variance = total[own, own] / rows - (total[one, own] / rows) ** 2
+    return float(1 / variance) if variance > 0 else 1.0

@@ -1,0 +1,110 @@
+"""Constrained least squares, exact: bounded active set on the factor of the scaled matrix, then checked."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+RANK_TOLERANCE = 1e-6
+"""Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it."""
+KKT_TOLERANCE = 1e-8
+
+
+@dataclass(frozen=True)
+class Kkt:
+    """How well a solution meets the Karush-Kuhn-Tucker conditions, relative to the largest entry of g.
+
+    Parameters
+    ----------
+    stationarity : float [1]
+        Largest gradient among the free parameters.
+    multiplier : float [1]
+        Most negative multiplier among the bound ones, as a positive number.
+    infeasibility : float [1]
+        Largest distance outside a bound.
+    """
+
+    stationarity: float
+    multiplier: float
+    infeasibility: float
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether each is under the tolerance of 1e-8."""
+        return max(self.stationarity, self.multiplier, self.infeasibility) <= KKT_TOLERANCE
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Scaled parameters, which of them sit at a bound, and the check of optimality."""
+
+    z: np.ndarray
+    at_bound: np.ndarray
+    kkt: Kkt
+
+
+def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper.
+
+    H = V diag(w) V' gives the small least-squares problem ``sqrt(w) V' z = V'g / sqrt(w)`` that SciPy's
+    BVLS solves; directions without data are left at their smallest norm. The free set that it finds is then
+    solved anew, so that the result is as exact as a direct solve.
+
+    Parameters
+    ----------
+    h : array (p, p)
+        Scaled to a unit diagonal, or zero where there is no data.
+    g : array (p,)
+        Right-hand side.
+    lower, upper : array (p,)
+        Bounds.
+    """
+    from scipy.optimize import lsq_linear
+
+    factor, target = _factor(h, g)
+    if np.isinf(lower).all() and np.isinf(upper).all():
+        z = np.linalg.lstsq(factor, target, rcond=None)[0]
+    else:
+        z = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14).x
+    at_bound = (z <= lower) | (z >= upper)
+    z = _polished(h, g, np.clip(z, lower, upper), at_bound, lower, upper)
+    return Solution(z, at_bound, check(h, g, z, lower, upper))
+
+
+def _factor(h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    values, vectors = np.linalg.eigh(h)
+    kept = values > RANK_TOLERANCE**2 * max(values[-1], 1e-300)
+    root = np.sqrt(values[kept])
+    return root[:, None] * vectors[:, kept].T, vectors[:, kept].T @ g / root
+
+
+def _polished(
+    h: np.ndarray, g: np.ndarray, z: np.ndarray, at_bound: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
+    """Solve the free set directly; keep what was there if that leaves the bounds."""
+    free = ~at_bound
+    if not free.any():
+        return z
+    fixed = g - h[:, at_bound] @ z[at_bound]
+    better = z.copy()
+    factor, target = _factor(h[np.ix_(free, free)], fixed[free])
+    better[free] = np.linalg.lstsq(factor, target, rcond=None)[0]
+    inside = (better >= lower).all() and (better <= upper).all()
+    return better if inside else z
+
+
+def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
+    """Measure how far a point is from optimal (ours).
+
+    Parameters
+    ----------
+    h, g, lower, upper : array
+        The problem, as in ``solve``.
+    z : array (p,)
+        The point.
+    """
+    gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
+    low, high = z <= lower, z >= upper
+    pushed = np.concatenate([-gradient[low & ~high], gradient[high & ~low], [0.0]])
+    outside = np.concatenate([lower - z, z - upper, [0.0]])
+    free = np.append(np.abs(gradient[~low & ~high]), 0.0)
+    return Kkt(float(free.max()), float(pushed.max()), float(outside.max()))

@@ -1,0 +1,106 @@
+"""Standard errors that know that the rows of one test are not independent: the cluster jackknife."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identify.moments import Moments
+
+MIN_TESTS = 10
+"""With fewer tests than this, stretches of each test are the clusters."""
+PIECES = 30
+"""How many clusters to cut few tests into, at least."""
+
+
+@dataclass(frozen=True)
+class Clusters:
+    """Rows that may depend on one another, put together.
+
+    Parameters
+    ----------
+    sums : array (clusters, m, m)
+        Sums over each cluster.
+    labels : tuple of str
+        What each is called.
+    by_test : bool
+        Whether a cluster is a test.
+    """
+
+    sums: np.ndarray
+    labels: tuple[str, ...]
+    by_test: bool
+
+    @property
+    def sentence(self) -> str:
+        """What was clustered, in words."""
+        if self.by_test:
+            return f"Standard errors are clustered by test ({len(self.labels)} tests)."
+        tests = len({label.rpartition("/")[0] for label in self.labels})
+        return (
+            f"{tests} tests are too few to cluster by test: standard errors are clustered by "
+            f"{len(self.labels)} consecutive stretches of them, and do not know errors that a whole test shares."
+        )
+
+
+def pieces_for(tests: int) -> int:
+    """Return into how many stretches to cut each test (ours).
+
+    Parameters
+    ----------
+    tests : int
+        How many there are; 0 where that is not known.
+    """
+    if tests >= MIN_TESTS:
+        return 1
+    return PIECES if tests == 0 else -(-PIECES // tests)
+
+
+def clustered(moments: Moments) -> Clusters:
+    """Choose the clusters: tests where there are enough of them, stretches of tests otherwise.
+
+    Parameters
+    ----------
+    moments : Moments
+        The sums.
+    """
+    if len(moments.names) >= MIN_TESTS:
+        return Clusters(moments.by_test(), moments.names, True)
+    labels = [f"{test}/{moments.tests[:i].count(test) + 1}" for i, test in enumerate(moments.tests)]
+    return Clusters(moments.sums, tuple(labels), False)
+
+
+def jackknife(best: np.ndarray, without: np.ndarray) -> np.ndarray:
+    """Return the covariance of the coefficients, (n, n), from the fits that left one cluster out.
+
+    (K - 1)/K times the sum of outer products of each fit's difference from the whole one: the CV3 estimator,
+    which stays honest with few and unequal clusters.
+
+    Parameters
+    ----------
+    best : array (n,)
+        Coefficients of the whole.
+    without : array (clusters, n)
+        Coefficients without each cluster.
+
+    References
+    ----------
+    MacKinnon, Nielsen, Webb (2023), Fast and reliable jackknife and bootstrap methods for cluster-robust inference.
+    """
+    moved = without - best
+    count = len(without)
+    return np.asarray((count - 1) / count * moved.T @ moved)
+
+
+def interval_factor(clusters: int, level: float = 0.95) -> float:
+    """Return how many standard errors a two-sided interval reaches, Student's t with K - 1 degrees (ours).
+
+    Parameters
+    ----------
+    clusters : int
+        K.
+    level : float [1]
+        Of confidence.
+    """
+    from scipy.special import stdtrit
+
+    return float(stdtrit(max(clusters - 1, 1), 0.5 + level / 2))

@@ -1,0 +1,153 @@
+"""A model: a ship in a canal, a table of terms, their coefficients, and how far they can be trusted."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean
+from narrows.motion import Motion
+from narrows.particulars import Setting
+from narrows.terms import Term, TermTable
+from narrows.vocabulary import Number
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """The ranges that the data covered; None where they did not say.
+
+    Parameters
+    ----------
+    speed : pair of float [m/s]
+        Surge velocity.
+    abs_y : pair of float [m]
+        Distance off the centreline.
+    abs_psi : pair of float [rad]
+        Size of the heading.
+    abs_r : pair of float [rad/s]
+        Size of the yaw rate.
+    depth_to_draft : pair of float [1]
+        h/T.
+    """
+
+    speed: Range | None = None
+    abs_y: Range | None = None
+    abs_psi: Range | None = None
+    abs_r: Range | None = None
+    depth_to_draft: Range | None = None
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where numbers come from.
+
+    Parameters
+    ----------
+    text : str
+        A citation, or how they were made.
+    table : str
+        File name of the table of tests.
+    sha256 : str
+        Hash of that file.
+    """
+
+    text: str = ""
+    table: str = ""
+    sha256: str = ""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A bank-effect model: what a fit gives and what simulation takes.
+
+    Parameters
+    ----------
+    setting : Setting
+        Ship, canal and water.
+    terms : TermTable
+        The terms.
+    coefficients : mapping of str to float
+        One value for each term, in the term's own SI unit.
+    covariance : array (n, n), optional
+        Of the coefficients, in the order of ``terms.names``.
+    envelope : Envelope
+        What the data covered.
+    source : Source
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        Where a coefficient is missing, unknown or not finite.
+    """
+
+    setting: Setting
+    terms: TermTable
+    coefficients: Mapping[str, float]
+    covariance: np.ndarray | None = None
+    envelope: Envelope = field(default_factory=Envelope)
+    source: Source = field(default_factory=Source)
+
+    def __post_init__(self) -> None:
+        names = self.terms.names
+        for name, value in self.coefficients.items():
+            if name not in names:
+                hint = did_you_mean(name, names)
+                raise InputError(f"unknown coefficient {name!r}{hint}")
+            if not np.isfinite(value):
+                raise InputError(f"coefficient {name} = {value} is not a finite number; give its value")
+        for name in names:
+            if name not in self.coefficients:
+                raise InputError(f"coefficient {name} is missing; add it, or choose a table without its term")
+
+    def with_coefficients(self, **values: float) -> "Model":
+        """Return the model with some coefficients changed.
+
+        Parameters
+        ----------
+        **values : float
+            New values by name.
+        """
+        return replace(self, coefficients={**self.coefficients, **values})
+
+    def forces(self, motion: Motion) -> dict[str, Number]:
+        """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
+
+        Parameters
+        ----------
+        motion : Motion
+            Floats or columns.
+
+        Raises
+        ------
+        InputError
+            Where a term needs a particular that the setting does not give.
+        """
+        values = self._values(motion)
+        return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
+
+    def bank_forces(self, motion: Motion) -> dict[str, Number]:
+        """Evaluate the part of each force that the banks make [N, N, N m].
+
+        Parameters
+        ----------
+        motion : Motion
+            Floats or columns.
+        """
+        values = self._values(motion)
+        return {
+            force: self._sum([term for term in terms if term.from_bank], values)
+            for force, terms in self.terms.forces.items()
+        }
+
+    def _values(self, motion: Motion) -> dict[str, Number]:
+        values = self.setting.values() | motion.values()
+        for name in self.terms.inputs:
+            if name not in values:
+                raise InputError(f"the terms of this model need {name}; give it in the ship file")
+        return values
+
+    def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
+        return sum((self.coefficients[term.name] * term.column(values) for term in terms), 0.0)

@@ -1,0 +1,152 @@
+"""Model files: TOML that gives back the same forces to the last bit."""
+
+from dataclasses import asdict
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean
+from narrows.model import Envelope, Model, Source
+from narrows.particulars import load_toml, setting_from
+from narrows.terms import TABLES, TermTable
+
+PARTS = ("ship", "canal", "water")
+REQUIRED = (*PARTS, "terms", "coefficients")
+OPTIONAL = ("covariance", "envelope", "source")
+
+
+def save_model(model: Model, path: str | Path) -> None:
+    """Write a model file.
+
+    Parameters
+    ----------
+    model : Model
+        What to write.
+    path : str or Path
+        Where to.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be written.
+    """
+    import tomli_w
+
+    text = tomli_w.dumps(_as_tables(model))
+    try:
+        Path(path).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); check the folder") from None
+
+
+def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
+    """Read a model file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    terms : TermTable, optional
+        The user's own table, where the file was made with one.
+
+    Returns
+    -------
+    Model
+        The same as was saved.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, or a section, a key or a coefficient is missing or misspelt.
+    """
+    tables = load_toml(path)
+    try:
+        return _from_tables(tables, terms)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def published(name: str) -> Model:
+    """Load a model that a paper published, as a file of this package.
+
+    Parameters
+    ----------
+    name : str
+        As in ``mikkelsen2025_dtc``.
+
+    Returns
+    -------
+    Model
+        With its citation in ``source``.
+
+    Raises
+    ------
+    InputError
+        Where no such model is known.
+    """
+    folder = files("narrows") / "published"
+    known = [entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")]
+    if name not in known:
+        raise InputError(f"no published model is called {name!r}{did_you_mean(name, known)}")
+    return load_model(Path(str(folder / f"{name}.toml")))
+
+
+def _as_tables(model: Model) -> dict[str, Any]:
+    setting = model.setting
+    tables: dict[str, Any] = {part: _without_none(asdict(getattr(setting, part))) for part in PARTS}
+    lists = {force: [term.name for term in terms] for force, terms in model.terms.forces.items()}
+    tables["terms"] = {"table": model.terms.name, **lists}
+    tables["coefficients"] = {name: float(model.coefficients[name]) for name in model.terms.names}
+    if model.covariance is not None:
+        tables["covariance"] = {"names": list(model.terms.names), "matrix": model.covariance.tolist()}
+    tables["envelope"] = {name: list(pair) for name, pair in _without_none(asdict(model.envelope)).items()}
+    tables["source"] = asdict(model.source)
+    return tables
+
+
+def _without_none(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
+    for name in tables:
+        if name not in REQUIRED + OPTIONAL:
+            raise InputError(f"unknown section [{name}]{did_you_mean(name, REQUIRED + OPTIONAL)}")
+    for name in REQUIRED:
+        if name not in tables:
+            raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
+    terms = terms or _table_named(tables["terms"].get("table", ""))
+    return Model(
+        setting=setting_from({part: tables[part] for part in PARTS}, "its setting"),
+        terms=terms,
+        coefficients=tables["coefficients"],
+        covariance=_covariance(tables.get("covariance"), terms),
+        envelope=_of(Envelope, {k: tuple(v) for k, v in tables.get("envelope", {}).items()}),
+        source=_of(Source, tables.get("source", {})),
+    )
+
+
+def _table_named(name: str) -> TermTable:
+    if name not in TABLES:
+        hint = did_you_mean(name, TABLES)
+        raise InputError(f"unknown table of terms {name!r}{hint}; give your own as load_model(path, terms=...)")
+    return TABLES[name]
+
+
+def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
+    if section is None:
+        return None
+    matrix, names = np.array(section.get("matrix", []), dtype=float), section.get("names", [])
+    if matrix.shape != (len(names), len(names)) or set(names) != set(terms.names):
+        raise InputError("[covariance] does not have one row and one column for each coefficient; mend it")
+    order = [names.index(name) for name in terms.names]
+    return matrix[np.ix_(order, order)]
+
+
+def _of(cls: type, values: dict[str, Any]) -> Any:
+    for name in values:
+        if name not in cls.__annotations__:
+            raise InputError(f"[{cls.__name__.lower()}] unknown key {name!r}{did_you_mean(name, cls.__annotations__)}")
+    return cls(**values)

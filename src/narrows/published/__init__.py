@@ -1,0 +1,1 @@
+"""Published models, one cited file each."""

@@ -1,0 +1,198 @@
+"""The model as one table of terms: columns, constraints, ties, players, dimensions and equations come from it."""
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from narrows import dimension as dim
+from narrows.dimension import Dimension
+from narrows.errors import InputError, did_you_mean
+from narrows.physics import bank, damping, inertia
+from narrows.vocabulary import FORCES, REGRESSOR_INPUTS, Number
+
+Bound = tuple[float, float]
+FREE: Bound = (float("-inf"), float("inf"))
+NONNEGATIVE: Bound = (0.0, float("inf"))
+
+
+@dataclass(frozen=True)
+class Term:
+    """One coefficient of a model and the regressor that it multiplies.
+
+    Parameters
+    ----------
+    name : str
+        Of the coefficient, as in ``b_vdot``.
+    symbol : str
+        The coefficient in LaTeX.
+    regressor : callable
+        A function of arithmetic and ``abs()``; its arguments are names of the vocabulary, and by them the
+        term says what it needs.
+    dimension : Dimension
+        Of the coefficient.
+    bound : tuple of float
+        Lowest and highest value of the coefficient, in its own unit.
+
+    Raises
+    ------
+    InputError
+        Where the regressor asks for a quantity that the vocabulary does not have.
+    """
+
+    name: str
+    symbol: str
+    regressor: Callable[..., Number]
+    dimension: Dimension
+    bound: Bound = FREE
+
+    def __post_init__(self) -> None:
+        for word in self.inputs:
+            if word not in REGRESSOR_INPUTS:
+                hint = did_you_mean(word, REGRESSOR_INPUTS)
+                raise InputError(f"term {self.name}: its regressor asks for an unknown {word!r}{hint}")
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that the regressor asks for."""
+        return tuple(inspect.signature(self.regressor).parameters)
+
+    @property
+    def from_bank(self) -> bool:
+        """Whether the term feels the banks: whether it asks for the canal's width."""
+        return "width" in self.inputs
+
+    def column(self, values: Mapping[str, Number]) -> Number:
+        """Evaluate the regressor.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            The quantities by name; more than needed is welcome.
+        """
+        return self.regressor(*[values[name] for name in self.inputs])
+
+
+@dataclass(frozen=True)
+class TermTable:
+    """The terms of surge force, sway force and yaw moment, and which coefficients are one and the same.
+
+    Parameters
+    ----------
+    name : str
+        What model files call the table.
+    surge, sway, yaw : tuple of Term
+        The terms of X [N], Y [N] and N [N m].
+    ties : tuple of pairs of str
+        Coefficients held equal.
+
+    Raises
+    ------
+    InputError
+        Where two terms share a name or a tie names no term.
+    """
+
+    name: str
+    surge: tuple[Term, ...]
+    sway: tuple[Term, ...]
+    yaw: tuple[Term, ...]
+    ties: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        names = self.names
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"table {self.name}: two terms are called {name!r}; rename one")
+        for name in (name for tie in self.ties for name in tie):
+            if name not in names:
+                raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")
+
+    @cached_property
+    def forces(self) -> dict[str, tuple[Term, ...]]:
+        """The terms by the force that they add to."""
+        return dict(zip(FORCES, (self.surge, self.sway, self.yaw), strict=True))
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """Every term, surge first."""
+        return (*self.surge, *self.sway, *self.yaw)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every coefficient's name, surge first."""
+        return tuple(term.name for term in self.terms)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that the terms ask for between them."""
+        return tuple(dict.fromkeys(word for term in self.terms for word in term.inputs))
+
+    def __getitem__(self, name: str) -> Term:
+        """The term of a coefficient."""
+        for term in self.terms:
+            if term.name == name:
+                return term
+        raise KeyError(name)
+
+    def with_terms(
+        self, name: str, surge: Iterable[Term] = (), sway: Iterable[Term] = (), yaw: Iterable[Term] = ()
+    ) -> "TermTable":
+        """Return the table with terms added, or replaced where the name is already there.
+
+        Parameters
+        ----------
+        name : str
+            Of the new table.
+        surge, sway, yaw : iterable of Term
+            What to add to X, Y and N.
+        """
+        return replace(
+            self,
+            name=name,
+            surge=_merged(self.surge, surge),
+            sway=_merged(self.sway, sway),
+            yaw=_merged(self.yaw, yaw),
+        )
+
+
+def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
+    return tuple({term.name: term for term in (*old, *new)}.values())
+
+
+SURGE = (
+    Term("a_udot", r"a_{\dot u}", inertia.surge_inertia, dim.KG, NONNEGATIVE),
+    Term("a_u", r"a_u", damping.linear_surge, dim.KG_PER_S, NONNEGATIVE),
+    Term("a_uu", r"a_{|u|u}", damping.quadratic_surge, dim.KG_PER_M, NONNEGATIVE),
+)
+SWAY = (
+    Term("b_vdot", r"b_{\dot v}", inertia.sway_inertia, dim.KG, NONNEGATIVE),
+    Term("b_rdot", r"b_{\dot r}", inertia.yaw_inertia, dim.KG_M),
+    Term("b_v", r"b_v", damping.linear_sway, dim.KG_PER_S, NONNEGATIVE),
+    Term("b_r", r"b_r", damping.linear_yaw, dim.KG_M_PER_S),
+    Term("b_vv", r"b_{|v|v}", damping.quadratic_sway, dim.KG_PER_M, NONNEGATIVE),
+    Term("b_rr", r"b_{|r|r}", damping.quadratic_yaw, dim.KG_M),
+    Term("b_bank", r"b_{bank}", bank.suction, dim.NUMBER),
+)
+YAW = (
+    Term("c_vdot", r"c_{\dot v}", inertia.sway_inertia, dim.KG_M),
+    Term("c_rdot", r"c_{\dot r}", inertia.yaw_inertia, dim.KG_M2, NONNEGATIVE),
+    Term("c_v", r"c_v", damping.linear_sway, dim.KG_M_PER_S),
+    Term("c_r", r"c_r", damping.linear_yaw, dim.KG_M2_PER_S, NONNEGATIVE),
+    Term("c_vv", r"c_{|v|v}", damping.quadratic_sway, dim.KG),
+    Term("c_rr", r"c_{|r|r}", damping.quadratic_yaw, dim.KG_M2, NONNEGATIVE),
+    Term("c_bank", r"c_{bank}", bank.cushion, dim.NUMBER),
+)
+# The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
+# they are masses and inertias, so the table has them.
+PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
+"""The terms of Mikkelsen et al. (2025)."""
+
+TAPERED = PAPER.with_terms(
+    "tapered",
+    sway=[replace(PAPER["b_bank"], regressor=bank.tapered_suction)],
+    yaw=[replace(PAPER["c_bank"], regressor=bank.tapered_cushion)],
+)
+"""The paper's terms with its boundary-layer taper on the bank."""
+
+TABLES = {table.name: table for table in (PAPER, TAPERED)}
+"""The tables that a model file may name."""

@@ -1,0 +1,67 @@
+"""Every quantity that physics, tables and files speak of: one name, one unit, one meaning."""
+
+import inspect
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
+
+Number = Any
+"""A float, a NumPy array or a symbol: whatever knows arithmetic and ``abs()``."""
+
+FunctionType = TypeVar("FunctionType", bound=Callable[..., Number])
+
+
+class Quantity(NamedTuple):
+    """What a name stands for: its SI unit and its meaning."""
+
+    unit: str
+    meaning: str
+
+
+MOTION = {
+    "x": Quantity("m", "midship along the canal"),
+    "y": Quantity("m", "midship to starboard of the centreline"),
+    "cos_psi": Quantity("1", "cosine of the heading"),
+    "sin_psi": Quantity("1", "sine of the heading, positive clockwise seen from above"),
+    "u": Quantity("m/s", "surge velocity through the water"),
+    "v": Quantity("m/s", "sway velocity through the water"),
+    "r": Quantity("rad/s", "yaw rate"),
+    "udot": Quantity("m/s2", "surge acceleration in the ship's axes"),
+    "vdot": Quantity("m/s2", "sway acceleration in the ship's axes"),
+    "rdot": Quantity("rad/s2", "yaw acceleration"),
+    "heave": Quantity("m", "midship sinkage z, positive down"),
+}
+PARTICULARS = {
+    "length": Quantity("m", "length between perpendiculars L"),
+    "beam": Quantity("m", "beam B"),
+    "draft": Quantity("m", "draft at rest T0"),
+    "block_coefficient": Quantity("1", "displaced volume over L B T0, C_B"),
+    "mass": Quantity("kg", "displacement m"),
+    "inertia": Quantity("kg m2", "yaw moment of inertia about midship I_z"),
+    "x_g": Quantity("m", "centre of gravity forward of midship"),
+    "width": Quantity("m", "canal width W"),
+    "depth": Quantity("m", "water depth h"),
+    "density": Quantity("kg/m3", "mass density of the water rho"),
+}
+FORCES = {
+    "X": Quantity("N", "surge force, positive forward"),
+    "Y": Quantity("N", "sway force, positive to starboard"),
+    "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
+}
+REGRESSOR_INPUTS = MOTION | PARTICULARS
+"""What the function of a term may ask for."""
+
+
+def documented(function: FunctionType) -> FunctionType:
+    """Write the Parameters section of a physics function from the vocabulary (ours).
+
+    Parameters
+    ----------
+    function : callable
+        Its arguments are names of the vocabulary.
+    """
+    lines = ["Parameters", "----------"]
+    for name in inspect.signature(function).parameters:
+        quantity = REGRESSOR_INPUTS[name]
+        lines += [f"{name} : number [{quantity.unit}]", f"    {quantity.meaning}."]
+    function.__doc__ = inspect.cleandoc(function.__doc__ or "") + "\n\n" + "\n".join(lines) + "\n"
+    return function
