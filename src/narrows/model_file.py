@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
+from narrows.files import write_whole
 from narrows.model import Envelope, Model, Source
 from narrows.particulars import load_toml, setting_from
-from narrows.terms import TABLES, TermTable
+from narrows.terms import TermTable, table_named
 
 PARTS = ("ship", "canal", "water")
 REQUIRED = (*PARTS, "terms", "coefficients")
@@ -34,11 +35,7 @@ def save_model(model: Model, path: str | Path) -> None:
     """
     import tomli_w
 
-    text = tomli_w.dumps(_as_tables(model))
-    try:
-        Path(path).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); check the folder") from None
+    write_whole(path, tomli_w.dumps(_as_tables(model)))
 
 
 def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
@@ -117,7 +114,7 @@ def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
     for name in REQUIRED:
         if name not in tables:
             raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
-    terms = terms or _table_named(tables["terms"].get("table", ""))
+    terms = terms or _known_table(tables["terms"].get("table", ""))
     return Model(
         setting=setting_from({part: tables[part] for part in PARTS}, "its setting"),
         terms=terms,
@@ -128,11 +125,11 @@ def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
     )
 
 
-def _table_named(name: str) -> TermTable:
-    if name not in TABLES:
-        hint = did_you_mean(name, TABLES)
-        raise InputError(f"unknown table of terms {name!r}{hint}; give your own as load_model(path, terms=...)")
-    return TABLES[name]
+def _known_table(name: str) -> TermTable:
+    try:
+        return table_named(name)
+    except InputError as error:
+        raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
 
 
 def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
@@ -146,7 +143,8 @@ def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray 
 
 
 def _of(cls: type, values: dict[str, Any]) -> Any:
+    known = cls.__annotations__
     for name in values:
-        if name not in cls.__annotations__:
-            raise InputError(f"[{cls.__name__.lower()}] unknown key {name!r}{did_you_mean(name, cls.__annotations__)}")
+        if name not in known:
+            raise InputError(f"[{cls.__name__.lower()}] unknown key {name!r}{did_you_mean(name, known)}")
     return cls(**values)

@@ -63,7 +63,7 @@ class Ship:
     def __post_init__(self) -> None:
         _check_positive(self, ("length", "beam", "draft", "block_coefficient", "mass", "inertia"))
         if self.block_coefficient > 1:
-            raise InputError(f"[ship] block_coefficient = {self.block_coefficient} is over 1; give a fraction")
+            raise InputError(f"[ship] block_coefficient = {self.block_coefficient} is over 1; it is a fraction")
 
 
 @dataclass(frozen=True)

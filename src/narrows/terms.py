@@ -1,4 +1,4 @@
-"""The model as one table of terms: columns, constraints, ties, players, dimensions and equations come from it."""
+"""The model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
@@ -196,3 +196,21 @@ TAPERED = PAPER.with_terms(
 
 TABLES = {table.name: table for table in (PAPER, TAPERED)}
 """The tables that a model file may name."""
+
+
+def table_named(name: str) -> TermTable:
+    """Return a table of terms that comes with the package.
+
+    Parameters
+    ----------
+    name : str
+        ``paper`` or ``tapered``.
+
+    Raises
+    ------
+    InputError
+        Where there is no such table.
+    """
+    if name not in TABLES:
+        raise InputError(f"unknown table of terms {name!r}{did_you_mean(name, TABLES)}")
+    return TABLES[name]

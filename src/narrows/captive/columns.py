@@ -24,7 +24,22 @@ SPELLINGS = {
     "1": "dimensionless", "°": "deg", "Nm": "N*m", "N m": "N*m", "kNm": "kN*m", "Nmm": "N*mm", "kn": "knot",
     "mps": "m/s", "mps2": "m/s^2", "degps": "deg/s", "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2",
 }  # fmt: skip
-SUFFIXES = ("m", "mm", "deg", "rad", "mps", "mps2", "degps", "degps2", "radps", "radps2", "s", "N", "kN", "Nm")
+SUFFIXES = (
+    "m",
+    "mm",
+    "deg",
+    "rad",
+    "mps",
+    "mps2",
+    "degps",
+    "degps2",
+    "radps",
+    "radps2",
+    "s",
+    "N",
+    "kN",
+    "Nm",
+)
 
 
 class Column(NamedTuple):
@@ -78,7 +93,13 @@ def _scale(header: str, unit: str, si: str) -> float:
         return float((1 * parsed).to(target.units).magnitude)
     except pint.DimensionalityError:
         raise InputError(f"column {header!r}: {unit} is not a unit of this quantity; give it in {si}") from None
-    except (pint.UndefinedUnitError, pint.errors.DefinitionSyntaxError, ValueError, TypeError, AssertionError):
+    except (
+        pint.UndefinedUnitError,
+        pint.errors.DefinitionSyntaxError,
+        ValueError,
+        TypeError,
+        AssertionError,
+    ):
         raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]") from None
 
 
@@ -88,7 +109,7 @@ def _powers(unit: str) -> str:
 
 
 @cache
-def _registry():  # type: ignore[no-untyped-def]  # noqa: ANN202
+def _registry():  # type: ignore[no-untyped-def]
     import pint
 
     return pint.UnitRegistry()

@@ -1,4 +1,4 @@
-"""Files to data frames: CSV, Parquet and MATLAB, whole or in chunks."""
+"""Files to data frames: CSV, Parquet, MATLAB and raw tab-separated records, whole or in chunks."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,7 +8,7 @@ import pandas as pd
 
 from narrows.errors import InputError
 
-READABLE = (".csv", ".parquet", ".mat")
+READABLE = (".csv", ".parquet", ".mat", ".dat")
 
 
 def read_frame(path: Path) -> pd.DataFrame:
@@ -17,16 +17,17 @@ def read_frame(path: Path) -> pd.DataFrame:
     Parameters
     ----------
     path : Path
-        CSV, Parquet or MATLAB by its suffix.
+        CSV, Parquet, MATLAB or a raw record by its suffix.
 
     Raises
     ------
     InputError
         Where the file is absent, empty, damaged or of another kind.
     """
-    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
+    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat, ".dat": _read_dat}
     reader: Any = readers[_suffix(path, READABLE)]
-    return _guarded(path, lambda: reader(path))
+    frame: pd.DataFrame = _guarded(path, lambda: reader(path))
+    return frame
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
@@ -83,3 +84,12 @@ def _read_mat(path: Path) -> pd.DataFrame:
     if len(loaded) == 1 and isinstance(struct := next(iter(loaded.values())), dict):
         loaded = struct
     return pd.DataFrame(loaded)
+
+
+def _read_dat(path: Path) -> pd.DataFrame:
+    """Tab separated, latin-1, a line of names over a line of units."""
+    with path.open(encoding="latin-1") as file:
+        names, units = (file.readline().rstrip("\n").split("\t") for _ in range(2))
+    frame = pd.read_csv(path, sep="\t", encoding="latin-1", header=None, skiprows=2)
+    headers = [f"{name.strip()} [{unit.strip()}]" for name, unit in zip(names, units, strict=True) if name.strip()]
+    return frame.iloc[:, : len(headers)].set_axis(headers, axis="columns")

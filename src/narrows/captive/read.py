@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.captive import check, fhr
-from narrows.captive.columns import Column, parse_header
+from narrows.captive import check, layouts
+from narrows.captive.columns import parse_header
 from narrows.captive.frames import read_frame
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
@@ -83,7 +83,7 @@ def prepared(frame: pd.DataFrame, where: str | None, place: str) -> tuple[pd.Dat
     """
     if where:
         frame = _selected(frame, where, place)
-    return fhr.translated(frame, chosen=where or "") if fhr.recognises(frame) else (frame, ())
+    return layouts.translated(frame, where or "")
 
 
 def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str) -> Rows:
@@ -189,5 +189,3 @@ def _selected(frame: pd.DataFrame, where: str, place: str) -> pd.DataFrame:
 def _sha256(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-

@@ -123,7 +123,7 @@ class CaptiveTests:
         kept = np.flatnonzero(np.asarray(keep, dtype=bool))
         if not kept.size:
             raise InputError("no test is left after the selection; widen it")
-        parts = [self._rows_of(i) for i in kept]
+        parts = [self._rows_of(int(i)) for i in kept]
         lengths = np.diff(self.starts)[kept]
         return replace(
             self,
@@ -138,9 +138,7 @@ class CaptiveTests:
         labels = dict.fromkeys(self.conditions or ("",))
         if len(labels) <= 1:
             return {next(iter(labels)): self._with_own_depth()}
-        return {
-            label: self.where([own == label for own in self.conditions])._with_own_depth() for label in labels
-        }
+        return {label: self.where([own == label for own in self.conditions])._with_own_depth() for label in labels}
 
     def _with_own_depth(self) -> "CaptiveTests":
         depth = self.columns.get("depth")

@@ -76,7 +76,12 @@ class Fit:
     def model(self) -> Model:
         """The fit as a model, ready to save or to simulate."""
         return Model(
-            self.tests.setting, self.terms, self.coefficients, self.covariance, self.envelope, self.tests.source
+            self.tests.setting,
+            self.terms,
+            self.coefficients,
+            self.covariance,
+            self.envelope,
+            self.tests.source,
         )
 
     @cached_property
@@ -90,7 +95,7 @@ class Fit:
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 % confidence interval of each coefficient, cut at its bounds."""
+        """95 % confidence interval of each coefficient, cut at its bounds; the bounds where it is not identifiable."""
         reach = interval_factor(len(self.clusters.labels))
         return {term.name: self._interval(term.name, term.bound, reach) for term in self.terms.terms}
 
@@ -186,6 +191,8 @@ class Fit:
 
     def _interval(self, name: str, bound: tuple[float, float], reach: float) -> tuple[float, float]:
         value, half = self.coefficients[name], reach * self.std[name]
+        if not np.isfinite(half):
+            return bound
         return max(bound[0], value - half), min(bound[1], value + half)
 
     def _evidence(self, force: str, name: str) -> Evidence:
@@ -203,9 +210,7 @@ class Fit:
         )
 
 
-def identify(
-    tests: Tests, terms: TermTable = PAPER, weights: str = "paper", split: str = "test", seed: int = 0
-) -> Fit:
+def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", split: str = "test", seed: int = 0) -> Fit:
     """Fit a table of terms to captive tests: the paper's joint constrained problem, solved exactly.
 
     One pass over the rows leaves sums of products; the fit, its standard errors (cluster jackknife) and its

@@ -53,8 +53,11 @@ class Problem:
             place = np.array([self.slot[term.name] for term in terms])
             weight = self.weights[force] / self.scale[place]
             part = sums[..., columns[:, None], columns[None, :]]
-            np.add.at(h, (..., place[:, None], place[None, :]), part * weight[:, None] / self.scale[place])
-            np.add.at(g, (..., place), sums[..., columns, self.columns[force]] * weight)
+            # Two coefficients of one force may share a parameter, so add entry by entry.
+            for i, row in enumerate(place):
+                g[..., row] += sums[..., columns[i], self.columns[force]] * weight[i]
+                for j, column in enumerate(place):
+                    h[..., row, column] += part[..., i, j] * weight[i] / self.scale[column]
         return h, g
 
     def coefficients(self, z: np.ndarray) -> np.ndarray:

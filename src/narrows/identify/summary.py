@@ -45,8 +45,16 @@ def as_json(fit: "Fit") -> dict[str, Any]:
             {"speed": speed, "diagnostics": {force: _diagnosis(d) for force, d in found.items()}}
             for speed, found in fit.by_speed().items()
         ],
+        "by_test": {
+            test: {force: {name: finite(v) for name, v in d.vif.items()} for force, d in found.items()}
+            for test, found in fit.by_test().items()
+        },
         "shapley": {kind: fit.shapley(kind) for kind in KINDS},
-        "kkt": {"satisfied": fit.kkt.satisfied, "stationarity": fit.kkt.stationarity, "multiplier": fit.kkt.multiplier},
+        "kkt": {
+            "satisfied": fit.kkt.satisfied,
+            "stationarity": fit.kkt.stationarity,
+            "multiplier": fit.kkt.multiplier,
+        },
         "split": fit.split,
         "notes": [*fit.tests.notes, fit.clusters.sentence],
     }

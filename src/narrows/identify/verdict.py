@@ -140,8 +140,6 @@ def _one_speed(name: str, speeds: Mapping[float, Diagnosis]) -> str:
 def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
     """Name the coefficients of a direction without data; what is known is orthogonal to it."""
     involved = [
-        name
-        for name, part in zip(overall.names, direction, strict=True)
-        if abs(part) > 1e-3 * np.abs(direction).max()
+        name for name, part in zip(overall.names, direction, strict=True) if abs(part) > 1e-3 * np.abs(direction).max()
     ]
     return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"

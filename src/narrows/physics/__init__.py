@@ -1,1 +1,1 @@
-"""One phenomenon a file: functions of arithmetic and ``abs()`` alone, so that floats, columns and symbols all pass."""
+"""One phenomenon a file: functions of arithmetic and ``abs()``, so that floats, columns and symbols all pass."""

@@ -1,0 +1,31 @@
+from .captive import CaptiveTests as CaptiveTests
+from .captive import HarmonicRun as HarmonicRun
+from .captive import read_captive as read_captive
+from .captive import stream_captive as stream_captive
+from .captive import twin as twin
+from .dimension import Dimension as Dimension
+from .errors import InputError as InputError
+from .identify import Fit as Fit
+from .identify import identify as identify
+from .identify import identify_each as identify_each
+from .measured import measured_tests as measured_tests
+from .model import Envelope as Envelope
+from .model import Model as Model
+from .model import Source as Source
+from .model_file import load_model as load_model
+from .model_file import published as published
+from .model_file import save_model as save_model
+from .motion import Motion as Motion
+from .particulars import Canal as Canal
+from .particulars import Setting as Setting
+from .particulars import Ship as Ship
+from .particulars import Water as Water
+from .particulars import read_ship as read_ship
+from .terms import FREE as FREE
+from .terms import NONNEGATIVE as NONNEGATIVE
+from .terms import PAPER as PAPER
+from .terms import TAPERED as TAPERED
+from .terms import Term as Term
+from .terms import TermTable as TermTable
+
+__version__: str

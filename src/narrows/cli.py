@@ -1,0 +1,155 @@
+"""The command line: one thin command a verb. Exit code 0; 1 where it ran and says no; 2 for bad input."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from narrows.errors import InputError
+
+if TYPE_CHECKING:
+    from narrows.identify import Fit
+
+app = typer.Typer(
+    name="narrows",
+    help="From captive model tests to a closed-form bank-effect model that says how far it can be trusted.",
+    epilog="--debug, anywhere, shows the traceback of an error.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+)
+
+Table = Annotated[Path, typer.Argument(help="Captive tests: CSV, Parquet, .mat or .dat.", show_default=False)]
+ShipFile = Annotated[Path, typer.Option("--ship", help="Ship file: TOML with [ship], [canal], [water].")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+
+
+@app.callback()
+def verbs() -> None:
+    """Keep the verb in the command line even where there is one verb alone."""
+
+
+@app.command(epilog="Example: narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
+def identify(
+    table: Table,
+    ship: ShipFile,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Model file to write.")] = None,
+    report: Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.")] = None,
+    split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test",
+    seed: Annotated[int, typer.Option(help="Of the random split.")] = 0,
+    weights: Annotated[str, typer.Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper",
+    terms: Annotated[str, typer.Option(help="Table of terms: 'paper' or 'tapered'.")] = "paper",
+    where: Annotated[str | None, typer.Option(help="Rows to take, as in 'u > 0.3', on the table's headers.")] = None,
+    condition: Annotated[str | None, typer.Option(help="Take this condition of the table alone.")] = None,
+    stream: Annotated[bool, typer.Option(help="Read block by block: for tables larger than memory.")] = False,
+    json: AsJson = False,
+) -> None:
+    """Fit the coefficients to captive tests and say which of them can be trusted.
+
+    A table that holds several conditions (water depths) gives one model each.
+    """
+    from narrows.captive import read_captive, stream_captive
+    from narrows.identify.conditions import identify_each
+    from narrows.terms import table_named
+
+    chosen = table_named(terms)
+    if stream and report:
+        raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
+    tests = (stream_captive if stream else read_captive)(table, ship, chosen, where)
+    fits = identify_each(tests, condition, terms=chosen, weights=weights, split=split, seed=seed)
+    publish(fits, table.stem, output, report, json)
+
+
+@app.command(epilog="Example: narrows demo --out out")
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for the report and the models.")] = Path("out"),
+    json: AsJson = False,
+) -> None:
+    """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""
+    from narrows.identify.conditions import identify_each
+    from narrows.measured import measured_tests
+
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: cannot be made a folder ({error.strerror}); choose another") from None
+    fits = identify_each(measured_tests("kcs"))
+    publish(fits, "kcs", out / "kcs.toml", out / "report.html", json)
+
+
+def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Path | None, json: bool) -> None:
+    """Print fits, and write what was asked for (ours).
+
+    Parameters
+    ----------
+    fits : dict of str to Fit
+        By condition; the label is empty where there is one.
+    title : str
+        Of the report.
+    output : Path, optional
+        Model file; with several conditions each adds its label to the name.
+    report : Path, optional
+        HTML file.
+    json : bool
+        Print JSON.
+    """
+    from narrows.model_file import save_model
+
+    written = []
+    for label, fit in fits.items():
+        if output:
+            path = output.with_stem(f"{output.stem}-{label}") if len(fits) > 1 else output
+            save_model(fit.model, path)
+            written.append(path)
+    if report:
+        from narrows.report.page import write_report
+
+        write_report(fits, report, title)
+        written.append(report)
+    _show(fits, json)
+    if not json:
+        typer.echo("\n".join(f"wrote {path}" for path in written))
+    if not all(fit.kkt.satisfied for fit in fits.values()):
+        raise SystemExit(1)
+
+
+def _show(fits: dict[str, "Fit"], json: bool) -> None:
+    if json:
+        shown = {label: fit.summary() for label, fit in fits.items()}
+        _print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
+        return
+    from narrows.report.terminal import print_fit
+
+    for label, fit in fits.items():
+        print_fit(fit, label)
+
+
+def _print_json(value: object) -> None:
+    from json import dumps
+
+    typer.echo(dumps(value, indent=2, allow_nan=False))
+
+
+def main() -> NoReturn:
+    """Run the command line: bad input is one line on stderr and exit code 2."""
+    debug = "--debug" in sys.argv
+    arguments = [word for word in sys.argv[1:] if word != "--debug"]
+    try:
+        code = app(arguments, standalone_mode=False)
+    except InputError as error:
+        if debug:
+            raise
+        _leave(str(error), 2)
+    except KeyboardInterrupt:
+        _leave("interrupted", 130)
+    except Exception as error:
+        if debug or not hasattr(error, "format_message"):
+            raise
+        _leave(f"{error.format_message()} (see narrows --help)", 2)
+    raise SystemExit(code if isinstance(code, int) else 0)
+
+
+def _leave(sentence: str, code: int) -> NoReturn:
+    typer.echo(f"narrows: {sentence}", err=True)
+    raise SystemExit(code)
