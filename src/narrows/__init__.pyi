@@ -5,9 +5,9 @@ from .captive import stream_captive as stream_captive
 from .captive import twin as twin
 from .dimension import Dimension as Dimension
 from .errors import InputError as InputError
-from .identify import Fit as Fit
-from .identify import identify as identify
-from .identify import identify_each as identify_each
+from .identification import Fit as Fit
+from .identification import identify as identify
+from .identification import identify_each as identify_each
 from .measured import measured_tests as measured_tests
 from .model import Envelope as Envelope
 from .model import Model as Model

@@ -9,7 +9,7 @@ import typer
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.identify import Fit
+    from narrows.identification import Fit
 
 app = typer.Typer(
     name="narrows",
@@ -50,7 +50,7 @@ def identify(
     A table that holds several conditions (water depths) gives one model each.
     """
     from narrows.captive import read_captive, stream_captive
-    from narrows.identify.conditions import identify_each
+    from narrows.identification.conditions import identify_each
     from narrows.terms import table_named
 
     chosen = table_named(terms)
@@ -67,7 +67,7 @@ def demo(
     json: AsJson = False,
 ) -> None:
     """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""
-    from narrows.identify.conditions import identify_each
+    from narrows.identification.conditions import identify_each
     from narrows.measured import measured_tests
 
     try:

@@ -10,14 +10,14 @@ import numpy as np
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError
-from narrows.identify import diagnostics, shapley
-from narrows.identify.diagnostics import Diagnosis
-from narrows.identify.moments import Moments, accumulate, design_rows
-from narrows.identify.problem import Problem, reduced
-from narrows.identify.score import Score, left_out_coefficients, left_out_score, score
-from narrows.identify.solve import Kkt, solve
-from narrows.identify.uncertainty import Clusters, clustered, interval_factor, jackknife, pieces_for
-from narrows.identify.verdict import Evidence, Verdict, judge
+from narrows.identification import diagnostics, shapley
+from narrows.identification.diagnostics import Diagnosis
+from narrows.identification.moments import Moments, accumulate, design_rows
+from narrows.identification.problem import Problem, reduced
+from narrows.identification.score import Score, left_out_coefficients, left_out_score, score
+from narrows.identification.solve import Kkt, solve
+from narrows.identification.uncertainty import Clusters, clustered, interval_factor, jackknife, pieces_for
+from narrows.identification.verdict import Evidence, Verdict, judge
 from narrows.model import Envelope, Model
 from narrows.terms import PAPER, TermTable
 
@@ -139,7 +139,7 @@ class Fit:
 
     def summary(self) -> dict[str, Any]:
         """Everything as plain numbers and words: what ``identify --json`` prints."""
-        from narrows.identify.summary import as_json
+        from narrows.identification.summary import as_json
 
         return as_json(self)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identify.moments import Moments
+from narrows.identification.moments import Moments
 
 MIN_TESTS = 10
 """With fewer tests than this, stretches of each test are the clusters."""

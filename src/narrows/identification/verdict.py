@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identify.diagnostics import Diagnosis
+from narrows.identification.diagnostics import Diagnosis
 from narrows.terms import Term
 
 VIF_LIMIT = 10.0

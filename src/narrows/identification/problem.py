@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identify.moments import ONE, Moments
+from narrows.identification.moments import ONE, Moments
 from narrows.terms import TermTable
 
 WEIGHTS = ("paper", "variance")

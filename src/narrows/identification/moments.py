@@ -6,6 +6,7 @@ from these sums, so its cost after the pass, and its memory, do not grow with th
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,8 @@ from narrows.terms import TermTable
 from narrows.vocabulary import FORCES, Number
 
 ONE = "1"
-GEMM_ROWS = 3000
+STRIP_ROWS = 3000
+PARTS, PART_ROWS = 8, 12_000
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,7 @@ class Layout:
         self.forces = [force for force in FORCES if terms.forces[force]]
         for name in (*self.forces, ONE):
             self.columns[name] = len(self.regressors) + len(self.columns) - len(terms.terms)
+        self._buffer = np.empty((self.size, 0))
 
     @property
     def size(self) -> int:
@@ -120,14 +123,16 @@ class Layout:
         return len(self.regressors) + len(self.forces) + 1
 
     def design(self, block: Block) -> np.ndarray:
-        """Evaluate every column on a block of rows, (m, rows).
+        """Evaluate every column on a block of rows, (m, rows), into memory that the next block overwrites.
 
         Parameters
         ----------
         block : Block
             The rows.
         """
-        design = np.empty((self.size, block.rows))
+        design = self._buffer[:, : block.rows]
+        if design.shape[1] < block.rows:
+            design = self._buffer = np.empty((self.size, block.rows))
         for i, (regressor, inputs) in enumerate(self.regressors):
             design[i] = regressor(*[block.values[name] for name in inputs])
         for i, force in enumerate(self.forces, start=len(self.regressors)):
@@ -139,18 +144,27 @@ class Layout:
 def products(design: np.ndarray) -> np.ndarray:
     """Return ``design @ design.T``, (m, m), in strips that stay in the cache (ours).
 
-    A copy as the second factor makes BLAS take its general product, for a few columns and many rows twice as
-    fast as the symmetric one that it takes when both factors are the same memory.
+    Long designs are cut into a fixed number of parts for the cores to share and summed in order, so that the
+    result does not depend on how many cores there are.
 
     Parameters
     ----------
     design : array (m, rows)
         Columns, one a row.
     """
+    if design.shape[1] < PARTS * PART_ROWS:
+        return _products(design)
+    with ThreadPoolExecutor() as pool:
+        return np.sum(list(pool.map(_products, np.array_split(design, PARTS, axis=1))), axis=0)
+
+
+def _products(design: np.ndarray) -> np.ndarray:
+    # A copy as the second factor makes BLAS take its general product, which for a few columns and many rows is
+    # twice as fast as the symmetric one that it takes where both factors are the same memory.
     total = np.zeros((len(design), len(design)))
-    strip = np.empty((len(design), min(GEMM_ROWS, design.shape[1])))
-    for start in range(0, design.shape[1], GEMM_ROWS):
-        part = design[:, start : start + GEMM_ROWS]
+    strip = np.empty((len(design), min(STRIP_ROWS, design.shape[1])))
+    for start in range(0, design.shape[1], STRIP_ROWS):
+        part = design[:, start : start + STRIP_ROWS]
         copy = strip[:, : part.shape[1]]
         np.copyto(copy, part)
         total += np.dot(part, copy.T)
@@ -180,10 +194,11 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments
     envelope = Envelope()
     for block in tests.blocks(pieces):
         design = layout.design(block)
+        speed = np.broadcast_to(block.values.get("u", 0.0), block.rows)
         for test, piece, start, stop in block.spans:
             sums[test, piece] += products(design[:, start:stop])
-            way[test, piece] += float(np.sum(np.broadcast_to(block.values.get("u", 0.0), block.rows)[start:stop]))
-        envelope = _widened(envelope, block)
+            way[test, piece] += float(speed[start:stop].sum())
+        envelope = _joined(envelope, _covered(block))
     speeds = [way[key] / total[-1, -1] for key, total in sums.items()]
     stacked = np.stack(list(sums.values()))
     return Moments(layout.columns, stacked, tuple(test for test, _ in sums), np.array(speeds)), envelope
@@ -204,15 +219,15 @@ def design_rows(tests: Tests, terms: TermTable) -> Iterator[tuple[Layout, np.nda
         yield layout, layout.design(block)
 
 
-def _widened(envelope: Envelope, block: Block) -> Envelope:
+def _covered(block: Block) -> Envelope:
     values = block.values
     ratio = np.divide(values["depth"], values["draft"]) if "depth" in values else None
     return Envelope(
-        speed=_range(envelope.speed, values.get("u")),
-        abs_y=_range(envelope.abs_y, _size(values.get("y"))),
-        abs_psi=_range(envelope.abs_psi, _size(values.get("psi"))),
-        abs_r=_range(envelope.abs_r, _size(values.get("r"))),
-        depth_to_draft=_range(envelope.depth_to_draft, ratio),
+        speed=_range(values.get("u")),
+        abs_y=_range(_size(values.get("y"))),
+        abs_psi=_range(_size(values.get("psi"))),
+        abs_r=_range(_size(values.get("r"))),
+        depth_to_draft=_range(ratio),
     )
 
 
@@ -220,8 +235,13 @@ def _size(column: Number | None) -> Number | None:
     return None if column is None else np.abs(column)
 
 
-def _range(old: Range | None, column: Number | None) -> Range | None:
-    if column is None:
-        return old
-    low, high = float(np.min(column)), float(np.max(column))
-    return (low, high) if old is None else (min(old[0], low), max(old[1], high))
+def _range(column: Number | None) -> Range | None:
+    return None if column is None else (float(np.min(column)), float(np.max(column)))
+
+
+def _joined(one: Envelope, other: Envelope) -> Envelope:
+    ranges = {}
+    for name in Envelope.__annotations__:
+        known = [pair for pair in (getattr(one, name), getattr(other, name)) if pair is not None]
+        ranges[name] = (min(p[0] for p in known), max(p[1] for p in known)) if known else None
+    return Envelope(**ranges)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identify.moments import ONE, Moments
-from narrows.identify.solve import RANK_TOLERANCE
+from narrows.identification.moments import ONE, Moments
+from narrows.identification.solve import RANK_TOLERANCE
 from narrows.terms import Term, TermTable
 
 SPEED_GAP = 1.15

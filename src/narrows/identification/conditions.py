@@ -4,7 +4,7 @@ from typing import Any
 
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
-from narrows.identify.fit import Fit, identify
+from narrows.identification.fit import Fit, identify
 
 
 def identify_each(tests: Tests, condition: str | None = None, **options: Any) -> dict[str, Fit]:

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.identify.moments import ONE, Moments
-from narrows.identify.problem import Problem
-from narrows.identify.solve import solve
+from narrows.identification.moments import ONE, Moments
+from narrows.identification.problem import Problem
+from narrows.identification.solve import solve
 from narrows.terms import Term, TermTable
 
 

@@ -3,11 +3,11 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from narrows.identify.diagnostics import Diagnosis
-from narrows.identify.shapley import KINDS
+from narrows.identification.diagnostics import Diagnosis
+from narrows.identification.shapley import KINDS
 
 if TYPE_CHECKING:
-    from narrows.identify.fit import Fit
+    from narrows.identification.fit import Fit
 
 
 def finite(value: float) -> float | None:

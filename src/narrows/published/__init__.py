@@ -1,1 +1,0 @@
-"""Published models, one cited file each."""
