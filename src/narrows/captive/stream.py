@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +82,7 @@ class StreamedTests:
 def _spans(rows: Rows, pieces: int, seen: dict[str, int]) -> list[Span]:
     edges = np.flatnonzero(np.concatenate([[True], rows.test[1:] != rows.test[:-1], [True]]))
     spans = []
-    for start, stop in zip(edges, edges[1:], strict=False):
+    for start, stop in pairwise(edges):
         name = str(rows.test[start])
         spans.append(Span(name, seen.get(name, 0) % pieces, int(start), int(stop)))
         seen[name] = seen.get(name, 0) + 1

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -170,7 +171,7 @@ class CaptiveTests:
     def _cuts(self, pieces: int) -> Iterator[Span]:
         for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False):
             edges = np.unique(np.linspace(start, stop, pieces + 1).astype(int))
-            for piece, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
+            for piece, (a, b) in enumerate(pairwise(edges)):
                 yield Span(test, piece, int(a), int(b))
 
     def _rows_of(self, i: int) -> dict[str, np.ndarray]:

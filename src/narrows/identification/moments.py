@@ -155,7 +155,7 @@ def products(design: np.ndarray) -> np.ndarray:
     if design.shape[1] < PARTS * PART_ROWS:
         return _products(design)
     with ThreadPoolExecutor() as pool:
-        return np.sum(list(pool.map(_products, np.array_split(design, PARTS, axis=1))), axis=0)
+        return np.asarray(sum(pool.map(_products, np.array_split(design, PARTS, axis=1))))
 
 
 def _products(design: np.ndarray) -> np.ndarray:
