@@ -11,6 +11,20 @@ class InputError(ValueError):
     """
 
 
+def near_miss(word: str, known: Iterable[str]) -> str:
+    """Return ``'; did you mean X?'`` for a near miss, else nothing (ours).
+
+    Parameters
+    ----------
+    word : str
+        What the user wrote.
+    known : iterable of str
+        What would have been understood.
+    """
+    near = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return ``'; did you mean X?'`` for a near miss, else the list of what is known (ours).
 
@@ -22,5 +36,4 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
         What would have been understood.
     """
     known = sorted(known)
-    near = get_close_matches(word, known, n=1, cutoff=0.6)
-    return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"
+    return near_miss(word, known) or f"; known: {', '.join(known)}"

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive.columns import COLUMNS, Column
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, near_miss
 from narrows.particulars import Setting
 
 FIRST_ROW = 2
@@ -53,7 +53,7 @@ def check_present(columns: list[Column], headers: list[str], needed: list[str], 
     for name in needed:
         if name not in found:
             unit, meaning = COLUMNS[name]
-            hint = did_you_mean(name, [h for h in headers if h not in [c.header for c in columns]] or ["none"])
+            hint = near_miss(name, set(headers) - {column.header for column in columns})
             raise InputError(f"{place}: column {name!r} is missing ({meaning} [{unit}]); add it{hint}")
 
 

@@ -61,7 +61,7 @@ def read_captive(
     if not len(frame):
         raise InputError(f"{path}: no rows are left to read; give a test at least one row")
     rows = checked(frame, setting, terms, str(path))
-    return gathered(rows, setting, Source("captive tests", path.name, _sha256(path)), notes)
+    return gathered(rows, setting, Source("captive tests", path.name, sha256_of(path)), notes)
 
 
 def prepared(frame: pd.DataFrame, where: str | None, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -112,7 +112,8 @@ def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str)
     test = frame["test"].astype(str).to_numpy() if "test" in frame else np.full(len(frame), "all")
     by_name = {c.quantity: c for c in found}
     if "t" in columns:
-        check.check_time(frame, test, columns["t"], place)
+        order = _grouped(test)[0]
+        check.check_time(frame.iloc[order], test[order], columns["t"][order], place)
     if "psi" in columns:
         check.check_heading(frame, columns["psi"], by_name["psi"], place)
         check.check_rates(columns, test, by_name, place)
@@ -186,6 +187,13 @@ def _selected(frame: pd.DataFrame, where: str, place: str) -> pd.DataFrame:
         raise InputError(f"{place}: cannot select rows where {where!r} ({reason}); use the table's headers") from None
 
 
-def _sha256(path: Path) -> str:
+def sha256_of(path: Path) -> str:
+    """Return the hash of a file, read in pieces (ours).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

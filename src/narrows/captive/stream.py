@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from narrows.captive.frames import read_chunks
-from narrows.captive.read import Rows, checked, prepared
+from narrows.captive.read import Rows, checked, prepared, sha256_of
 from narrows.captive.tests import BLOCK_ROWS, Block, Span
 from narrows.errors import InputError
 from narrows.model import Source
@@ -119,4 +119,4 @@ def stream_captive(
     if not path.exists():
         raise InputError(f"{path}: there is no such file; check the path")
     setting = ship if isinstance(ship, Setting) else read_ship(ship)
-    return StreamedTests(path, setting, terms, where, Source("captive tests, streamed", path.name))
+    return StreamedTests(path, setting, terms, where, Source("captive tests", path.name, sha256_of(path)))
