@@ -21,6 +21,15 @@ from .particulars import Setting as Setting
 from .particulars import Ship as Ship
 from .particulars import Water as Water
 from .particulars import read_ship as read_ship
+from .simulation import Outcome as Outcome
+from .simulation import Voyage as Voyage
+from .simulation import bank_stiffness as bank_stiffness
+from .simulation import eigenvalues as eigenvalues
+from .simulation import ensemble as ensemble
+from .simulation import grounding_distance as grounding_distance
+from .simulation import grounding_probability as grounding_probability
+from .simulation import simulate as simulate
+from .simulation import stability as stability
 from .terms import FREE as FREE
 from .terms import NONNEGATIVE as NONNEGATIVE
 from .terms import PAPER as PAPER

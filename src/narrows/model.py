@@ -1,7 +1,9 @@
 """A model: a ship in a canal, a table of terms, their coefficients, and how far they can be trusted."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from numbers import Real
 
 import numpy as np
 
@@ -58,6 +60,10 @@ class Source:
     sha256: str = ""
 
 
+def _is_finite(value: object) -> bool:
+    return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+
+
 @dataclass(frozen=True)
 class Model:
     """A bank-effect model: what a fit gives and what simulation takes.
@@ -96,7 +102,7 @@ class Model:
             if name not in names:
                 hint = did_you_mean(name, names)
                 raise InputError(f"unknown coefficient {name!r}{hint}")
-            if not np.isfinite(value):
+            if not _is_finite(value):
                 raise InputError(f"coefficient {name} = {value} is not a finite number; give its value")
         for name in names:
             if name not in self.coefficients:

@@ -9,8 +9,8 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.files import write_whole
-from narrows.model import Envelope, Model, Source
-from narrows.particulars import load_toml, setting_from
+from narrows.model import Envelope, Model, Range, Source
+from narrows.particulars import check_table, load_toml, setting_from
 from narrows.terms import TermTable, table_named
 
 PARTS = ("ship", "canal", "water")
@@ -108,20 +108,21 @@ def _without_none(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
-    for name in tables:
+    for name, table in tables.items():
         if name not in REQUIRED + OPTIONAL:
             raise InputError(f"unknown section [{name}]{did_you_mean(name, REQUIRED + OPTIONAL)}")
+        check_table(name, table, "its tables")
     for name in REQUIRED:
         if name not in tables:
             raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
-    terms = terms or _known_table(tables["terms"].get("table", ""))
+    terms = terms or _known_table(str(tables["terms"].get("table", "")))
     return Model(
         setting=setting_from({part: tables[part] for part in PARTS}, "its setting"),
         terms=terms,
         coefficients=tables["coefficients"],
         covariance=_covariance(tables.get("covariance"), terms),
-        envelope=_of(Envelope, {k: tuple(v) for k, v in tables.get("envelope", {}).items()}),
-        source=_of(Source, tables.get("source", {})),
+        envelope=_of(Envelope, {name: _pair(name, pair) for name, pair in tables.get("envelope", {}).items()}),
+        source=_of(Source, {name: str(text) for name, text in tables.get("source", {}).items()}),
     )
 
 
@@ -135,11 +136,24 @@ def _known_table(name: str) -> TermTable:
 def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
     if section is None:
         return None
-    matrix, names = np.array(section.get("matrix", []), dtype=float), section.get("names", [])
-    if matrix.shape != (len(names), len(names)) or set(names) != set(terms.names):
-        raise InputError("[covariance] does not have one row and one column for each coefficient; mend it")
+    fault = InputError("[covariance] does not have one row and one column for each coefficient; mend it")
+    try:
+        names = list(section["names"])
+        matrix = np.array(section["matrix"], dtype=float)
+    except (KeyError, TypeError, ValueError):
+        raise fault from None
+    if matrix.shape != (len(names), len(names)) or sorted(names) != sorted(terms.names):
+        raise fault
     order = [names.index(name) for name in terms.names]
     return matrix[np.ix_(order, order)]
+
+
+def _pair(name: str, pair: Any) -> Range:
+    try:
+        low, high = (float(end) for end in pair)
+    except (TypeError, ValueError):
+        raise InputError(f"[envelope] {name} = {pair!r} is not a pair of numbers; give lowest and highest") from None
+    return low, high
 
 
 def _of(cls: type, values: dict[str, Any]) -> Any:

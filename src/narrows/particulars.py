@@ -12,14 +12,17 @@ from narrows.errors import InputError, did_you_mean
 
 def _check_positive(owner: object, names: tuple[str, ...]) -> None:
     for name in names:
-        value = getattr(owner, name)
+        place, value = f"[{type(owner).__name__.lower()}] {name}", getattr(owner, name)
         if value is None:
             continue
-        kind = type(owner).__name__.lower()
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"[{kind}] {name} = {value!r} is not a number; give it in SI units")
-        if not (math.isfinite(value) and value > 0):
-            raise InputError(f"[{kind}] {name} = {value} must be positive and finite, in SI units")
+        _check_number(place, value)
+        if value <= 0:
+            raise InputError(f"{place} = {value} must be positive, in SI units")
+
+
+def _check_number(place: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{place} = {value!r} is not a finite number; give it in SI units")
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,8 @@ class Ship:
 
     def __post_init__(self) -> None:
         _check_positive(self, ("length", "beam", "draft", "block_coefficient", "mass", "inertia"))
+        if self.x_g is not None:
+            _check_number("[ship] x_g", self.x_g)
         if self.block_coefficient > 1:
             raise InputError(f"[ship] block_coefficient = {self.block_coefficient} is over 1; it is a fraction")
 
@@ -143,8 +148,12 @@ class Setting:
                 f"[ship] beam = {self.ship.beam} m does not fit in [canal] width = {self.canal.width} m; "
                 "check both, in metres and at one scale"
             )
-        for name, depth in {"[canal] depth": self.canal.depth, **self.depths}.items():
-            if depth is not None and depth <= self.ship.draft:
+        named = {f"[depths] {label}": depth for label, depth in self.depths.items()}
+        for name, depth in {"[canal] depth": self.canal.depth, **named}.items():
+            if depth is None:
+                continue
+            _check_number(name, depth)
+            if depth <= self.ship.draft:
                 raise InputError(
                     f"{name} = {depth} m leaves no water under [ship] draft = {self.ship.draft} m; check both"
                 )
@@ -216,14 +225,36 @@ def setting_from(tables: Mapping[str, Any], place: str) -> Setting:
         Where a key is missing, unknown or out of range.
     """
     known = {*SECTIONS, "depths"}
-    for name in tables:
+    for name, table in tables.items():
         if name not in known:
             raise InputError(f"{place}: unknown section [{name}]{did_you_mean(name, known)}")
+        check_table(name, table, place)
     try:
         parts = {name: _section(cls, name, tables.get(name, {})) for name, cls in SECTIONS.items()}
         return Setting(**parts, depths=dict(tables.get("depths", {})))
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
+
+
+def check_table(name: str, table: object, place: str) -> None:
+    """Raise where what should be a section of a file is a bare value (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the section.
+    table : object
+        What stands there.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the section.
+    """
+    if not isinstance(table, Mapping):
+        raise InputError(f"{place}: {name} = {table!r} must be a section; write [{name}] and its keys under it")
 
 
 def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:

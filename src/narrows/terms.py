@@ -89,7 +89,7 @@ class TermTable:
     Raises
     ------
     InputError
-        Where two terms share a name or a tie names no term.
+        Where there are no terms, two share a name, one is called as a force is, or a tie names no term.
     """
 
     name: str
@@ -100,7 +100,11 @@ class TermTable:
 
     def __post_init__(self) -> None:
         names = self.names
+        if not names:
+            raise InputError(f"table {self.name}: it has no terms; give it one")
         for name in names:
+            if name in FORCES:
+                raise InputError(f"table {self.name}: {name!r} is a force; call the coefficient otherwise")
             if names.count(name) > 1:
                 raise InputError(f"table {self.name}: two terms are called {name!r}; rename one")
         for name in (name for tie in self.ties for name in tie):

@@ -1,6 +1,7 @@
 """What is wrong with a table, in one sentence that names file, row, column and remedy."""
 
 import math
+import re
 
 import numpy as np
 import pandas as pd
@@ -50,6 +51,11 @@ def check_present(columns: list[Column], headers: list[str], needed: list[str], 
         if found.count(name) > 1:
             both = [c.header for c in columns if c.quantity == name]
             raise InputError(f"{place}: columns {both[0]!r} and {both[1]!r} are both {name}; keep one")
+    for header in headers:
+        # Of two columns with one header, pandas calls the second `header.1`.
+        twin = re.sub(r"\.\d+$", "", header)
+        if twin != header and any(column.header == twin for column in columns):
+            raise InputError(f"{place}: columns {twin!r} and {header!r} are both {twin}; keep one")
     for name in needed:
         if name not in found:
             unit, meaning = COLUMNS[name]
@@ -81,6 +87,29 @@ def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
         row = row_number(frame, wrong)
         raise InputError(f"{place}: row {row}, column {header!r} holds {cell}, not a finite number; mend the cell")
     return values
+
+
+def labels(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
+    """Return a column of names as words, without blanks around them (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    header : str
+        The column.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        At the first empty cell.
+    """
+    empty = frame[header].isna().to_numpy()
+    if empty.any():
+        raise InputError(f"{place}: row {row_number(frame, empty)}, column {header!r} is empty; name the {header}")
+    return frame[header].astype(str).str.strip().to_numpy(dtype=object)
 
 
 def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, place: str) -> None:
@@ -206,8 +235,9 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: S
     reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(columns["sin_psi"]) + ship.beam / 2 * columns["cos_psi"]
     touching = reach >= np.asarray(width) / 2
     if touching.any():
-        row, y = row_number(frame, touching), columns["y"][int(np.argmax(touching))]
+        row, first = row_number(frame, touching), int(np.argmax(touching))
+        y, own = columns["y"][first], float(np.broadcast_to(width, touching.shape)[first])
         raise InputError(
             f"{place}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
-            f"{setting.canal.width:g} m wide; check y, psi and the ship file"
+            f"{own:g} m wide; check y, psi and the ship file"
         )

@@ -43,7 +43,19 @@ SUFFIXES = (
 
 
 class Column(NamedTuple):
-    """A column of the user's table: its header, its quantity, and how many SI units one of it is."""
+    """A column of the user's table.
+
+    Parameters
+    ----------
+    header : str
+        As in the table.
+    quantity : str
+        Of the vocabulary.
+    scale : float [1]
+        How many SI units one of it is.
+    stated : bool
+        Whether the header carries a unit.
+    """
 
     header: str
     quantity: str
@@ -93,13 +105,7 @@ def _scale(header: str, unit: str, si: str) -> float:
         return float((1 * parsed).to(target.units).magnitude)
     except pint.DimensionalityError:
         raise InputError(f"column {header!r}: {unit} is not a unit of this quantity; give it in {si}") from None
-    except (
-        pint.UndefinedUnitError,
-        pint.errors.DefinitionSyntaxError,
-        ValueError,
-        TypeError,
-        AssertionError,
-    ):
+    except Exception:  # The units library raises nearly anything on what is no unit.
         raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]") from None
 
 

@@ -7,10 +7,15 @@ low-passed positions; forces stay as measured.
 import numpy as np
 import pandas as pd
 
+from narrows.captive import check
 from narrows.captive.smooth import rates
+from narrows.errors import InputError
 
 CUTOFF = 0.5
 """Of the low-pass [Hz]: ramps last seconds, the tank's carriage shakes above one hertz (ours)."""
+
+
+HEADERS = ("time [s]", "x0 [m]", "y0 [m]", "psi [°]", "heave [mm]", "X [N]", "Y [N]", "N [Nm]")
 
 
 def recognises(frame: pd.DataFrame) -> bool:
@@ -21,10 +26,10 @@ def recognises(frame: pd.DataFrame) -> bool:
     frame : DataFrame
         As read.
     """
-    return {"time [s]", "x0 [m]", "y0 [m]"} <= set(frame.columns)
+    return set(HEADERS) <= set(frame.columns)
 
 
-def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring the layout to the documented headers (ours).
 
     Parameters
@@ -33,16 +38,24 @@ def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tup
         As read.
     chosen : str
         The user's selection of rows, already applied.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Where a cell is no number, or the record is short or unevenly spaced.
     """
-    t = frame["time [s]"].to_numpy(dtype=float)
-    psi = np.unwrap(np.radians(frame["psi [°]"].to_numpy(dtype=float)))
-    north, ahead = rates(t, frame["x0 [m]"].to_numpy(dtype=float), CUTOFF)
-    east, aside = rates(t, frame["y0 [m]"].to_numpy(dtype=float), CUTOFF)
-    r, rdot = rates(t, psi, CUTOFF)
+    t, x, y, degrees = (check.numbers(frame, header, place) for header in HEADERS[:4])
+    psi = np.unwrap(np.radians(degrees))
+    try:
+        (north, ahead), (east, aside), (r, rdot) = (rates(t, position, CUTOFF) for position in (x, y, psi))
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
     c, s = np.cos(psi), np.sin(psi)
     u, v = north * c + east * s, east * c - north * s
     translation = {
-        "t": t, "x": frame["x0 [m]"], "y": frame["y0 [m]"], "psi": psi, "u": u, "v": v, "r": r,
+        "t": t, "x": x, "y": y, "psi": psi, "u": u, "v": v, "r": r,
         "udot": ahead * c + aside * s + v * r, "vdot": aside * c - ahead * s - u * r, "rdot": rdot,
         "heave [mm]": frame["heave [mm]"], "X": frame["X [N]"], "Y": frame["Y [N]"], "N": frame["N [Nm]"],
     }  # fmt: skip

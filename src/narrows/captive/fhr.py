@@ -4,7 +4,10 @@ Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row a phase of a 
 ``env`` the environment (a water depth), ``rud_given_deg`` the rudder angle. Sinkage stands for heave.
 """
 
+import numpy as np
 import pandas as pd
+
+from narrows.captive import check
 
 HARMONIC = ("PMMY2", "PMMPSI2")
 """Harmonic sway and harmonic yaw: the tests that the paper's terms can explain."""
@@ -23,7 +26,7 @@ def recognises(frame: pd.DataFrame) -> bool:
     return {"env", "type", "psi_deg", "rud_given_deg"} <= set(frame.columns)
 
 
-def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring the layout to the documented headers (ours).
 
     Unless the user's selection speaks of the type of test or of the rudder, harmonic tests with the rudder
@@ -35,9 +38,11 @@ def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tup
         As read.
     chosen : str
         The user's selection of rows, already applied.
+    place : str
+        The file.
     """
     frame = frame.rename(columns=RENAMED)
     if "type" in chosen or "rud_given_deg" in chosen:
         return frame, ()
-    kept = frame[frame["type"].isin(HARMONIC) & (frame["rud_given_deg"].abs() < 1)]
+    kept = frame[frame["type"].isin(HARMONIC) & (np.abs(check.numbers(frame, "rud_given_deg", place)) < 1)]
     return kept, (f"{len(kept)} of {len(frame)} rows read: harmonic sway and yaw with the rudder amidships",)

@@ -24,7 +24,7 @@ def read_frame(path: Path) -> pd.DataFrame:
     InputError
         Where the file is absent, empty, damaged or of another kind.
     """
-    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat, ".dat": _read_dat}
+    readers = {".csv": _read_csv, ".parquet": _read_parquet, ".mat": _read_mat, ".dat": _read_dat}
     reader: Any = readers[_suffix(path, READABLE)]
     frame: pd.DataFrame = _guarded(path, lambda: reader(path))
     return frame
@@ -45,17 +45,27 @@ def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     InputError
         Where the file is absent, empty, damaged or of another kind.
     """
-    if _suffix(path, READABLE[:2]) == ".csv":
-        yield from _guarded(path, lambda: pd.read_csv(path, chunksize=rows))
-        return
+    suffix = _suffix(path, READABLE[:2])
+    chunks = (_csv_chunks if suffix == ".csv" else _parquet_chunks)(path, rows)
+    while (chunk := _guarded(path, lambda: next(chunks, None))) is not None:
+        yield chunk
+
+
+def _csv_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
+    with pd.read_csv(path, chunksize=rows, low_memory=False) as chunks:
+        yield from chunks
+
+
+def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     import pyarrow.parquet as parquet
 
     first = 0
-    for batch in _guarded(path, lambda: parquet.ParquetFile(path)).iter_batches(batch_size=rows):
-        frame = batch.to_pandas()
-        frame.index = range(first, first + len(frame))
-        first += len(frame)
-        yield frame
+    with parquet.ParquetFile(path) as file:
+        for batch in file.iter_batches(batch_size=rows):
+            frame = batch.to_pandas(ignore_metadata=True)
+            frame.index = range(first, first + len(frame))
+            first += len(frame)
+            yield frame
 
 
 def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
@@ -73,14 +83,32 @@ def _guarded(path: Path, read: Any) -> Any:
     except pd.errors.EmptyDataError:
         raise InputError(f"{path}: the table is empty; give a header and rows") from None
     except (OSError, ValueError, NotImplementedError, TypeError) as error:
-        reason = str(error).splitlines()[0]
+        reason = str(error).partition("\n")[0] or type(error).__name__
         raise InputError(f"{path}: is not a readable {path.suffix[1:]} table ({reason}); export it again") from None
+
+
+def _read_csv(path: Path) -> pd.DataFrame:
+    return pd.read_csv(path, low_memory=False)
+
+
+def _read_parquet(path: Path) -> pd.DataFrame:
+    """A column that pandas saved as its index is a column like any other."""
+    import pyarrow.parquet as parquet
+
+    frame: pd.DataFrame = parquet.read_table(path).to_pandas(ignore_metadata=True)
+    return frame
 
 
 def _read_mat(path: Path) -> pd.DataFrame:
     from scipy.io import loadmat
 
-    loaded = {k: v for k, v in loadmat(path, simplify_cells=True).items() if not k.startswith("__")}
+    try:
+        variables = loadmat(path, simplify_cells=True)
+    except (OSError, NotImplementedError):
+        raise
+    except Exception as error:  # A damaged file raises nearly anything there.
+        raise ValueError(str(error)) from None
+    loaded = {k: v for k, v in variables.items() if not k.startswith("__")}
     if len(loaded) == 1 and isinstance(struct := next(iter(loaded.values())), dict):
         loaded = struct
     return pd.DataFrame(loaded)
@@ -92,4 +120,5 @@ def _read_dat(path: Path) -> pd.DataFrame:
         names, units = (file.readline().rstrip("\n").split("\t") for _ in range(2))
     frame = pd.read_csv(path, sep="\t", encoding="latin-1", header=None, skiprows=2)
     headers = [f"{name.strip()} [{unit.strip()}]" for name, unit in zip(names, units, strict=True) if name.strip()]
+    frame.index += 1  # Two lines stand above the rows.
     return frame.iloc[:, : len(headers)].set_axis(headers, axis="columns")

@@ -7,8 +7,10 @@ canal's width stays the tank's.
 import numpy as np
 import pandas as pd
 
+from narrows.captive import check
+
 RENAMED = {
-    "short name": "test", "draught": "draft [m]", "water depth": "depth [m]",
+    "short name test": "test", "draught": "draft [m]", "water depth": "depth [m]",
     "forward component of speed vector": "u [m/s]", "transversal component of speed vector": "v [m/s]",
     "lateral position": "y [m]", "psi": "psi [deg]",
     "longitudinal force": "X [N]", "transversal force": "Y [N]", "yaw moment": "N [Nm]",
@@ -24,10 +26,10 @@ def recognises(frame: pd.DataFrame) -> bool:
     frame : DataFrame
         As read.
     """
-    return {"lateral position", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
+    return {"lateral position", "psi", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
 
 
-def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring the layout to the documented headers (ours).
 
     Parameters
@@ -36,9 +38,12 @@ def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tup
         As read.
     chosen : str
         The user's selection of rows, already applied.
+    place : str
+        The file.
     """
-    ahead = frame[frame["psi"].abs() < 90].rename(columns=RENAMED)
-    ahead["heave [mm]"] = (ahead["sinkage fore"] + ahead["sinkage aft"]) / 2
+    ahead = frame[np.abs(check.numbers(frame, "psi", place)) < 90].rename(columns=RENAMED)
+    fore, aft = (check.numbers(ahead, f"sinkage {end}", place) for end in ("fore", "aft"))
+    ahead["heave [mm]"] = (fore + aft) / 2
     ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
     ahead["condition"] = "banks"
     left = len(frame) - len(ahead)

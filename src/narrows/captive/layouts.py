@@ -13,14 +13,14 @@ class Layout(Protocol):
     def recognises(self, frame: pd.DataFrame) -> bool:
         """Say whether a frame has this layout."""
 
-    def translated(self, frame: pd.DataFrame, chosen: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    def translated(self, frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
         """Bring the layout to the documented headers."""
 
 
 LAYOUTS: tuple[Layout, ...] = (fhr, lataire, dtc)
 
 
-def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring a frame of a known layout to the documented headers, with what there is to say of it (ours).
 
     Parameters
@@ -29,8 +29,10 @@ def translated(frame: pd.DataFrame, chosen: str = "") -> tuple[pd.DataFrame, tup
         As read.
     chosen : str
         The user's selection of rows, already applied.
+    place : str
+        The file.
     """
     for layout in LAYOUTS:
         if layout.recognises(frame):
-            return layout.translated(frame, chosen)
+            return layout.translated(frame, chosen, place)
     return frame, ()

@@ -2,13 +2,13 @@
 
 import hashlib
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from narrows.captive import check, layouts
-from narrows.captive.columns import parse_header
+from narrows.captive.columns import Column, parse_header
 from narrows.captive.frames import read_frame
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
@@ -83,7 +83,7 @@ def prepared(frame: pd.DataFrame, where: str | None, place: str) -> tuple[pd.Dat
     """
     if where:
         frame = _selected(frame, where, place)
-    return layouts.translated(frame, where or "")
+    return layouts.translated(frame, where or "", place)
 
 
 def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str) -> Rows:
@@ -105,11 +105,11 @@ def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str)
     InputError
         At the first thing that is wrong.
     """
-    found = [column for header in frame.columns if (column := parse_header(str(header)))]
+    found = _recognised(frame, place)
     needed, assumed = _needed(terms, {c.quantity for c in found})
     check.check_present(found, [str(h) for h in frame.columns], needed, place)
     columns = {c.quantity: check.numbers(frame, c.header, place) * c.scale for c in found}
-    test = frame["test"].astype(str).to_numpy() if "test" in frame else np.full(len(frame), "all")
+    test = tests_of(frame, place)
     by_name = {c.quantity: c for c in found}
     if "t" in columns:
         order = _grouped(test)[0]
@@ -119,10 +119,11 @@ def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str)
         check.check_rates(columns, test, by_name, place)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
     columns |= {name: np.zeros(len(frame)) for name in assumed}
-    condition = _conditions(frame, columns, setting)
+    condition = _conditions(frame, columns, setting, place)
     check.check_inside(frame, columns, setting, place)
-    notes = tuple(f"column {name!r} is absent: taken as 0" for name in assumed)
-    return Rows(columns, test, condition, notes)
+    notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
+    notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
+    return Rows(columns, test, condition, tuple(notes))
 
 
 def gathered(rows: Rows, setting: Setting, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
@@ -151,6 +152,26 @@ def gathered(rows: Rows, setting: Setting, source: Source, notes: tuple[str, ...
     )
 
 
+def tests_of(frame: pd.DataFrame, place: str) -> np.ndarray:
+    """Return the name of each row's test (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        In the documented headers.
+    place : str
+        The file.
+    """
+    return check.labels(frame, "test", place) if "test" in frame else np.full(len(frame), "all", dtype=object)
+
+
+def _recognised(frame: pd.DataFrame, place: str) -> list[Column]:
+    try:
+        return [column for header in frame.columns if (column := parse_header(str(header)))]
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
+
+
 def _needed(terms: TermTable, found: set[str]) -> tuple[list[str], list[str]]:
     """Columns that the terms need, and those of them that may be taken as zero."""
     motion = [name for name in terms.inputs if name in MOTION]
@@ -160,16 +181,16 @@ def _needed(terms: TermTable, found: set[str]) -> tuple[list[str], list[str]]:
     return [name for name in [*needed, *forces] if name not in assumed], assumed
 
 
-def _conditions(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: Setting) -> np.ndarray:
+def _conditions(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: Setting, place: str) -> np.ndarray:
     """Each row's condition; a condition that the ship file gives a depth gets it as a column."""
     if "condition" in frame:
-        condition = frame["condition"].astype(str).to_numpy()
+        condition = check.labels(frame, "condition", place)
         if "depth" not in columns and setting.depths and set(condition) <= setting.depths.keys():
             columns["depth"] = np.array([setting.depths[name] for name in condition], dtype=float)
         return condition
     if "depth" in columns and np.ptp(columns["depth"]) > 0:
         return np.array([f"h{depth:.4g}" for depth in columns["depth"]])
-    return np.empty(0, dtype=str)
+    return np.empty(0, dtype=object)
 
 
 def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
@@ -181,10 +202,14 @@ def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]
 
 def _selected(frame: pd.DataFrame, where: str, place: str) -> pd.DataFrame:
     try:
-        return frame.query(where, engine="python")
+        chosen: Any = frame.eval(where, engine="python")
+        if not pd.api.types.is_bool_dtype(chosen):
+            raise TypeError("it is neither true nor false")
+        selected: pd.DataFrame = frame[chosen]
     except Exception as error:
         reason = str(error).splitlines()[0]
         raise InputError(f"{place}: cannot select rows where {where!r} ({reason}); use the table's headers") from None
+    return selected
 
 
 def sha256_of(path: Path) -> str:

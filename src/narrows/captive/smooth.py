@@ -4,6 +4,9 @@ import numpy as np
 
 from narrows.errors import InputError
 
+SHORTEST = 20
+"""Rows that the filter needs to run in and out."""
+
 
 def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
     """Low-pass a record without delay: a Butterworth filter of fourth order, run forth and back (ours).
@@ -20,12 +23,14 @@ def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
     Raises
     ------
     InputError
-        Where the time is not evenly spaced or the cutoff is beyond half the sampling rate.
+        Where the record is short, its time is not evenly spaced or the cutoff is beyond half the sampling rate.
     """
     from scipy.signal import butter, sosfiltfilt
 
+    if len(t) < SHORTEST:
+        raise InputError(f"{len(t)} rows are too few to low-pass; give a record of {SHORTEST} or more")
     step = np.diff(t)
-    if np.ptp(step) > 0.01 * step.mean():
+    if step.min() <= 0 or np.ptp(step) > 0.01 * step.mean():
         raise InputError(f"time steps vary from {step.min():g} to {step.max():g} s; resample the record evenly")
     rate = 1 / step.mean()
     if cutoff >= rate / 2:
@@ -44,6 +49,11 @@ def rates(t: np.ndarray, position: np.ndarray, cutoff: float) -> tuple[np.ndarra
         The record.
     cutoff : float [Hz]
         Of the low-pass.
+
+    Returns
+    -------
+    array, array
+        [m/s] and [m/s2], or [rad/s] and [rad/s2].
     """
     velocity = np.gradient(low_passed(t, position, cutoff), t)
     return velocity, np.gradient(velocity, t)

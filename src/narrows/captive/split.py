@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.captive.tests import Block, Span, Tests
+from narrows.errors import InputError
 from narrows.model import Source
 from narrows.particulars import Setting
 
@@ -63,7 +64,8 @@ class SomeRows:
         draw = np.random.default_rng(self.seed)
         for block in self.tests.blocks(pieces):
             keep = (draw.random(block.rows) < self.fraction) == self.drawn
-            yield _filtered(block, keep)
+            if keep.any():
+                yield _filtered(block, keep)
 
 
 def _filtered(block: Block, keep: np.ndarray) -> Block:
@@ -87,5 +89,14 @@ def random_split(tests: Tests, fraction: float = 0.8, seed: int = 0) -> tuple[So
         To fit.
     seed : int
         Of the draw.
+
+    Raises
+    ------
+    InputError
+        Where the fraction is not between 0 and 1, or the seed is negative.
     """
+    if not 0 < fraction < 1:
+        raise InputError(f"fraction {fraction} is not between 0 and 1; give the share of the rows to fit")
+    if seed < 0:
+        raise InputError(f"seed {seed} is negative; give 0 or more")
     return SomeRows(tests, fraction, seed, True), SomeRows(tests, fraction, seed, False)

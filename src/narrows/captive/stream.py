@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
+from narrows.captive import tests
 from narrows.captive.frames import read_chunks
-from narrows.captive.read import Rows, checked, prepared, sha256_of
-from narrows.captive.tests import BLOCK_ROWS, Block, Span
+from narrows.captive.read import Rows, checked, prepared, sha256_of, tests_of
+from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError
 from narrows.model import Source
 from narrows.particulars import Setting, read_ship
@@ -32,6 +35,8 @@ class StreamedTests:
         Which rows to take.
     source : Source
         Where the rows come from.
+    notes : tuple of str
+        What the reader has to say.
     """
 
     path: Path
@@ -40,33 +45,66 @@ class StreamedTests:
     where: str | None = None
     source: Source = field(default_factory=Source)
     notes: tuple[str, ...] = ("rows streamed from disk",)
-    names: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The tests."""
+        return tuple(self.lengths)
+
+    @cached_property
+    def lengths(self) -> dict[str, int]:
+        """Rows of each test, by a first pass over their names; each must stand in one stretch of the file."""
+        lengths: dict[str, int] = {}
+        last = None
+        for frame in self._frames():
+            for name, start, stop in _stretches(tests_of(frame, str(self.path))):
+                if name in lengths and name != last:
+                    raise InputError(f"{self.path}: the rows of test {name} do not stand together; sort it by test")
+                lengths[name] = lengths.get(name, 0) + stop - start
+                last = name
+        if not lengths:
+            raise InputError(f"{self.path}: no rows are left to read; give a test at least one row")
+        return lengths
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
-        """Yield every row once, in blocks; each test must stand in one stretch of the file.
+        """Yield every row once, in blocks.
 
         Parameters
         ----------
         pieces : int
-            Into how many groups of rows each test is cut, in turn.
+            Into how many consecutive stretches each test is cut.
 
         Raises
         ------
         InputError
             At the first thing that is wrong, or where the rows are of more than one condition.
         """
-        seen: dict[str, int] = {}
+        done = dict.fromkeys(self.names, 0)
         last: tuple[str, float] = ("", -np.inf)
         conditions: set[str] = set()
-        for chunk in read_chunks(self.path, BLOCK_ROWS):
-            frame, _ = prepared(chunk, self.where, str(self.path))
-            if not len(frame):
-                continue
+        for frame in self._frames():
             rows = checked(frame, self.setting, self.terms, str(self.path))
             conditions |= set(rows.condition)
             self._check_continued(rows, last, conditions)
             last = (str(rows.test[-1]), float(rows.columns["t"][-1]) if "t" in rows.columns else -np.inf)
-            yield Block({**self.setting.values(), **rows.columns}, len(frame), _spans(rows, pieces, seen))
+            spans = list(self._spans(rows.test, pieces, done))
+            yield Block({**self.setting.values(), **rows.columns}, len(frame), spans)
+
+    def _frames(self) -> Iterator[pd.DataFrame]:
+        for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
+            frame, _ = prepared(chunk, self.where, str(self.path))
+            if len(frame):
+                yield frame
+
+    def _spans(self, test: np.ndarray, pieces: int, done: dict[str, int]) -> Iterator[Span]:
+        """Cut the rows at hand where the whole test would be cut; ``done`` counts the rows that went before."""
+        for name, start, stop in _stretches(test):
+            first = done[name]
+            done[name] += stop - start
+            for piece, (a, b) in enumerate(pairwise(cuts(self.lengths[name], pieces).tolist())):
+                low, high = max(a, first), min(b, done[name])
+                if low < high:
+                    yield Span(name, piece, start + low - first, start + high - first)
 
     def _check_continued(self, rows: Rows, last: tuple[str, float], conditions: set[str]) -> None:
         if len(conditions) > 1:
@@ -79,14 +117,11 @@ class StreamedTests:
             raise InputError(f"{self.path}: test {name} goes back in time at t = {rows.columns['t'][0]:g} s; sort it")
 
 
-def _spans(rows: Rows, pieces: int, seen: dict[str, int]) -> list[Span]:
-    edges = np.flatnonzero(np.concatenate([[True], rows.test[1:] != rows.test[:-1], [True]]))
-    spans = []
-    for start, stop in pairwise(edges):
-        name = str(rows.test[start])
-        spans.append(Span(name, seen.get(name, 0) % pieces, int(start), int(stop)))
-        seen[name] = seen.get(name, 0) + 1
-    return spans
+def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
+    """Each run of rows of one test: name, first row, row after the last."""
+    edges = np.flatnonzero(np.concatenate([[True], test[1:] != test[:-1], [True]]))
+    for start, stop in pairwise(edges.tolist()):
+        yield str(test[start]), start, stop
 
 
 def stream_captive(
@@ -116,7 +151,7 @@ def stream_captive(
         Where the file is absent; rows are checked as they pass.
     """
     path = Path(path)
-    if not path.exists():
+    if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
     setting = ship if isinstance(ship, Setting) else read_ship(ship)
     return StreamedTests(path, setting, terms, where, Source("captive tests", path.name, sha256_of(path)))

@@ -17,7 +17,17 @@ BLOCK_ROWS = 32_000
 
 
 class Span(NamedTuple):
-    """Consecutive rows of one test inside a block; ``piece`` numbers the stretches of a long test."""
+    """Consecutive rows of one test inside a block.
+
+    Parameters
+    ----------
+    test : str
+        Its name.
+    piece : int
+        Which stretch of the test.
+    start, stop : int
+        Rows of the block.
+    """
 
     test: str
     piece: int
@@ -26,7 +36,17 @@ class Span(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Some rows: every quantity by name, columns and particulars alike, and whose rows they are."""
+    """Some rows.
+
+    Parameters
+    ----------
+    values : mapping of str to number
+        Every quantity by name, columns and particulars alike.
+    rows : int
+        How many.
+    spans : list of Span
+        Whose rows they are.
+    """
 
     values: Mapping[str, Number]
     rows: int
@@ -50,10 +70,29 @@ class Tests(Protocol):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The tests, as far as they are known before the rows are read."""
+        """The tests."""
 
     def blocks(self, pieces: int) -> Iterator[Block]:
-        """Every row once."""
+        """Yield every row once, in blocks.
+
+        Parameters
+        ----------
+        pieces : int
+            Into how many consecutive stretches each test is cut.
+        """
+
+
+def cuts(rows: int, pieces: int) -> np.ndarray:
+    """Return the edges of about equal stretches of a test, first and last row included (ours).
+
+    Parameters
+    ----------
+    rows : int
+        Of the test.
+    pieces : int
+        Into how many to cut it; no stretch is empty, so fewer where the rows are fewer.
+    """
+    return np.unique(np.linspace(0, rows, pieces + 1).astype(int))
 
 
 @dataclass(frozen=True)
@@ -170,7 +209,7 @@ class CaptiveTests:
 
     def _cuts(self, pieces: int) -> Iterator[Span]:
         for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False):
-            edges = np.unique(np.linspace(start, stop, pieces + 1).astype(int))
+            edges = start + cuts(stop - start, pieces)
             for piece, (a, b) in enumerate(pairwise(edges)):
                 yield Span(test, piece, int(a), int(b))
 

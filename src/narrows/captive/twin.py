@@ -37,7 +37,7 @@ class HarmonicRun:
     Raises
     ------
     InputError
-        Where the kind is unknown, or a yaw path is steeper than the speed allows.
+        Where the kind is unknown, a number is not positive, or a yaw path is steeper than the speed allows.
     """
 
     name: str
@@ -50,6 +50,9 @@ class HarmonicRun:
     def __post_init__(self) -> None:
         if self.kind not in ("yaw", "sway"):
             raise InputError(f"run {self.name}: kind {self.kind!r} is unknown; choose yaw or sway")
+        for name in ("amplitude", "period", "speed", "cycles"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"run {self.name}: {name} = {getattr(self, name)} must be positive")
         if self.kind == "yaw" and self.amplitude * 2 * np.pi / self.period >= self.speed:
             raise InputError(f"run {self.name}: too steep for {self.speed} m/s; lengthen the period")
 
@@ -79,7 +82,7 @@ def twin(
     runs : tuple of HarmonicRun
         The tests.
     noise : mapping of str to float [N, N, N m]
-        Standard deviation of each force.
+        Standard deviation of each force; 0 where it is not given.
     correlation_time : float [s]
         Of the noise, which is a first-order autoregression; 0 for white noise.
     rate : float [Hz]
@@ -91,7 +94,14 @@ def twin(
     -------
     CaptiveTests
         With the truth's forces and the noise on them.
+
+    Raises
+    ------
+    InputError
+        Where there are no runs, or they are sampled too slowly.
     """
+    if not runs or not min(run.cycles * run.period for run in runs) * rate >= 2:
+        raise InputError("the runs hold fewer than two rows; give a run, or sample faster")
     truth = truth or published("mikkelsen2025_dtc")
     draw = np.random.default_rng(seed)
     parts = [_measured(truth, run, noise, correlation_time, rate, draw) for run in runs]
@@ -115,7 +125,7 @@ def _measured(
     motion = Motion(**{name: column for name, column in columns.items() if name not in ("t", "psi")})
     keep = np.exp(-1 / (rate * correlation_time)) if correlation_time > 0 else 0.0
     forces = {
-        force: value + noise[force] * _coloured(draw.standard_normal(len(t)), keep)
+        force: value + noise.get(force, 0.0) * _coloured(draw.standard_normal(len(t)), keep)
         for force, value in truth.forces(motion).items()
     }
     return columns | forces

@@ -32,6 +32,8 @@ def identify_each(tests: Tests, condition: str | None = None, **options: Any) ->
     parts = tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}
     if condition is not None:
         if condition not in parts:
-            raise InputError(f"the table has no condition {condition!r}{did_you_mean(condition, parts)}")
+            known = [label for label in parts if label]
+            hint = did_you_mean(condition, known) if known else "; it names none, select rows instead"
+            raise InputError(f"the table has no condition {condition!r}{hint}")
         parts = {condition: parts[condition]}
     return {label: identify(part, **options) for label, part in parts.items()}

@@ -9,6 +9,8 @@ from narrows.identification.moments import ONE, Moments
 from narrows.identification.solve import RANK_TOLERANCE
 from narrows.terms import Term, TermTable
 
+INVOLVED = 1e-3
+"""A column takes part in a direction of unit length where its share is larger than this."""
 SPEED_GAP = 1.15
 """Tests whose speeds differ by less than this factor count as one speed."""
 
@@ -35,7 +37,7 @@ class Diagnosis:
     empty : tuple of str
         Coefficients whose column is zero.
     missing : array (k, n)
-        Scaled directions without data, among the columns that are not zero.
+        Directions without data, of unit length, among the columns that are not zero, each scaled to one.
     """
 
     names: tuple[str, ...]
@@ -93,13 +95,13 @@ def diagnose(moments: Moments, sums: np.ndarray, terms: tuple[Term, ...]) -> Dia
         _correlation(moments, sums, names),
         alignment,
         tuple(name for name, alive in zip(names, live, strict=True) if not alive),
-        _spread(vectors[:, ~kept].T / norm[live], live),
+        _spread(vectors[:, ~kept].T, live),
     )
 
 
 def _vif(values: np.ndarray, vectors: np.ndarray, kept: np.ndarray, live: np.ndarray) -> np.ndarray:
     inflation = (vectors[:, kept] ** 2 / values[kept]).sum(axis=1)
-    inflation[(np.abs(vectors[:, ~kept]) > 1e-3).any(axis=1)] = np.inf
+    inflation[(np.abs(vectors[:, ~kept]) > INVOLVED).any(axis=1)] = np.inf
     result = np.full(len(live), np.nan)
     result[live] = np.maximum(inflation, 1.0)
     return result

@@ -17,9 +17,9 @@ from narrows.identification.problem import Problem, reduced
 from narrows.identification.score import Score, left_out_coefficients, left_out_score, score
 from narrows.identification.solve import Kkt, solve
 from narrows.identification.uncertainty import Clusters, clustered, interval_factor, jackknife, pieces_for
-from narrows.identification.verdict import Evidence, Verdict, judge
+from narrows.identification.verdict import WEAK, Evidence, Verdict, judge
 from narrows.model import Envelope, Model
-from narrows.terms import PAPER, TermTable
+from narrows.terms import PAPER, Term, TermTable
 
 SPLITS = ("test", "random")
 
@@ -102,11 +102,7 @@ class Fit:
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """How far each coefficient can be trusted."""
-        return {
-            term.name: judge(term, self._evidence(force, term.name))
-            for force, own in self.terms.forces.items()
-            for term in own
-        }
+        return {term.name: self._verdict(force, term) for force, own in self.terms.forces.items() for term in own}
 
     def diagnostics(self) -> dict[str, Diagnosis]:
         """Rank, condition, VIF and correlations of each force's columns over all rows."""
@@ -156,10 +152,10 @@ class Fit:
 
     @cached_property
     def _without_cluster(self) -> list[dict[str, Diagnosis]]:
-        total = self.moments.total
+        forces = {force: own for force, own in self.terms.forces.items() if own}
         return [
-            {f: diagnostics.diagnose(self.moments, total - out, own) for f, own in self.terms.forces.items() if own}
-            for out in self.clusters.sums
+            {force: diagnostics.diagnose(self.moments, rest, own) for force, own in forces.items()}
+            for rest in self.clusters.without
         ]
 
     @cached_property
@@ -194,6 +190,12 @@ class Fit:
         if not np.isfinite(half):
             return bound
         return max(bound[0], value - half), min(bound[1], value + half)
+
+    def _verdict(self, force: str, term: Term) -> Verdict:
+        own = judge(term, self._evidence(force, term.name))
+        if own.identifiable or not self._determined(term.name):
+            return own
+        return Verdict(WEAK, (f"{own.reasons[0]}, so that only its tie determines it",))
 
     def _evidence(self, force: str, name: str) -> Evidence:
         pinned = [
@@ -249,7 +251,7 @@ def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", spl
     solution = solve(*problem.normal(moments.total), problem.lower, problem.upper)
     best = problem.coefficients(solution.z)
     clusters = clustered(moments)
-    without = left_out_coefficients(problem, clusters.sums)
+    without = left_out_coefficients(problem, clusters.without)
     values = dict(zip(terms.names, best.tolist(), strict=True))
     if checked is None:
         left_out = left_out_score(moments, terms, clusters.sums, without)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.captive.tests import Block, Tests
+from narrows.errors import InputError
 from narrows.model import Envelope, Range
 from narrows.terms import TermTable
 from narrows.vocabulary import FORCES, Number
@@ -115,6 +116,7 @@ class Layout:
         self.forces = [force for force in FORCES if terms.forces[force]]
         for name in (*self.forces, ONE):
             self.columns[name] = len(self.regressors) + len(self.columns) - len(terms.terms)
+        self.inputs = terms.inputs
         self._buffer = np.empty((self.size, 0))
 
     @property
@@ -129,7 +131,15 @@ class Layout:
         ----------
         block : Block
             The rows.
+
+        Raises
+        ------
+        InputError
+            Where a term needs what neither the table nor the ship file gives.
         """
+        for name in (*self.inputs, *self.forces):
+            if name not in block.values:
+                raise InputError(f"the terms need {name}, which neither the tests nor the ship file give; add it")
         design = self._buffer[:, : block.rows]
         if design.shape[1] < block.rows:
             design = self._buffer = np.empty((self.size, block.rows))
@@ -163,11 +173,12 @@ def _products(design: np.ndarray) -> np.ndarray:
     # twice as fast as the symmetric one that it takes where both factors are the same memory.
     total = np.zeros((len(design), len(design)))
     strip = np.empty((len(design), min(STRIP_ROWS, design.shape[1])))
-    for start in range(0, design.shape[1], STRIP_ROWS):
-        part = design[:, start : start + STRIP_ROWS]
-        copy = strip[:, : part.shape[1]]
-        np.copyto(copy, part)
-        total += np.dot(part, copy.T)
+    with np.errstate(all="ignore"):
+        for start in range(0, design.shape[1], STRIP_ROWS):
+            part = design[:, start : start + STRIP_ROWS]
+            copy = strip[:, : part.shape[1]]
+            np.copyto(copy, part)
+            total += np.dot(part, copy.T)
     return total
 
 
@@ -187,6 +198,11 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments
     -------
     Moments, Envelope
         The sums, and the ranges that the rows cover.
+
+    Raises
+    ------
+    InputError
+        Where there are no rows, or a column is not finite.
     """
     layout = Layout(terms)
     sums: dict[tuple[str, int], np.ndarray] = defaultdict(lambda: np.zeros((layout.size, layout.size)))
@@ -199,9 +215,22 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments
             sums[test, piece] += products(design[:, start:stop])
             way[test, piece] += float(speed[start:stop].sum())
         envelope = _joined(envelope, _covered(block))
+    if not sums:
+        place = tests.source.table or tests.source.text
+        raise InputError(f"{place}: no rows are left; give more, or another selection")
     speeds = [way[key] / total[-1, -1] for key, total in sums.items()]
     stacked = np.stack(list(sums.values()))
-    return Moments(layout.columns, stacked, tuple(test for test, _ in sums), np.array(speeds)), envelope
+    moments = Moments(layout.columns, stacked, tuple(test for test, _ in sums), np.array(speeds))
+    _check_finite(moments)
+    return moments, envelope
+
+
+def _check_finite(moments: Moments) -> None:
+    for name, i in moments.columns.items():
+        wrong = ~np.isfinite(moments.sums[:, i, i])
+        if wrong.any():
+            test = moments.tests[int(np.argmax(wrong))]
+            raise InputError(f"the column of {name} is not finite in test {test}; mend its regressor or leave rows out")
 
 
 def design_rows(tests: Tests, terms: TermTable) -> Iterator[tuple[Layout, np.ndarray]]:

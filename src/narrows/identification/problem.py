@@ -26,6 +26,10 @@ class Problem:
         Bounds of z.
     weights : mapping of str to float
         Of each force in the sum.
+    terms : TermTable
+        The terms.
+    columns : mapping of str to int
+        Which column of the sums is which coefficient's regressor or force.
     """
 
     slot: Mapping[str, int]
@@ -86,7 +90,7 @@ def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Probl
     Raises
     ------
     InputError
-        Where the weights are neither.
+        Where the weights are neither, or bounds leave a coefficient no room.
     """
     if weights not in WEIGHTS:
         raise InputError(f"weights {weights!r} are unknown; choose {' or '.join(WEIGHTS)}")
@@ -100,6 +104,9 @@ def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Probl
             i, j = slot[term.name], moments.columns[term.name]
             square[i] += by_force[force] * total[j, j]
             lower[i], upper[i] = max(lower[i], term.bound[0]), min(upper[i], term.bound[1])
+    for name, i in slot.items():
+        if not lower[i] < upper[i]:
+            raise InputError(f"bounds {lower[i]:g} to {upper[i]:g} leave {name} no room; widen them")
     scale = np.sqrt(np.where(square > 0, square, 1.0))
     return Problem(slot, scale, lower * scale, upper * scale, by_force, terms, moments.columns)
 

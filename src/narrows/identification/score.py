@@ -12,7 +12,15 @@ from narrows.terms import Term, TermTable
 
 
 class Score(NamedTuple):
-    """Share of the variance explained [1] and root mean squared error [N or N m] of one force."""
+    """How well one force is reproduced.
+
+    Parameters
+    ----------
+    r2 : float [1]
+        Share of the variance explained.
+    rmse : float [N] or [N m]
+        Root mean squared error.
+    """
 
     r2: float
     rmse: float
@@ -73,20 +81,18 @@ def _scores(moments: Moments, sums: np.ndarray, errors: Mapping[str, float]) -> 
     return scores
 
 
-def left_out_coefficients(problem: Problem, clusters: np.ndarray) -> np.ndarray:
+def left_out_coefficients(problem: Problem, without: np.ndarray) -> np.ndarray:
     """Fit without each cluster of rows in turn, (clusters, n).
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    clusters : array (clusters, m, m)
-        Sums over each cluster.
+    without : array (clusters, m, m)
+        Sums over all but each cluster.
     """
-    h, g = problem.normal(clusters.sum(axis=0))
-    h_out, g_out = problem.normal(clusters)
-    fits = [solve(h - a, g - b, problem.lower, problem.upper).z for a, b in zip(h_out, g_out, strict=True)]
-    return problem.coefficients(np.array(fits))
+    systems = zip(*problem.normal(without), strict=True)
+    return problem.coefficients(np.array([solve(h, g, problem.lower, problem.upper).z for h, g in systems]))
 
 
 def left_out_score(moments: Moments, terms: TermTable, clusters: np.ndarray, without: np.ndarray) -> dict[str, Score]:

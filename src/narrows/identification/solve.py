@@ -35,7 +35,17 @@ class Kkt:
 
 @dataclass(frozen=True)
 class Solution:
-    """Scaled parameters, which of them sit at a bound, and the check of optimality."""
+    """What the solver found.
+
+    Parameters
+    ----------
+    z : array (p,)
+        Scaled parameters.
+    at_bound : array (p,) of bool
+        Which of them sit at a bound.
+    kkt : Kkt
+        Check of optimality.
+    """
 
     z: np.ndarray
     at_bound: np.ndarray
@@ -67,6 +77,7 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
         z = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14).x
     at_bound = (z <= lower) | (z >= upper)
     z = _polished(h, g, np.clip(z, lower, upper), at_bound, lower, upper)
+    z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))
     return Solution(z, at_bound, check(h, g, z, lower, upper))
 
 

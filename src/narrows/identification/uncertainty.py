@@ -1,9 +1,11 @@
 """Standard errors that know that the rows of one test are not independent: the cluster jackknife."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from narrows.errors import InputError
 from narrows.identification.moments import Moments
 
 MIN_TESTS = 10
@@ -30,6 +32,14 @@ class Clusters:
     labels: tuple[str, ...]
     by_test: bool
 
+    @cached_property
+    def without(self) -> np.ndarray:
+        """Sums over all but each cluster, (clusters, m, m): added up and not taken away, so that nothing cancels."""
+        sums = np.zeros_like(self.sums)
+        sums[1:] += np.cumsum(self.sums[:-1], axis=0)
+        sums[:-1] += np.cumsum(self.sums[:0:-1], axis=0)[::-1]
+        return sums
+
     @property
     def sentence(self) -> str:
         """What was clustered, in words."""
@@ -48,11 +58,9 @@ def pieces_for(tests: int) -> int:
     Parameters
     ----------
     tests : int
-        How many there are; 0 where that is not known.
+        How many there are.
     """
-    if tests >= MIN_TESTS:
-        return 1
-    return PIECES if tests == 0 else -(-PIECES // tests)
+    return 1 if tests >= MIN_TESTS else -(-PIECES // tests)
 
 
 def clustered(moments: Moments) -> Clusters:
@@ -62,7 +70,14 @@ def clustered(moments: Moments) -> Clusters:
     ----------
     moments : Moments
         The sums.
+
+    Raises
+    ------
+    InputError
+        Where one row, or one stretch of rows, is all there is.
     """
+    if len(moments.tests) < 2:
+        raise InputError(f"one row of test {moments.tests[0]} is all there is; standard errors need two or more")
     if len(moments.names) >= MIN_TESTS:
         return Clusters(moments.by_test(), moments.names, True)
     labels = [f"{test}/{moments.tests[:i].count(test) + 1}" for i, test in enumerate(moments.tests)]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.diagnostics import Diagnosis
+from narrows.identification.diagnostics import INVOLVED, Diagnosis
 from narrows.terms import Term
 
 VIF_LIMIT = 10.0
@@ -89,7 +89,7 @@ def judge(term: Term, evidence: Evidence) -> Verdict:
         what = term.inputs[0] if len(term.inputs) == 1 else "its regressor"
         return Verdict(NOT_EXCITED, (f"{what} is 0 in every test",))
     for direction in overall.missing:
-        if abs(direction[overall.names.index(term.name)]) > 1e-3 * np.abs(direction).max():
+        if abs(direction[overall.names.index(term.name)]) > INVOLVED:
             return Verdict(NOT_IDENTIFIABLE, (_combination(overall, direction),))
     reasons = tuple(reason for reason in _doubts(term, evidence) if reason)
     if evidence.at_bound:
@@ -139,7 +139,5 @@ def _one_speed(name: str, speeds: Mapping[float, Diagnosis]) -> str:
 
 def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
     """Name the coefficients of a direction without data; what is known is orthogonal to it."""
-    involved = [
-        name for name, part in zip(overall.names, direction, strict=True) if abs(part) > 1e-3 * np.abs(direction).max()
-    ]
+    involved = [name for name, part in zip(overall.names, direction, strict=True) if abs(part) > INVOLVED]
     return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"

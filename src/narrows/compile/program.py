@@ -1,0 +1,227 @@
+"""A compiled model: constants, right-hand side, derivatives, and a kernel that sails fleets."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from narrows.compile.cache import generated
+from narrows.compile.contact import Outline, contact_of, point_names
+from narrows.compile.emit import Inputs, emit, plain_text
+from narrows.compile.fleet import Fleet, Limits, limits_of, sail, settle, task_of
+from narrows.compile.jacobian import Linearisation, jacobian_text
+from narrows.compile.kernel import Precision, kernel_text
+from narrows.compile.record import Record, record
+from narrows.compile.trace import INPUTS, SURGE_INERTIA, Surge, trace
+from narrows.errors import InputError
+from narrows.terms import TermTable
+from narrows.vocabulary import Number
+
+DEFAULTS = dict.fromkeys((*INPUTS.values(), "heave", SURGE_INERTIA), 0.0)
+
+
+@dataclass(frozen=True)
+class Program:
+    """The equations of motion of a table of terms, compiled as far as each use needs.
+
+    Coefficients, ship, canal and water are arguments: a new fit compiles nothing. ``compiled`` makes one.
+
+    Parameters
+    ----------
+    table : TermTable
+        The terms.
+    surge : {"held", "free"}
+        Whether the surge velocity is constant.
+    coriolis : bool
+        Whether -m u r in sway and m v r in surge are added to the terms.
+    shape : str or tuple of points
+        What of the hull meets a bank.
+    """
+
+    table: TermTable
+    surge: Surge
+    coriolis: bool
+    shape: str | Outline
+
+    @cached_property
+    def record(self) -> Record:
+        """What the regressors do."""
+        return record(self.table)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the values that ``constants`` asks for."""
+        return tuple(self._plain.PARAMETERS)
+
+    def constants(self, values: Mapping[str, Number]) -> tuple[Number, ...]:
+        """Evaluate what stays the same through a voyage.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            Coefficients and particulars by name, each in its SI unit, as columns for a fleet; more is welcome.
+            ``heave`` [m] and ``surge_inertia`` [kg] are zero if absent.
+
+        Raises
+        ------
+        InputError
+            Where a value is missing, or no mass resists an acceleration.
+        """
+        return self._constants(self._plain, values)
+
+    @property
+    def rhs(self) -> Callable[..., tuple[Number, ...]]:
+        """The derivatives in time of ``STATE``: a function of the seven, X_in, Y_in, N_in and the constants.
+
+        Plain Python, for floats or columns; no compiler is imported.
+        """
+        return self._plain.rhs  # type: ignore[no-any-return]
+
+    @property
+    def gap(self) -> Callable[..., Number]:
+        """The room between hull and bank [m]: a function of y, cos_psi, sin_psi and the constants."""
+        return self._plain.gap  # type: ignore[no-any-return]
+
+    @property
+    def lean(self) -> Callable[..., Number]:
+        """Positive where the starboard bank is nearer: a function of y, cos_psi, sin_psi and the constants."""
+        return self._plain.lean  # type: ignore[no-any-return]
+
+    def jacobian(self, values: Mapping[str, Number]) -> Linearisation:
+        """Make the exact derivatives of the motion.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            As for ``constants``.
+        """
+        module = self._module("jacobian", "arguments", self._jacobian_text)
+        return Linearisation(module, self._constants(module, values), self.table.names)
+
+    def fleet(
+        self, values: Mapping[str, Number], *, y: Number, u: Number, psi: Number = 0.0, v: Number = 0.0,
+        r: Number = 0.0, x: Number = 0.0, dt: Number, duration: float, precision: Precision = "float64",
+        workers: int | None = None, limits: Limits | None = None,
+    ) -> Fleet:  # fmt: skip
+        """Sail many vessels until a hull meets a bank or time is up, by the classical Runge-Kutta step.
+
+        A contact is located within the step, to 1e-9 m of gap in double precision. What passes between two ends
+        of a step, a bank brushed and left, is not seen.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            As for ``constants``, and constant forces from outside: ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m].
+            A column has one value for each vessel.
+        y : number [m]
+            At the start, to starboard of the centreline.
+        u, v : number [m/s]
+            Surge and sway velocity at the start.
+        psi : number [rad]
+            Heading at the start.
+        r : number [rad/s]
+            Yaw rate at the start.
+        x : number [m]
+            Along the canal at the start.
+        dt : number [s]
+            Time step.
+        duration : float [s]
+            Longest voyage.
+        precision : {"float64", "float32"}
+            Of a lane; single precision is for maps, not for numbers.
+        workers : int, optional
+            Threads; a core each if absent. The results do not depend on it.
+        limits : Limits, optional
+            What else ends a voyage.
+
+        Raises
+        ------
+        InputError
+            Where a value is missing, a number is not finite, or no mass resists an acceleration.
+        """
+        limits = limits or Limits()
+        start = {"x": x, "y": y, "psi": psi, "u": u, "v": v, "r": r}
+        columns = {name: np.ravel(value) for name, value in self._columns(values)}
+        shape = np.broadcast_shapes((), *(c.shape for c in columns.values()))
+        task = task_of(start | {"y": np.broadcast_arrays(y, np.empty(shape))[0]}, dt, duration, precision)
+        pose = [task.start[:, place] for place in (1, 2, 3)]
+        known = self.constants(values)
+        settle(task, self.gap(*pose, *known), self.lean(*pose, *known), limits)
+        pushed: Inputs = "constants" if any(name in values for name in INPUTS.values()) else "none"
+        kernel = self.kernel(bool(columns), precision, pushed)
+
+        def constants(rows: slice) -> np.ndarray:
+            part = {**values, **{name: column[rows] for name, column in columns.items()}}
+            own = self._constants(kernel, part)
+            return np.stack(np.broadcast_arrays(*own), axis=-1).astype(precision)
+
+        whole = constants(slice(None)) if not columns else None
+        give = constants if whole is None else lambda _: whole
+        return sail(task, kernel, give, limits_of(limits, values["width"], precision), workers)
+
+    def kernel(self, varying: bool, precision: Precision, inputs: Inputs) -> ModuleType:
+        """Return the module that sails a fleet; its ``fleet`` compiles when first called.
+
+        Parameters
+        ----------
+        varying : bool
+            Whether constants differ from vessel to vessel.
+        precision : {"float64", "float32"}
+            Of a lane.
+        inputs : {"constants", "none"}
+            Whether forces from outside push.
+        """
+
+        def text() -> str:
+            return kernel_text(self._emitted(inputs), varying, precision, version("narrows"))
+
+        return self._module("kernel", inputs, text, varying, precision)
+
+    @cached_property
+    def _plain(self) -> ModuleType:
+        return self._module("plain", "arguments", lambda: plain_text(self._emitted("arguments"), version("narrows")))
+
+    def _jacobian_text(self) -> str:
+        return jacobian_text(self._emitted("arguments"), self.table.names, version("narrows"))
+
+    def _module(self, name: str, inputs: Inputs, text: Callable[[], str], *more: object) -> ModuleType:
+        parts = (self.record.text, self.surge, self.coriolis, self._shape_key, inputs, *more)
+        return generated(name, parts, text)
+
+    def _emitted(self, inputs: Inputs) -> Any:
+        return emit(trace(self.record, self.surge, self.coriolis), contact_of(self._shape_key), inputs)
+
+    @property
+    def _shape_key(self) -> str | int:
+        return self.shape if isinstance(self.shape, str) else len(self.shape)
+
+    def _points(self) -> dict[str, float]:
+        if isinstance(self.shape, str):
+            return {}
+        names = point_names(len(self.shape))
+        return {n: p for pair, point in zip(names, self.shape, strict=True) for n, p in zip(pair, point, strict=True)}
+
+    def _columns(self, values: Mapping[str, Number]) -> Iterable[tuple[str, Any]]:
+        wanted = {*self.parameters, *INPUTS.values()}
+        return ((name, value) for name, value in values.items() if name in wanted and np.ndim(value) > 0)
+
+    def _constants(self, module: ModuleType, values: Mapping[str, Number]) -> tuple[Number, ...]:
+        given = DEFAULTS | dict(values) | self._points()
+        for name in module.PARAMETERS:
+            if given.get(name) is None:
+                raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
+        numbers = (given[name] for name in module.PARAMETERS)
+        with np.errstate(all="ignore"):
+            try:
+                result = module.constants(*(n if np.ndim(n) else float(n) for n in numbers))
+            except ZeroDivisionError:
+                result = (np.nan,)
+        if not all(np.isfinite(value).all() for value in result):
+            raise InputError(
+                "the mass matrix cannot be inverted; check the inertia coefficients, and where surge is free give surge_inertia"
+            )
+        return tuple(result)

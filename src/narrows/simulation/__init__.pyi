@@ -1,0 +1,10 @@
+from .fleets import ensemble as ensemble
+from .maps import grounding_distance as grounding_distance
+from .maps import grounding_probability as grounding_probability
+from .modes import bank_stiffness as bank_stiffness
+from .modes import eigenvalues as eigenvalues
+from .modes import stability as stability
+from .outcome import Outcome as Outcome
+from .reference import accelerations as accelerations
+from .voyage import Voyage as Voyage
+from .voyage import simulate as simulate

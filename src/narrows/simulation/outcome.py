@@ -1,0 +1,69 @@
+"""How a voyage ends: a value with a sentence, never an exception."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from narrows.compile import Outcome as Code
+
+GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED = "grounded", "afloat", "left validity", "diverged"
+KINDS = {Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY}
+"""What the codes of compiled results and data files mean."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a voyage ended.
+
+    Parameters
+    ----------
+    kind : str
+        ``grounded``, ``afloat``, ``left validity`` or ``diverged``.
+    time : float [s]
+        When.
+    distance : float [m]
+        How far along the canal from the start.
+    side : str, optional
+        ``starboard`` or ``port`` where she grounded.
+    state : dict of str to float
+        x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
+    beyond : tuple of str
+        In what she left the ranges that the model's data covered; the voyage went on.
+    """
+
+    kind: str
+    time: float
+    distance: float
+    side: str | None = None
+    state: dict[str, float] = field(default_factory=dict)
+    beyond: tuple[str, ...] = ()
+
+    @property
+    def impact_speed(self) -> float:
+        """Speed at the end [m/s]."""
+        return math.hypot(self.state["u"], self.state["v"])
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in words."""
+        where = f"after {self.time:.2f} s and {self.distance:.2f} m along the canal"
+        heading = math.degrees(self.state["psi"])
+        said = {
+            GROUNDED: f"Grounded to {self.side} {where}, at {self.impact_speed:.2f} m/s, heading {heading:+.1f} deg.",
+            AFLOAT: f"Still afloat {where}.",
+            LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
+            DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
+        }[self.kind]
+        return " ".join([said, *self.beyond])
+
+    def as_json(self) -> dict[str, Any]:
+        """The outcome as plain values, in the documented JSON shape."""
+        return {
+            "outcome": self.kind,
+            "side": self.side,
+            "time": self.time,
+            "distance": self.distance,
+            "impact_speed": self.impact_speed,
+            "state": self.state,
+            "says": self.sentence,
+        }

@@ -1,0 +1,58 @@
+"""The equation of motion evaluated straight from the table of terms: what every compiled form is held to."""
+
+from typing import Any
+
+import numpy as np
+
+from narrows.model import Model
+from narrows.motion import Motion
+from narrows.vocabulary import FORCES, Number
+
+ACCELERATIONS = ("udot", "vdot", "rdot")
+
+
+def accelerations(
+    model: Model, motion: Motion, forces: tuple[Number, Number, Number] = (0.0, 0.0, 0.0),
+    surge_inertia: float | None = None,
+) -> np.ndarray:  # fmt: skip
+    """Solve M d(nu)/dt = f + d_bank + inputs for the accelerations, (3, ...).
+
+    A captive test measures F(motion, accelerations); a free ship has F + inputs = 0. F is linear in the
+    accelerations, so that M is what F loses for a unit of each.
+
+    Parameters
+    ----------
+    model : Model
+        The terms and coefficients.
+    motion : Motion
+        Pose and velocity, floats or columns; its accelerations are not looked at.
+    forces : tuple of three numbers [N, N, N m]
+        Surge force, sway force and yaw moment from elsewhere.
+    surge_inertia : float [kg], optional
+        Mass in surge, with its added mass; None holds the speed.
+
+    Returns
+    -------
+    array (3, ...)
+        udot, vdot [m/s2], rdot [rad/s2].
+    """
+    still = _forces(model, motion)
+    shape = np.broadcast(*still, *forces).shape
+    columns = [_forces(model, motion, **{name: 1.0}) for name in ACCELERATIONS]
+    matrix = np.empty((*shape, 3, 3))
+    right = np.empty((*shape, 3))
+    for i in range(3):
+        right[..., i] = still[i] + forces[i]
+        for j in range(3):
+            matrix[..., i, j] = still[i] - columns[j][i]
+    if surge_inertia is None:
+        matrix[..., 0, :], right[..., 0] = (1.0, 0.0, 0.0), 0.0
+    else:
+        matrix[..., 0, 0] = surge_inertia
+    return np.moveaxis(np.linalg.solve(matrix, right[..., None])[..., 0], -1, 0)
+
+
+def _forces(model: Model, motion: Motion, **unit: float) -> list[Any]:
+    own = {**motion.values(), **dict.fromkeys(ACCELERATIONS, 0.0), **unit}
+    found = model.forces(Motion(**own))
+    return [found[force] for force in FORCES]

@@ -1,0 +1,79 @@
+"""A model as its compiled equations and the numbers that go in: the one place that both voyages and fleets ask."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+from narrows.compile import Program, compiled
+from narrows.errors import InputError
+from narrows.model import Model
+from narrows.terms import TermTable
+from narrows.vocabulary import Number
+
+Outline = Sequence[Sequence[float]]
+"""Points of the waterline: (forward of midship, to starboard) [m]."""
+
+
+@dataclass(frozen=True)
+class SimulatedShip:
+    """A model with the choices that simulation leaves open.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in her canal.
+    surge : str
+        ``held``: the speed stays; ``free``: it is integrated.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free``.
+    coriolis : bool
+        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
+    contact : str or points [m]
+        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard).
+
+    Raises
+    ------
+    InputError
+        Where a choice is unknown, or the speed is free and no inertia in surge is known.
+    """
+
+    model: Model
+    surge: str = "held"
+    surge_inertia: float | None = None
+    coriolis: bool = False
+    contact: str | Outline = "corners"
+
+    def __post_init__(self) -> None:
+        if self.surge == "free" and not self.values()["surge_inertia"] + self.model.coefficients.get("a_udot", 0.0) > 0:
+            raise InputError(
+                "this model's a_udot is 0 (its tests held the speed), so a free speed needs an inertia: "
+                "give surge_inertia in kg, mass and added mass together, or hold the speed"
+            )
+
+    @property
+    def program(self) -> Program:
+        """The compiled equations, shared by all ships with the same terms."""
+        shape = self.contact if isinstance(self.contact, str) else tuple(tuple(point) for point in self.contact)
+        return _program(self.model.terms, self.surge, self.coriolis, shape)
+
+    def values(self) -> dict[str, Number]:
+        """Every particular and coefficient by name."""
+        own = self.model.coefficients.get("a_udot", 0.0)
+        # The equations add this to the table's own mass in surge; the user gives the whole.
+        added = 0.0 if self.surge_inertia is None else self.surge_inertia - own
+        return {**self.model.setting.values(), **self.model.coefficients, "heave": 0.0, "surge_inertia": added}
+
+    @cached_property
+    def constants(self) -> tuple[Number, ...]:
+        """What stays the same through a voyage."""
+        return self.program.constants(self.values())
+
+    def __getstate__(self) -> Mapping[str, Any]:
+        # Workers compile for themselves, or find it in the cache.
+        return {name: value for name, value in self.__dict__.items() if name != "constants"}
+
+
+@lru_cache(maxsize=32)
+def _program(terms: TermTable, surge: Any, coriolis: bool, contact: Any) -> Program:
+    return compiled(terms, surge, coriolis, contact)

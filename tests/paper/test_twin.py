@@ -1,0 +1,154 @@
+"""Tests like the paper's, run on its own model: identification must give its coefficients back, or say that it cannot."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import narrows as nw
+
+SEEDS = range(20)
+NOISES = (0.0, 0.5, 2.0)
+"""Correlation time of the noise [s]: white, and two that neighbouring rows share."""
+FREE_OF_A_SINGLE_SPEED = nw.PAPER.names[3:]
+
+
+@cache
+def fitted(seed: int, correlation_time: float) -> nw.Fit:
+    return nw.identify(nw.twin(seed=seed, correlation_time=correlation_time))
+
+
+def errors(correlation_time: float) -> np.ndarray:
+    """Distance from the truth in standard errors, (seeds, coefficients)."""
+    truth = nw.published("mikkelsen2025_dtc").coefficients
+    fits = [fitted(seed, correlation_time) for seed in SEEDS]
+    return np.array([[(f.coefficients[n] - truth[n]) / f.std[n] for n in FREE_OF_A_SINGLE_SPEED] for f in fits])
+
+
+def test_without_noise_the_truth_comes_back(dtc: nw.Model) -> None:
+    fit = nw.identify(nw.twin(noise={}))
+    for name in FREE_OF_A_SINGLE_SPEED:
+        assert fit.coefficients[name] == pytest.approx(dtc.coefficients[name], rel=1e-7)
+    assert fit.kkt.satisfied
+
+
+@pytest.mark.parametrize("correlation_time", NOISES)
+def test_intervals_hold_the_truth(dtc: nw.Model, correlation_time: float) -> None:
+    held = [
+        low <= dtc.coefficients[name] <= high
+        for seed in SEEDS
+        for name, (low, high) in fitted(seed, correlation_time).intervals.items()
+        if name in FREE_OF_A_SINGLE_SPEED
+    ]
+    assert len(held) == 280
+    assert np.mean(held) >= 0.90
+    assert not all(held), "intervals that always hold the truth are too wide to be 95 %"
+
+
+@pytest.mark.parametrize("correlation_time", NOISES)
+def test_no_estimate_is_far_off(correlation_time: float) -> None:
+    assert np.abs(errors(correlation_time)).max() < 5
+
+
+@pytest.mark.parametrize("correlation_time", NOISES)
+def test_estimates_are_unbiased(correlation_time: float) -> None:
+    """The mean error over independent seeds is within 4 of its own standard errors."""
+    mean = errors(correlation_time).mean(axis=0) * np.sqrt(len(SEEDS))
+    assert np.abs(mean).max() < 4
+
+
+def test_correlated_noise_widens_the_intervals() -> None:
+    """Row-wise formulas would give the same standard errors for both."""
+    white, red = (np.mean([fitted(s, ct).std["b_bank"] for s in SEEDS]) for ct in (0.0, 2.0))
+    assert red > 3 * white
+
+
+def test_surge_inertia_is_flagged(twin_fit: nw.Fit) -> None:
+    verdict = twin_fit.verdicts["a_udot"]
+    assert (verdict.status, verdict.identifiable) == ("not excited", False)
+    assert verdict.sentence("a_udot") == "a_udot is not identifiable: udot is 0 in every test."
+    assert twin_fit.coefficients["a_udot"] == 0.0
+    assert np.isnan(twin_fit.std["a_udot"])
+    assert twin_fit.intervals["a_udot"] == nw.NONNEGATIVE
+
+
+@pytest.mark.parametrize("name", ["a_u", "a_uu"])
+def test_resistance_at_one_speed_is_flagged(twin_fit: nw.Fit, name: str) -> None:
+    """The paper prints (0, 12.6) for what one speed determines in combination only."""
+    verdict = twin_fit.verdicts[name]
+    assert (verdict.status, verdict.identifiable) == ("not identifiable", False)
+    assert "a_u and a_uu only in combination" in verdict.reasons[0]
+    assert np.isnan(twin_fit.std[name])
+    combined = twin_fit.coefficients["a_u"] * 1.0 + twin_fit.coefficients["a_uu"] * 1.0
+    assert combined == pytest.approx(12.6, abs=0.1)
+
+
+def test_two_speeds_tell_the_two_apart(dtc: nw.Model) -> None:
+    runs = tuple(nw.HarmonicRun(f"{u}", "yaw", 0.5, 25.0, u) for u in (0.5, 1.0, 1.5))
+    fit = nw.identify(nw.twin(dtc, runs))
+    assert fit.verdicts["a_u"].identifiable
+    assert fit.verdicts["a_uu"].identifiable
+    low, high = fit.intervals["a_uu"]
+    assert low <= 12.6 <= high
+
+
+def test_full_rank_in_sway_and_yaw_short_in_surge(twin_fit: nw.Fit) -> None:
+    """What the paper reads from fig. (corr)."""
+    found = twin_fit.diagnostics()
+    assert {force: (d.rank, len(d.names)) for force, d in found.items()} == {"X": (1, 3), "Y": (7, 7), "N": (7, 7)}
+
+
+@pytest.mark.parametrize("kind", ["mse", "mean_abs", "lmg"])
+def test_shapley_agrees_with_the_paper_on_what_is_least(twin_fit: nw.Fit, kind: str) -> None:
+    """In the paper's table b_rdot (0.002) and b_rr (0.015) are the least of sway, each sum of sizes 1."""
+    for force, shares in twin_fit.shapley(kind).items():
+        if (kind, force) != ("mean_abs", "X"):  # a constant column has no deviation to share
+            assert sum(map(abs, shares.values())) == pytest.approx(1.0, rel=1e-12)
+    sizes = {name: abs(share) for name, share in twin_fit.shapley(kind)["Y"].items()}
+    assert set(sorted(sizes, key=sizes.__getitem__)[:2]) == {"b_rdot", "b_rr"}
+    assert max(sizes["b_rdot"], sizes["b_rr"]) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("kind", "sway", "yaw"),
+    [
+        ("mse", "b_vv b_v b_vdot b_bank b_r b_rr b_rdot", "c_v c_vv c_rdot c_rr c_bank c_r c_vdot"),
+        ("mean_abs", "b_vv b_bank b_vdot b_v b_r b_rdot b_rr", "c_v c_bank c_rdot c_vv c_rr c_r c_vdot"),
+        ("lmg", "b_vv b_v b_bank b_vdot b_r b_rr b_rdot", "c_v c_vv c_rdot c_vdot c_rr c_bank c_r"),
+    ],
+)
+def test_shapley_ranks(twin_fit: nw.Fit, kind: str, sway: str, yaw: str) -> None:
+    """Ranks on our twin, whose periods are ours: its table is not the paper's (science.md, 12)."""
+    shares = twin_fit.shapley(kind)
+    for force, expected in (("Y", sway), ("N", yaw)):
+        assert sorted(shares[force], key=lambda name: -abs(shares[force][name])) == expected.split()
+
+
+def test_mean_abs_cannot_be_the_papers_value_function(twin_fit: nw.Fit) -> None:
+    """Columns that Y and N share have one ratio of share per unit coefficient; in the paper's tables they have not."""
+    shared = ["vdot", "rdot", "v", "r", "vv", "rr"]
+
+    def ratios(sway: dict[str, float], yaw: dict[str, float], coefficients: dict[str, float]) -> np.ndarray:
+        per_unit = {n: abs(share / coefficients[n]) for n, share in (sway | yaw).items()}
+        return np.array([per_unit[f"b_{n}"] / per_unit[f"c_{n}"] for n in shared])
+
+    own = twin_fit.shapley("mean_abs")
+    ours = ratios(own["Y"], own["N"], dict(twin_fit.coefficients))
+    assert np.ptp(ours) < 1e-9 * ours.mean()
+    printed = ratios(
+        dict(zip([f"b_{n}" for n in shared], (0.239, 0.002, 0.087, 0.243, 0.132, 0.015), strict=True)),
+        dict(zip([f"c_{n}" for n in shared], (0.040, 0.255, 0.235, 0.128, 0.026, 0.248), strict=True)),
+        dict(nw.published("mikkelsen2025_dtc").coefficients),
+    )
+    assert printed.max() / printed.min() > 10
+
+
+def test_random_split_is_the_papers_option(dtc: nw.Model) -> None:
+    fit = nw.identify(nw.twin(seed=3), split="random", seed=1)
+    assert fit.split == "random"
+    share = fit.moments.total[-1, -1] / nw.twin(seed=3).rows
+    assert share == pytest.approx(0.8, abs=0.02)
+    for name in FREE_OF_A_SINGLE_SPEED:
+        assert fit.coefficients[name] == pytest.approx(dtc.coefficients[name], abs=5 * fit.std[name])
+    assert fit.left_out["Y"].rmse == pytest.approx(0.5, rel=0.1)
+    assert fit.left_out["N"].rmse == pytest.approx(0.65, rel=0.1)

@@ -1,0 +1,67 @@
+"""One function body serves floats, columns and symbols."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from strategies import STATES
+
+import narrows as nw
+from narrows.physics import bank, clearance, damping, inertia
+
+PHYSICS = [
+    function
+    for room in (bank, clearance, damping, inertia)
+    for name, function in vars(room).items()
+    if callable(function) and getattr(function, "__module__", "") == room.__name__
+]
+FORCES = ("X", "Y", "N")
+
+
+def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> dict[str, float]:
+    from inspect import signature
+
+    values = dtc.setting.values() | nw.Motion.at(**state).values()
+    return {name: values[name] for name in signature(function).parameters}
+
+
+@pytest.mark.parametrize("function", PHYSICS, ids=lambda function: function.__name__)
+@given(state=STATES)
+@settings(max_examples=10)
+def test_floats_columns_and_symbols_agree(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> None:
+    values = arguments(function, dtc, state)
+    expected = function(**values)
+    columns = {name: np.full(3, value) for name, value in values.items()}
+    np.testing.assert_allclose(np.broadcast_to(function(**columns), 3), expected, rtol=1e-15, atol=0)
+    symbols = {name: sympy.Symbol(name, real=True) for name in values}
+    formula = sympy.sympify(function(**symbols))
+    exact = formula.evalf(30, subs={symbols[name]: sympy.Float(value, 30) for name, value in values.items()})
+    assert expected == pytest.approx(float(exact), rel=1e-12, abs=1e-300)
+
+
+@given(state=STATES)
+def test_a_column_gives_what_its_rows_give(dtc: nw.Model, state: dict[str, float]) -> None:
+    states = [state, {name: -value for name, value in state.items()}, dict.fromkeys(state, 0.01)]
+    motions = [nw.Motion.at(**own) for own in states]
+    column = nw.Motion(**{name: np.array([m.values()[name] for m in motions]) for name in motions[0].values()})
+    together = dtc.forces(column)
+    for force in FORCES:
+        apart = [dtc.forces(motion)[force] for motion in motions]
+        np.testing.assert_array_equal(np.broadcast_to(together[force], 3), apart)
+
+
+def test_symbols_go_through_the_whole_model(dtc: nw.Model) -> None:
+    """The trace that code generation rests on; its slope at the centreline is the paper's 8 B W/(W - B)^3."""
+    y = sympy.Symbol("y", real=True)
+    force = dtc.forces(nw.Motion(y=y, u=1.0))["Y"]
+    slope = float(sympy.diff(force, y).subs(y, 0))
+    assert slope == pytest.approx(1.07 * 214.62405 * 8 * 0.572 * 7 / (7 - 0.572) ** 3, rel=1e-6)
+
+
+def test_motion_of_a_heading() -> None:
+    motion = nw.Motion.at(psi=0.3, y=1.0)
+    assert (motion.cos_psi, motion.sin_psi, motion.y) == (math.cos(0.3), math.sin(0.3), 1.0)
+    assert list(motion.values()) == ["x", "y", "cos_psi", "sin_psi", "u", "v", "r", "udot", "vdot", "rdot", "heave"]
