@@ -90,6 +90,22 @@ def published(name: str) -> Model:
     return load_model(Path(str(folder / f"{name}.toml")))
 
 
+def model_named(name: str) -> Model:
+    """Return a model by its file, or by the name of a paper's model.
+
+    Parameters
+    ----------
+    name : str
+        A path, or as in ``published``.
+
+    Raises
+    ------
+    InputError
+        Where it is neither.
+    """
+    return load_model(name) if "." in name or "/" in name or Path(name).exists() else published(name)
+
+
 def _as_tables(model: Model) -> dict[str, Any]:
     setting = model.setting
     tables: dict[str, Any] = {part: _without_none(asdict(getattr(setting, part))) for part in PARTS}

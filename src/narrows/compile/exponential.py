@@ -26,7 +26,7 @@ WIDTHS = {
 }
 # e^x = 2^k e^r with k the nearest integer to x / ln 2. Adding 1.5 2^52 rounds to that integer and leaves it in the low
 # bits, whence it is shifted into the exponent. So this function must not be reassociated: it is compiled strictly.
-TEXT = '''
+TEXT = """
 @numba.njit(fastmath={{"contract", "nsz"}}, error_model="numpy", nogil=True)
 def exp(x):
     x = min(max(x, real({low})), real({high}))
@@ -35,7 +35,7 @@ def exp(x):
     rest = x - whole * real({ln2_high}) - whole * real({ln2_low})
     power = np.{integer}((real(shifted).view(np.{integer}) + {bias}) << {mantissa})
     return ({polynomial}) * power.view(real)
-'''
+"""
 
 
 def exponential_text(precision: str) -> str:

@@ -31,7 +31,7 @@ jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
 cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
 LANES, FIELDS = {lanes}, {fields}
 '''
-LARGER = '''
+LARGER = """
 @jit
 def larger(a, b):
     return a if a > b else b
@@ -40,7 +40,7 @@ def larger(a, b):
 @jit
 def smaller(a, b):
     return a if a < b else b
-'''
+"""
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,8 @@
 """What a map of voyages says: how far to the grounding, on which side, and how likely within a distance."""
 
+from typing import Any
+
+import numpy as np
 import xarray as xr
 
 from narrows.compile import Outcome as Code
@@ -40,3 +43,53 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "dra
     within = (voyages["outcome"] == Code.GROUNDED) & (voyages["distance"] <= distance)
     name = f"probability of grounding within {distance:g} m"
     return within.mean(over).assign_attrs(units="1", long_name=name)
+
+
+def parse_range(option: str, text: str) -> np.ndarray:
+    """Read ``0.5``, ``0.5,1,2`` or ``from:to:count`` (ours).
+
+    Parameters
+    ----------
+    option : str
+        For messages.
+    text : str
+        As the user wrote it.
+
+    Raises
+    ------
+    InputError
+        Where it is none of these.
+    """
+    try:
+        if ":" in text:
+            low, high, count = text.split(":")
+            values = np.linspace(float(low), float(high), int(count))
+        else:
+            values = np.array([float(word) for word in text.split(",")])
+    except ValueError:
+        raise InputError(f"{option} {text!r} is not understood; give 0.5, or 0.5,1,2, or -2.5:2.5:101") from None
+    if not values.size or not np.isfinite(values).all():
+        raise InputError(f"{option} {text!r} must be finite numbers, at least one")
+    return values
+
+
+def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
+    """Say in numbers and one sentence what a map holds (ours).
+
+    Parameters
+    ----------
+    voyages : Dataset
+        From ``ensemble``.
+    """
+    outcome, side = voyages["outcome"].to_numpy(), voyages["side"].to_numpy()
+    distance = grounding_distance(voyages).to_numpy()
+    count = {code.name.lower(): int((outcome == code).sum()) for code in Code}
+    sides = {"starboard": int((side > 0).sum()), "port": int((side < 0).sum())}
+    near = float(np.nanmin(distance)) if count["grounded"] else None
+    said = f"{outcome.size} voyages: {count['grounded']} ground ({sides['starboard']} to starboard, {sides['port']} to port)"
+    nearest = f", the nearest after {near:.2f} m" if near is not None else ""
+    rest = f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal"
+    return {
+        "voyages": int(outcome.size), "outcomes": count, "sides": sides, "nearest": near,
+        "complete": bool(voyages.attrs["complete"]), "says": f"{said}{nearest}{rest}.",
+    }  # fmt: skip
