@@ -1,0 +1,106 @@
+"""Pictures of a fit: forces measured and estimated, coefficients with their intervals, Shapley shares."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from narrows.captive.tests import CaptiveTests
+from narrows.identification import Fit
+from narrows.identification.shapley import KINDS
+from narrows.identification.verdict import IDENTIFIED
+from narrows.report.columns import symbols
+from narrows.report.motions import boundaries
+from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREEN, GREY, HATCHES, ORANGE, panels
+from narrows.terms import Term
+
+
+def estimate(fit: Fit, tests: CaptiveTests, terms: tuple[Term, ...]) -> np.ndarray:
+    """Evaluate some terms of a fit over the rows of tests (ours).
+
+    Parameters
+    ----------
+    fit : Fit
+        Gives the coefficients.
+    tests : CaptiveTests
+        Give the rows.
+    terms : tuple of Term
+        Which.
+    """
+    values = {**tests.setting.values(), **tests.columns}
+    parts = [fit.coefficients[term.name] * term.column(values) for term in terms]
+    return np.asarray(sum(parts, np.zeros(tests.rows)))
+
+
+def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
+    """Draw forces measured and estimated, with the bank's part (the paper's fig. result).
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    tests : CaptiveTests
+        The rows.
+    """
+    figure, axes = panels(3, 1, 6.2, sharex=True)
+    for panel, (force, label) in zip(axes[:, 0], FORCE_LABELS.items(), strict=True):
+        terms = fit.terms.forces[force]
+        bank = tuple(term for term in terms if term.from_bank)
+        panel.plot(tests.columns[force], color=GREY, linewidth=1.6, alpha=0.7, label="measured")
+        panel.plot(estimate(fit, tests, terms), color=BLUE, linewidth=0.8, label="estimated")
+        if bank:
+            panel.plot(estimate(fit, tests, bank), color=ORANGE, linestyle="--", linewidth=0.9, label="bank's part")
+        boundaries(panel, tests)
+        panel.set_ylabel(label)
+    axes[1, 0].legend(frameon=False, ncols=3, loc="upper right")
+    axes[-1, 0].set_xlabel("row of the table [1]; dashed: test boundaries")
+    return figure
+
+
+def intervals_figure(fit: Fit) -> Figure:
+    """Draw each coefficient's 95 % interval over the size of its value; open where it is not well identified.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    """
+    names = tuple(n for n in fit.terms.names if fit.verdicts[n].identifiable and fit.coefficients[n])
+    figure, axes = panels(1, 1, 0.9 + 0.22 * len(names))
+    panel = axes[0, 0]
+    for i, name in enumerate(names):
+        size, sure = abs(fit.coefficients[name]), fit.verdicts[name].status == IDENTIFIED
+        low, high = (end / size for end in fit.intervals[name])
+        panel.plot([low, high], [i, i], color=BLUE if sure else ORANGE, linestyle="-" if sure else "--")
+        face = BLUE if sure else "white"
+        panel.plot(fit.coefficients[name] / size, i, "o", markerfacecolor=face, markeredgecolor=BLUE if sure else ORANGE)
+    panel.axvline(0, color=BLACK, linewidth=0.7)
+    panel.set_yticks(range(len(names)), symbols(fit.terms, names))
+    panel.set(xlim=(-3.5, 3.5), ylim=(len(names) - 0.5, -0.5), ylabel="coefficient [-]")
+    panel.set_xlabel("value and 95 % interval over the size of the value [1]; filled: identified, open: weakly or at its bound")
+    panel.grid(alpha=0.3, axis="x")
+    return figure
+
+
+def shapley_figure(fit: Fit) -> Figure:
+    """Draw the Shapley shares of each force's terms, of all three kinds.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    """
+    shares = {kind: fit.shapley(kind) for kind in KINDS}
+    forces = list(shares[KINDS[0]])
+    figure, axes = panels(1, len(forces), 2.9, sharey=True, width_ratios=[len(shares["mse"][f]) for f in forces])
+    for panel, force in zip(axes[0], forces, strict=True):
+        names = tuple(shares["mse"][force])
+        for i, (kind, colour) in enumerate(zip(KINDS, (BLUE, ORANGE, GREEN), strict=True)):
+            place = np.arange(len(names)) + 0.27 * (i - 1)
+            bars = {"width": 0.26, "color": colour, "hatch": HATCHES[i], "edgecolor": "white", "label": kind}
+            panel.bar(place, list(shares[kind][force].values()), **bars)
+        panel.axhline(0, color=BLACK, linewidth=0.7)
+        panel.set_xticks(range(len(names)), symbols(fit.terms, names))
+        panel.set(title=force, xlabel="coefficient [-]")
+        panel.grid(alpha=0.3, axis="y")
+    axes[0, 0].set_ylabel("Shapley share [1]")
+    axes[0, -1].legend(frameon=False)
+    return figure

@@ -1,0 +1,189 @@
+"""One self-contained page for the fits of a table: every figure inside, every sentence computed."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from narrows.captive.tests import CaptiveTests
+from narrows.files import write_whole
+from narrows.identification import Fit
+from narrows.identification.shapley import KINDS
+from narrows.identification.verdict import IDENTIFIED
+from narrows.report import banks, columns, motions, outcomes
+from narrows.report.numbers import interval, readable
+from narrows.report.style import svg
+from narrows.report.terminal import heading, kkt_sentence
+
+ENVELOPE = {
+    "speed": ("surge velocity", "m/s", 1.0),
+    "abs_y": ("offset |y|", "m", 1.0),
+    "abs_psi": ("heading |psi|", "deg", 180 / np.pi),
+    "abs_r": ("yaw rate |r|", "deg/s", 180 / np.pi),
+    "depth_to_draft": ("h/T", "1", 1.0),
+}
+
+
+def write_report(fits: Mapping[str, Fit], path: str | Path, title: str = "narrows") -> None:
+    """Write one HTML file with everything that is known of some fits.
+
+    Parameters
+    ----------
+    fits : mapping of str to Fit
+        By condition.
+    path : str or Path
+        Where to.
+    title : str
+        Of the page.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be written.
+    """
+    sections = [_section(label, fit, number) for number, (label, fit) in enumerate(fits.items())]
+    write_whole(path, render("fits.html.j2", title=title, sections=sections, comparison=_comparison(fits)))
+
+
+def render(template: str, **values: Any) -> str:
+    """Fill in a template of this package (ours).
+
+    Parameters
+    ----------
+    template : str
+        Its file name.
+    **values : Any
+        What it asks for.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    loader = PackageLoader("narrows.report", "templates")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    return environment.get_template(template).render(**values)
+
+
+def figure(picture: Any, caption: str) -> dict[str, str]:
+    """Set a picture and its caption for a template (ours).
+
+    Parameters
+    ----------
+    picture : Figure
+        The picture.
+    caption : str
+        Also read aloud instead of it.
+    """
+    return {"svg": svg(picture), "caption": caption}
+
+
+def _section(label: str, fit: Fit, number: int) -> dict[str, Any]:
+    source, envelope = fit.tests.source, asdict(fit.envelope)
+    return {
+        "id": f"fit-{number}",
+        "heading": heading(fit, label),
+        "source": source,
+        "ship": {k: v for k, v in asdict(fit.tests.setting.ship).items() if v is not None},
+        "setting": {"width": fit.tests.setting.canal.width, "depth": fit.tests.setting.canal.depth,
+                    "density": fit.tests.setting.water.density},
+        "envelope": [
+            f"{word}: {pair[0] * scale:.3g} to {pair[1] * scale:.3g} {unit}"
+            for name, (word, unit, scale) in ENVELOPE.items() if (pair := envelope[name]) is not None
+        ],
+        "equations": equations(fit),
+        "constraints": constraints(fit),
+        "coefficients": [_row(fit, name) for name in fit.terms.names],
+        "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
+        "scores": [(force, own, fit.left_out[force]) for force, own in fit.scores.items()],
+        "split": fit.split,
+        "by_test": _by_test(fit),
+        "shapley": [(name, [fit.shapley(kind)[force][name] for kind in KINDS])
+                    for force in fit.scores for name in fit.shapley("mse")[force]],
+        "notes": [*fit.tests.notes, fit.clusters.sentence, kkt_sentence(fit)],
+        "figures": _figures(fit),
+    }  # fmt: skip
+
+
+def equations(fit: Fit) -> list[str]:
+    """Write the model of each force from the table of terms (ours).
+
+    Parameters
+    ----------
+    fit : Fit
+        Whose table.
+    """
+    return [
+        f"{force} = " + " + ".join(f"{term.name} {term.regressor.__name__}({', '.join(term.inputs)})" for term in terms)
+        for force, terms in fit.terms.forces.items()
+        if terms
+    ]
+
+
+def constraints(fit: Fit) -> str:
+    """Write the bounds and ties of the table of terms (ours).
+
+    Parameters
+    ----------
+    fit : Fit
+        Whose table.
+    """
+    bounded = [term.name for term in fit.terms.terms if term.bound[0] == 0]
+    ties = [" = ".join(tie) for tie in fit.terms.ties]
+    return "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded) + ties) or "none"
+
+
+def _row(fit: Fit, name: str) -> dict[str, str]:
+    verdict, std = fit.verdicts[name], fit.std[name]
+    known = verdict.identifiable
+    return {
+        "name": name,
+        "value": readable(fit.coefficients[name], std) if known else "-",
+        "std": readable(std, std) if known else "-",
+        "interval": interval(fit.intervals[name], std) if known else "-",
+        "unit": fit.terms[name].dimension.unit,
+        "verdict": verdict.status,
+        "kind": verdict.status.replace(" ", "-"),
+    }
+
+
+def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
+    """Within each test: how the bank's column lies to the column that is most like it."""
+    banks_ = [(force, term.name) for force, own in fit.terms.forces.items() for term in own if term.from_bank]
+    rows = []
+    for test, found in fit.by_test().items():
+        for force, name in banks_[:1]:
+            partner, alignment = found[force].partner(name)
+            vif = found[force].vif[name]
+            rows.append((test, readable(vif) if np.isfinite(vif) else "without limit", partner, f"{alignment:+.4f}"))
+    return rows
+
+
+def _figures(fit: Fit) -> list[dict[str, str]]:
+    setting, covered = fit.tests.setting, fit.envelope.abs_y
+    pictures = [
+        figure(outcomes.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
+        figure(columns.inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
+               "dotted: the limits over all rows and within one speed."),
+        figure(columns.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
+        figure(outcomes.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
+        figure(banks.delta_figure(setting, covered), "Pressure difference delta across the canal at zero heading."),
+        figure(banks.delta_surface_figure(setting), "Pressure difference delta over offset and heading."),
+    ]  # fmt: skip
+    tests = fit.tests
+    if isinstance(tests, CaptiveTests):
+        measured = figure(outcomes.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
+        pictures = [measured, *pictures, figure(motions.tests_figure(tests), "The tests: motions and forces.")]
+    return pictures
+
+
+def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
+    if len(fits) < 2:
+        return None
+    names = next(iter(fits.values())).terms.names
+    rows = [
+        (name, [f"{readable(f.coefficients[name], f.std[name])} ± {readable(f.std[name], f.std[name])}"
+                if f.verdicts[name].identifiable else "-" for f in fits.values()],
+         [f.verdicts[name].status.replace(" ", "-") for f in fits.values()])
+        for name in names
+    ]  # fmt: skip
+    return {"labels": [heading(fit, label) for label, fit in fits.items()], "rows": rows}

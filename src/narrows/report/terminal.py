@@ -1,0 +1,100 @@
+"""A fit in the terminal: coefficients, what the tests cannot say, scores, Shapley shares."""
+
+from rich.console import Console
+from rich.table import Table
+
+from narrows.identification import Fit
+from narrows.identification.shapley import KINDS
+from narrows.identification.verdict import IDENTIFIED
+from narrows.report.numbers import interval, readable
+
+COLOURS = {"identified": "green", "weakly identified": "yellow", "at its bound": "yellow"}
+
+
+def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None:
+    """Print a fit.
+
+    Parameters
+    ----------
+    fit : Fit
+        What to print.
+    label : str
+        The condition, as a heading.
+    console : Console, optional
+        Standard output unless given.
+    """
+    console = console or Console(highlight=False, soft_wrap=False)
+    console.print(f"\n[bold]{heading(fit, label)}[/bold]")
+    console.print(_coefficients(fit))
+    console.print("[bold]What these tests cannot say[/bold]")
+    for name, verdict in fit.verdicts.items():
+        if verdict.status != IDENTIFIED:
+            console.print(f"- {verdict.sentence(name)}")
+    console.print(_scores(fit))
+    console.print(_shares(fit))
+    for note in (*fit.tests.notes, fit.clusters.sentence, kkt_sentence(fit)):
+        console.print(f"[dim]{note}[/dim]")
+
+
+def heading(fit: Fit, label: str) -> str:
+    """Name a fit by its ship, condition and depth (ours).
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    label : str
+        The condition.
+    """
+    setting = fit.tests.setting
+    depth = f"h/T = {setting.canal.depth / setting.ship.draft:.2f}" if setting.canal.depth else ""
+    return ", ".join(part for part in (setting.ship.name, label, depth) if part)
+
+
+def kkt_sentence(fit: Fit) -> str:
+    """Say whether the solution is optimal (ours).
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    """
+    worst = max(fit.kkt.stationarity, fit.kkt.multiplier, fit.kkt.infeasibility)
+    verb = "hold" if fit.kkt.satisfied else "FAIL"
+    return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {worst:.1e}, relative."
+
+
+def _coefficients(fit: Fit) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for header in ("", "value", "std. error", "95 % interval", "unit", ""):
+        table.add_column(header, justify="right" if header in ("value", "std. error", "95 % interval") else "left", no_wrap=True)
+    for name in fit.terms.names:
+        status, std = fit.verdicts[name].status, fit.std[name]
+        colour = COLOURS.get(status, "red")
+        known = fit.verdicts[name].identifiable
+        cells = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
+        shown = cells if known else ("-", "-", "-")
+        table.add_row(name, *shown, fit.terms[name].dimension.unit, f"[{colour}]{status}[/{colour}]")
+    return table
+
+
+def _scores(fit: Fit) -> Table:
+    out = "each test left out" if fit.split == "test" and fit.clusters.by_test else "rows left out"
+    table = Table(box=None, pad_edge=False, title=f"Fit, and on {out}", title_justify="left", title_style="bold")
+    for header in ("", "R2", "RMSE", "R2 left out", "RMSE left out"):
+        table.add_column(header, justify="left" if not header else "right")
+    for force, own in fit.scores.items():
+        other = fit.left_out[force]
+        table.add_row(force, f"{own.r2:.3f}", f"{own.rmse:.3f}", f"{other.r2:.3f}", f"{other.rmse:.3f}")
+    return table
+
+
+def _shares(fit: Fit) -> Table:
+    table = Table(box=None, pad_edge=False, title="Shapley shares", title_justify="left", title_style="bold")
+    for header in ("", *KINDS):
+        table.add_column(header, justify="left" if not header else "right")
+    shares = {kind: fit.shapley(kind) for kind in KINDS}
+    for force in ("Y", "N"):
+        for name in shares["mse"].get(force, {}):
+            table.add_row(name, *(f"{shares[kind][force][name]:+.3f}" for kind in KINDS))
+    return table
