@@ -6,9 +6,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from hypothesis import settings
-from tables import DTC_SHIP, frame_of, short_twin
 
 import narrows as nw
+from tables import DTC_SHIP, frame_of, short_twin
 
 settings.register_profile("narrows", derandomize=True, max_examples=25, deadline=None, database=None)
 settings.load_profile("narrows")

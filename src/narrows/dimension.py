@@ -4,7 +4,13 @@ from typing import NamedTuple
 
 
 class Dimension(NamedTuple):
-    """Exponents of mass [kg], length [m] and time [s]."""
+    """What a coefficient is measured in.
+
+    Parameters
+    ----------
+    mass, length, time : int
+        Exponents of kg, m and s.
+    """
 
     mass: int = 0
     length: int = 0

@@ -11,7 +11,15 @@ FunctionType = TypeVar("FunctionType", bound=Callable[..., Number])
 
 
 class Quantity(NamedTuple):
-    """What a name stands for: its SI unit and its meaning."""
+    """What a name stands for.
+
+    Parameters
+    ----------
+    unit : str
+        In SI.
+    meaning : str
+        In words.
+    """
 
     unit: str
     meaning: str

@@ -80,7 +80,7 @@ def test_one_tie() -> None:
 
 
 def test_open_water_hull_is_course_unstable(dtc: nw.Model) -> None:
-    """b_v c_r - b_r c_v < 0 (science.md, 11)."""
+    """b_v c_r - b_r c_v < 0."""
     c = dtc.coefficients
     assert c["b_v"] * c["c_r"] - c["b_r"] * c["c_v"] < 0
 

@@ -1,4 +1,4 @@
-"""Tests like the paper's, run on its own model: identification must give its coefficients back, or say that it cannot."""
+"""Tests like the paper's, run on its own model: identification gives its coefficients back, or says that it cannot."""
 
 from functools import cache
 
@@ -118,7 +118,7 @@ def test_shapley_agrees_with_the_paper_on_what_is_least(twin_fit: nw.Fit, kind: 
     ],
 )
 def test_shapley_ranks(twin_fit: nw.Fit, kind: str, sway: str, yaw: str) -> None:
-    """Ranks on our twin, whose periods are ours: its table is not the paper's (science.md, 12)."""
+    """Ranks on our twin, whose periods are ours: its table is not the paper's."""
     shares = twin_fit.shapley(kind)
     for force, expected in (("Y", sway), ("N", yaw)):
         assert sorted(shares[force], key=lambda name: -abs(shares[force][name])) == expected.split()

@@ -31,7 +31,9 @@ def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, fl
 @pytest.mark.parametrize("function", PHYSICS, ids=lambda function: function.__name__)
 @given(state=STATES)
 @settings(max_examples=10)
-def test_floats_columns_and_symbols_agree(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> None:
+def test_floats_columns_and_symbols_agree(
+    function: Callable[..., float], dtc: nw.Model, state: dict[str, float]
+) -> None:
     values = arguments(function, dtc, state)
     expected = function(**values)
     columns = {name: np.full(3, value) for name, value in values.items()}

@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tables import short_twin, written
 
 import narrows as nw
 from narrows.captive.columns import COLUMNS, parse_header
+from tables import short_twin, written
 
 UNITS = {
     "t": {"s": 1.0, "ms": 1e-3, "min": 60.0},

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tables import SHORT_RUNS, frame_of, many_runs, short_twin, written
 
 import narrows as nw
 from narrows.identification.moments import accumulate
+from tables import SHORT_RUNS, frame_of, many_runs, short_twin, written
 
 BLOCKS = st.sampled_from([1, 7, 64, 100, 444, 445, 1000])
 

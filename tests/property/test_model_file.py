@@ -12,7 +12,7 @@ import narrows as nw
 
 ANY = st.floats(allow_nan=False, allow_infinity=False)
 """Every finite double, subnormal ones too."""
-COEFFICIENTS = st.fixed_dictionaries({name: ANY for name in nw.PAPER.names})
+COEFFICIENTS = st.fixed_dictionaries(dict.fromkeys(nw.PAPER.names, ANY))
 SIZES = st.floats(1e-3, 1e3)
 
 
@@ -27,9 +27,7 @@ def back(model: nw.Model, file: Path, terms: nw.TermTable | None = None) -> nw.M
 
 
 @given(coefficients=COEFFICIENTS, seed=st.integers(0, 2**32))
-def test_numbers_come_back_as_they_were(
-    dtc: nw.Model, file: Path, coefficients: dict[str, float], seed: int
-) -> None:
+def test_numbers_come_back_as_they_were(dtc: nw.Model, file: Path, coefficients: dict[str, float], seed: int) -> None:
     covariance = np.random.default_rng(seed).standard_normal((17, 17)) * 10.0 ** np.arange(-9, 8)
     model = nw.Model(dtc.setting, dtc.terms, coefficients, covariance)
     again = back(model, file)

@@ -40,9 +40,7 @@ def test_bank_coefficients_hold_at_every_scale(
 
 
 @given(state=STATES, scale=SCALES)
-def test_every_coefficient_scales_as_its_dimension_says(
-    dtc: nw.Model, state: dict[str, float], scale: float
-) -> None:
+def test_every_coefficient_scales_as_its_dimension_says(dtc: nw.Model, state: dict[str, float], scale: float) -> None:
     """Mass goes with the third power of length, time with its root."""
     larger = {
         term.name: dtc.coefficients[term.name]

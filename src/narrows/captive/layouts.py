@@ -11,10 +11,26 @@ class Layout(Protocol):
     """What a module that knows a layout offers."""
 
     def recognises(self, frame: pd.DataFrame) -> bool:
-        """Say whether a frame has this layout."""
+        """Say whether a frame has this layout.
+
+        Parameters
+        ----------
+        frame : DataFrame
+            As read.
+        """
 
     def translated(self, frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-        """Bring the layout to the documented headers."""
+        """Bring the layout to the documented headers, with what there is to say of it.
+
+        Parameters
+        ----------
+        frame : DataFrame
+            As read.
+        chosen : str
+            The user's selection of rows, already applied.
+        place : str
+            The file.
+        """
 
 
 LAYOUTS: tuple[Layout, ...] = (fhr, lataire, dtc)

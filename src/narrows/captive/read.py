@@ -19,7 +19,17 @@ from narrows.vocabulary import MOTION
 
 
 class Rows(NamedTuple):
-    """Checked rows of a table: columns in SI, and each row's test and condition."""
+    """Checked rows of a table.
+
+    Parameters
+    ----------
+    columns : dict of str to array (rows,)
+        In SI.
+    test, condition : array (rows,) of str
+        Whose each row is; no conditions where the table names none.
+    notes : tuple of str
+        What there is to say of them.
+    """
 
     columns: dict[str, np.ndarray]
     test: np.ndarray

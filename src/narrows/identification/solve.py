@@ -108,10 +108,12 @@ def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper:
 
     Parameters
     ----------
-    h, g, lower, upper : array
+    h, g : array
         The problem, as in ``solve``.
     z : array (p,)
         The point.
+    lower, upper : array (p,)
+        Bounds.
     """
     gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
     low, high = z <= lower, z >= upper

@@ -35,12 +35,12 @@ def correlation_figure(fit: Fit) -> Figure:
         Whose columns.
     """
     found = fit.diagnostics()
-    figure, axes = panels(1, len(found), 3.3, width_ratios=[max(3, len(d.names)) for d in found.values()])
+    figure, axes = panels(1, len(found), 3.3, width_ratios=[max(4, len(d.names)) for d in found.values()])
     image = None
     for panel, (force, diagnosis) in zip(axes[0], found.items(), strict=True):
         image = _matrix(panel, diagnosis, fit.terms)
-        condition = f"{diagnosis.condition:.0f}" if np.isfinite(diagnosis.condition) else "infinite"
-        panel.set_title(f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)},\ncondition {condition}")
+        condition = f"{diagnosis.condition:.0f}" if np.isfinite(diagnosis.condition) else "∞"
+        panel.set_title(f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)},\ncondition {condition}", fontsize=8)
     if image is not None:
         figure.colorbar(image, ax=axes[0, -1], label="correlation [1]", shrink=0.7)
     return figure

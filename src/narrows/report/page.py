@@ -186,4 +186,4 @@ def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
          [f.verdicts[name].status.replace(" ", "-") for f in fits.values()])
         for name in names
     ]  # fmt: skip
-    return {"labels": [heading(fit, label) for label, fit in fits.items()], "rows": rows}
+    return {"labels": [heading(fit, label).partition(", ")[2] for label, fit in fits.items()], "rows": rows}

@@ -1,0 +1,106 @@
+"""Readers: the same rows whatever the file, the unit or the layout."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import savemat
+
+import narrows as nw
+from tables import frame_of, written
+
+
+def same(found: nw.CaptiveTests, expected: nw.CaptiveTests) -> None:
+    assert found.names == expected.names
+    for name in ("y", "psi", "u", "r", "Y", "N", "cos_psi"):
+        np.testing.assert_allclose(found.columns[name], expected.columns[name], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_csv_and_parquet(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path, suffix: str) -> None:
+    found = nw.read_captive(written(frame_of(short), tmp_path / f"t{suffix}"), ship_file)
+    same(found, short)
+    assert len(found.source.sha256) == 64
+
+
+@pytest.mark.parametrize("as_struct", [True, False])
+def test_matlab(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path, as_struct: bool) -> None:
+    frame = frame_of(short)
+    columns = {name: frame[name].to_numpy() for name in frame if name not in ("test", "psi")}
+    columns |= {"psi_deg": np.degrees(frame["psi"]), "test": np.array(frame["test"].tolist(), dtype=object)}
+    savemat(tmp_path / "t.mat", {"tests": columns} if as_struct else columns)
+    same(nw.read_captive(tmp_path / "t.mat", ship_file), short)
+
+
+def test_units_in_headers(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
+    frame = frame_of(short)
+    frame["psi [deg]"] = np.degrees(frame.pop("psi"))
+    frame["r_degps"] = np.degrees(frame.pop("r"))
+    frame["y [mm]"] = frame.pop("y") * 1e3
+    frame["Y [kN]"] = frame.pop("Y") / 1e3
+    frame["N [kNm]"] = frame.pop("N") / 1e3
+    same(nw.read_captive(written(frame, tmp_path / "t.csv"), ship_file), short)
+
+
+def test_other_columns_are_passed_over_and_heave_is_assumed(
+    short: nw.CaptiveTests, ship_file: Path, tmp_path: Path
+) -> None:
+    frame = frame_of(short).drop(columns="heave").assign(remark="fine", roll=np.nan)
+    found = nw.read_captive(written(frame, tmp_path / "t.csv"), ship_file)
+    same(found, short)
+    assert found.notes == ("column 'heave' is absent: taken as 0",)
+
+
+def test_interleaved_tests_are_put_together(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
+    frame = frame_of(short)
+    mixed = frame.iloc[np.argsort(frame["t"].to_numpy(), kind="stable")]
+    found = nw.read_captive(written(mixed, tmp_path / "t.csv"), ship_file)
+    assert set(found.names) == set(short.names)
+    for name in short.names:
+        np.testing.assert_array_equal(found.test(name)["Y"], short.test(name)["Y"])
+
+
+def test_depths_make_conditions(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
+    frame = frame_of(short)
+    frame["depth"] = np.where(frame["test"].isin(short.names[:2]), 0.3, 0.2)
+    found = nw.read_captive(written(frame, tmp_path / "t.csv"), ship_file).by_condition()
+    assert {label: part.setting.canal.depth for label, part in found.items()} == {"h0.3": 0.3, "h0.2": 0.2}
+    assert nw.identify(found["h0.3"]).envelope.depth_to_draft == pytest.approx((0.3 / 0.163, 0.3 / 0.163))
+
+
+def test_where_selects_rows(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
+    found = nw.read_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file, where="test == 'sway'")
+    assert found.names == ("sway",)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_streamed_is_the_same_fit(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path, suffix: str) -> None:
+    path = written(frame_of(short), tmp_path / f"t{suffix}")
+    streamed, whole = nw.identify(nw.stream_captive(path, ship_file)), nw.identify(nw.read_captive(path, ship_file))
+    for name in nw.PAPER.names:
+        assert streamed.coefficients[name] == pytest.approx(whole.coefficients[name], rel=1e-9, abs=1e-12)
+    assert streamed.shapley("mean_abs")["Y"] == pytest.approx(whole.shapley("mean_abs")["Y"], rel=1e-9)
+
+
+def fhr(frame: pd.DataFrame) -> pd.DataFrame:
+    """Another ship's table in the layout of the SIMMAN planar-motion tests."""
+    units = {"x": ("x_m", 1), "y": ("y_m", 1), "psi": ("psi_deg", 57.29577951308232), "u": ("u_mps", 1),
+             "v": ("v_mps", 1), "r": ("r_degps", 57.29577951308232), "udot": ("udot_mps2", 1),
+             "vdot": ("vdot_mps2", 1), "rdot": ("rdot_degps2", 57.29577951308232), "heave": ("sinkage_mm", 1e3),
+             "X": ("X_N", 1), "Y": ("Y_N", 1), "N": ("N_Nm", 1)}  # fmt: skip
+    table = pd.DataFrame({new: frame[old] * scale for old, (new, scale) in units.items()})
+    kind = np.where(frame["test"].str.contains("sway"), "PMMY2", "PMMPSI2")
+    return table.assign(env="D1", test=frame["test"], type=kind, rud_given_deg=0.0)
+
+
+def test_another_ships_table_in_the_fhr_layout(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path, cli) -> None:
+    frame = fhr(frame_of(short))
+    swept = frame.iloc[:5].assign(rud_given_deg=20.0, Y_N=1e3)
+    path = written(pd.concat([frame, swept]), tmp_path / "t.csv")
+    found = nw.read_captive(path, ship_file)
+    same(found, short)
+    assert found.conditions == ("D1",) * len(short.names)
+    code, shown, _ = cli("identify", path, "--ship", ship_file, "--json")
+    assert code == 0
+    assert '"b_bank"' in shown

@@ -1,0 +1,77 @@
+"""The report: self-contained, complete, legible."""
+
+import re
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+from rich.console import Console
+
+import narrows as nw
+from narrows.report import banks, columns, motions, outcomes
+from narrows.report.page import write_report
+from narrows.report.terminal import print_fit
+
+
+@pytest.fixture(scope="module")
+def page(kcs_fits: dict[int, nw.Fit], tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_report({str(clearance): fit for clearance, fit in list(kcs_fits.items())[:2]}, path, "KCS")
+    return path.read_text()
+
+
+def test_page_needs_nothing_else(page: str) -> None:
+    assert not re.findall(r"(?:src|href)=\"(?!#)", page.replace("xlink:href", "").replace('href="#', ""))
+    assert "<script" not in page
+    assert page.count("<figure") == 16
+    assert len(page) < 4_000_000
+
+
+def test_page_says_everything(page: str, kcs_fits: dict[int, nw.Fit]) -> None:
+    for name, verdict in kcs_fits[100].verdicts.items():
+        assert f"<th>{name}</th>" in page
+        if verdict.status != "identified":
+            assert verdict.sentence(name).replace("'", "&#39;") in page
+    assert kcs_fits[100].tests.source.sha256 in page
+    assert kcs_fits[100].clusters.sentence in page
+
+
+def figures(fit: nw.Fit) -> list[Figure]:
+    tests, setting = fit.tests, fit.tests.setting
+    return [
+        motions.tests_figure(tests), outcomes.forces_figure(fit, tests), outcomes.intervals_figure(fit),
+        outcomes.shapley_figure(fit), columns.inflation_figure(fit), columns.correlation_figure(fit),
+        banks.delta_figure(setting, (0.0, 0.9)), banks.delta_surface_figure(setting),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("source", ["twin", "kcs"])
+def test_axes_carry_units(source: str, twin_fit: nw.Fit, kcs_fits: dict[int, nw.Fit]) -> None:
+    for figure in figures(twin_fit if source == "twin" else kcs_fits[20]):
+        labels = [text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel()) if text]
+        assert len(labels) >= 1
+        assert all("[" in text for text in labels), labels
+
+
+def test_terminal_fits_eighty_columns(kcs_fits: dict[int, nw.Fit]) -> None:
+    console = Console(width=80, record=True, highlight=False, file=open("/dev/null", "w"))  # noqa: SIM115
+    with console.file:
+        print_fit(kcs_fits[100], "deep", console)
+        shown = console.export_text()
+    assert max(map(len, shown.splitlines())) <= 80
+    rows = [line for line in shown.splitlines() if line.startswith("b_vdot ")]
+    assert "730" in rows[0]
+    assert "identified" in rows[0]
+
+
+def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
+    from tables import frame_of, written
+
+    fit = nw.identify(nw.stream_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file))
+    write_report({"": fit}, tmp_path / "r.html")
+    assert (tmp_path / "r.html").read_text().count("<figure") == 6
+
+
+def test_a_random_split_has_a_report(short: nw.CaptiveTests, tmp_path: Path) -> None:
+    write_report({"": nw.identify(short, split="random")}, tmp_path / "r.html")
+    assert "drawn at random with seed 0" in (tmp_path / "r.html").read_text()

@@ -1,0 +1,150 @@
+"""The solver against SciPy's stacked BVLS, against every active set by brute force, and against its own conditions."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import narrows as nw
+from narrows.identification.moments import accumulate
+from narrows.identification.problem import reduced
+from narrows.identification.solve import check, solve
+
+
+def stacked(tests: nw.CaptiveTests, terms: nw.TermTable = nw.PAPER) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Every row of every force in one matrix over the parameters, without our sums; forces; lower bounds."""
+    slots = {name: i for i, name in enumerate(n for n in terms.names if n != "c_vdot")}
+    slots["c_vdot"] = slots["b_rdot"]
+    values = {**tests.setting.values(), **tests.columns}
+    rows, right = [], []
+    for force, own in terms.forces.items():
+        matrix = np.zeros((tests.rows, len(slots) - 1))
+        for term in own:
+            matrix[:, slots[term.name]] = term.column(values)
+        rows.append(matrix)
+        right.append(tests.columns[force])
+    lower = np.full(len(slots) - 1, -np.inf)
+    for term in terms.terms:
+        lower[slots[term.name]] = max(lower[slots[term.name]], term.bound[0])
+    return np.vstack(rows), np.concatenate(right), lower
+
+
+@pytest.mark.parametrize("clearance", [100, 50, 20])
+def test_kcs_agrees_with_stacked_bvls(kcs_tests: dict[int, nw.CaptiveTests], clearance: int) -> None:
+    """To 1e-8 relative, on the very rows."""
+    tests = kcs_tests[clearance]
+    matrix, right, lower = stacked(tests)
+    live = np.any(matrix, axis=0)
+    scale = np.linalg.norm(matrix[:, live], axis=0)
+    found = lsq_linear(matrix[:, live] / scale, right, (lower[live] * scale, np.inf), method="bvls", tol=1e-15)
+    names = [name for name in nw.PAPER.names if name != "c_vdot"]
+    expected = dict(zip(np.array(names)[live], found.x / scale, strict=True))
+    fit = nw.identify(tests)
+    for name, value in expected.items():
+        assert fit.coefficients[name] == pytest.approx(value, rel=1e-8, abs=1e-10 / scale.max())
+    assert fit.coefficients["c_vdot"] == fit.coefficients["b_rdot"]
+    assert fit.kkt.satisfied
+
+
+def brute_force(h: np.ndarray, g: np.ndarray, lower: np.ndarray) -> np.ndarray:
+    """The best of all choices of parameters held at their bound."""
+    best, worth = np.zeros(len(g)), np.inf
+    for held in product([False, True], repeat=len(g)):
+        z = np.where(held, lower, 0.0)
+        free = ~np.array(held)
+        if not np.isfinite(z).all():
+            continue
+        z[free] = np.linalg.solve(h[np.ix_(free, free)], g[free] - h[np.ix_(free, ~free)] @ z[~free])
+        value = 0.5 * z @ h @ z - g @ z
+        if (z >= lower - 1e-12).all() and value < worth:
+            best, worth = z, value
+    return best
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_solver_agrees_with_every_active_set(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    matrix = draw.normal(size=(20, 6)) @ draw.normal(size=(6, 6))
+    matrix /= np.linalg.norm(matrix, axis=0)
+    h, g = matrix.T @ matrix, matrix.T @ draw.normal(size=20)
+    lower = np.where(draw.random(6) < 0.7, 0.0, -np.inf)
+    solution = solve(h, g, lower, np.full(6, np.inf))
+    np.testing.assert_allclose(solution.z, brute_force(h, g, lower), rtol=1e-7, atol=1e-9)
+    assert solution.kkt.satisfied
+
+
+def test_conditions_fail_at_a_wrong_point() -> None:
+    h, g, lower, upper = np.eye(2), np.array([1.0, -1.0]), np.zeros(2), np.full(2, np.inf)
+    assert check(h, g, np.array([1.0, 0.0]), lower, upper).satisfied
+    assert check(h, g, np.array([0.5, 0.0]), lower, upper).stationarity == pytest.approx(0.5)
+    assert check(h, g, np.array([0.0, 0.0]), lower, upper).multiplier == pytest.approx(1.0)
+    assert check(h, g, np.array([1.0, -0.1]), lower, upper).infeasibility == pytest.approx(0.1)
+
+
+def test_a_direction_without_data_stays_at_its_smallest_norm() -> None:
+    matrix = np.array([[1.0, 1.0], [2.0, 2.0]]) / np.sqrt(5)
+    h, g = matrix.T @ matrix, matrix.T @ np.array([1.0, 2.0])
+    z = solve(h, g, np.full(2, -np.inf), np.full(2, np.inf)).z
+    np.testing.assert_allclose(z, [np.sqrt(5) / 2] * 2)
+
+
+def test_sums_are_those_of_the_rows(short: nw.CaptiveTests) -> None:
+    moments, envelope = accumulate(short, nw.PAPER)
+    matrix, right, _ = stacked(short)
+    h, g = reduced(moments, nw.PAPER).normal(moments.total)
+    scale = reduced(moments, nw.PAPER).scale
+    order = [reduced(moments, nw.PAPER).slot[name] for name in nw.PAPER.names if name != "c_vdot"]
+    np.testing.assert_allclose(
+        (h * np.outer(scale, scale))[np.ix_(order, order)], matrix.T @ matrix, rtol=1e-10, atol=1e-9
+    )
+    np.testing.assert_allclose((g * scale)[order], matrix.T @ right, rtol=1e-9, atol=1e-7)
+    assert envelope.abs_y == (pytest.approx(0.0, abs=0.05), pytest.approx(np.abs(short.columns["y"]).max()))
+
+
+def test_variance_weights_scale_each_force(short: nw.CaptiveTests) -> None:
+    matrix, right, lower = stacked(short)
+    weight = np.concatenate([np.full(short.rows, 1 / short.columns[f].std()) for f in ("X", "Y", "N")])
+    live = np.any(matrix, axis=0)
+    scaled = matrix[:, live] * weight[:, None]
+    norm = np.linalg.norm(scaled, axis=0)
+    found = lsq_linear(scaled / norm, right * weight, (lower[live] * norm, np.inf), method="bvls", tol=1e-15).x / norm
+    names = np.array([name for name in nw.PAPER.names if name != "c_vdot"])[live]
+    fit = nw.identify(short, weights="variance")
+    for name, value in zip(names, found, strict=True):
+        assert fit.coefficients[name] == pytest.approx(value, rel=1e-6, abs=1e-8)
+
+
+def test_left_out_scores_and_standard_errors_are_those_of_explicit_refits() -> None:
+    from tables import many_runs
+
+    tests = nw.twin(runs=many_runs(), rate=4.0, seed=1)
+    fit = nw.identify(tests)
+    assert fit.clusters.by_test
+    refits, error = [], 0.0
+    for i, _ in enumerate(tests.names):
+        kept = [j != i for j in range(len(tests.names))]
+        refit = nw.identify(tests.where(kept))
+        refits.append([refit.coefficients[n] for n in nw.PAPER.names])
+        out = tests.where([not k for k in kept])
+        error += ((out.columns["Y"] - refit.model.forces(motion_of(out))["Y"]) ** 2).sum()
+    spread = ((tests.columns["Y"] - tests.columns["Y"].mean()) ** 2).sum()
+    assert fit.left_out["Y"].r2 == pytest.approx(1 - error / spread, rel=1e-9)
+    moved = np.array(refits) - [fit.coefficients[n] for n in nw.PAPER.names]
+    size = np.sqrt(np.diag(fit.covariance))
+    live = size > 0
+    scaled = 11 / 12 * (moved.T @ moved)[np.ix_(live, live)] / np.outer(size[live], size[live])
+    np.testing.assert_allclose(fit.covariance[np.ix_(live, live)] / np.outer(size[live], size[live]), scaled, atol=1e-6)
+
+
+def motion_of(tests: nw.CaptiveTests) -> nw.Motion:
+    return nw.Motion(**{n: c for n, c in tests.columns.items() if n in nw.Motion().values()})
+
+
+def test_scores_from_sums_are_those_from_rows(short: nw.CaptiveTests) -> None:
+    fit = nw.identify(short)
+    estimated = fit.model.forces(motion_of(short))
+    for force, own in fit.scores.items():
+        residual = short.columns[force] - estimated[force]
+        assert own.rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)
+        assert own.r2 == pytest.approx(1 - residual.var() / short.columns[force].var(), abs=0.02)

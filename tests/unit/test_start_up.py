@@ -1,0 +1,28 @@
+"""What is imported when: start-up counts."""
+
+import subprocess
+import sys
+
+HEAVY = ("pandas", "scipy", "matplotlib", "sympy", "numba", "xarray")
+
+
+def loaded_by(code: str) -> set[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\nimport sys; print(*sys.modules)"], capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.split())
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    assert not loaded_by("import narrows") & set(HEAVY)
+
+
+def test_identification_needs_no_compiler() -> None:
+    code = "import narrows as nw; nw.identify(nw.twin(rate=1.0)).summary()"
+    assert not loaded_by(code) & {"numba", "sympy", "matplotlib"}
+
+
+def test_one_voyage_needs_no_compiler() -> None:
+    code = "import narrows as nw; nw.simulate(nw.published('mikkelsen2025_dtc'), y=1.0)"
+    loaded_by(code)  # the first run may trace; the second finds what it wrote
+    assert not loaded_by(code) & {"numba", "sympy", "pandas", "xarray", "matplotlib"}
