@@ -77,10 +77,7 @@ def demo(
     from narrows.identification.conditions import identify_each
     from narrows.measured import measured_tests
 
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be made a folder ({error.strerror}); choose another") from None
+    _folder(out)
     fits = identify_each(measured_tests("kcs"))
     publish(fits, "kcs", out / "kcs.toml", out / "report.html", json)
 
@@ -189,6 +186,32 @@ def map_(
         save_figure(map_figure(voyages, chosen.setting, within), plot)
     summary = map_summary(voyages)
     _print_json(summary) if json else typer.echo(summary["says"])
+
+
+@app.command(epilog="Example: narrows reproduce --out paper")
+def reproduce(
+    out: Annotated[Path, typer.Option(help="Folder for report.html.")] = Path("out"),
+    json: AsJson = False,
+) -> None:
+    """Make every table and figure of the paper again, ours beside its own numbers."""
+    from narrows.report.paper import write_reproduction
+
+    _folder(out)
+    numbers = write_reproduction(out / "report.html", lambda doing: typer.echo(f"{doing} ...", err=True))
+    if json:
+        _print_json(numbers)
+        return
+    for reading in numbers["readings"]:
+        where = "nowhere" if reading["switch"] is None else f"from y(0) = {reading['switch']:.2f} m"
+        typer.echo(f"grounds on the near bank {where}: {reading['name']}")
+    typer.echo(f"wrote {out / 'report.html'}")
+
+
+def _folder(path: Path) -> None:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be made a folder ({error.strerror}); choose another") from None
 
 
 def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Path | None, json: bool) -> None:

@@ -8,7 +8,7 @@ class Dimension(NamedTuple):
 
     Parameters
     ----------
-    mass, length, time : int
+    mass, length, time : int [1]
         Exponents of kg, m and s.
     """
 

@@ -21,7 +21,9 @@ def near_miss(word: str, known: Iterable[str]) -> str:
     known : iterable of str
         What would have been understood.
     """
-    near = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
+    known = sorted(known)
+    same = [own for own in known if own.lower() == word.lower()]
+    near = same or get_close_matches(word, known, n=1, cutoff=0.6)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 

@@ -144,12 +144,10 @@ def _own_constants(fields: Fields) -> list[str]:
 def _step(fields: Fields) -> Iterator[str]:
     yield "least_cos, most_speed, most_rate = limits[LEAST_COS], limits[MOST_SPEED], limits[MOST_RATE]"
     for stage in (1, 2, 3, 4):
+        yield "all_well = True"
         yield "for lane in range(LANES):"
         yield from (f"    {line}" for line in _stage(stage, fields))
-    yield "flagged = real(0.0)"
-    yield "for lane in range(LANES):"
-    yield f"    flagged += {fields['flag']}"
-    yield "return int(flagged)"
+    yield "return not all_well"
 
 
 def _stage(stage: int, fields: Fields) -> Iterator[str]:
@@ -187,3 +185,4 @@ def _last(fields: Fields, pairs: list[tuple[str, str]]) -> Iterator[str]:
     yield "well = (room > real(0.0)) & (left > real(0.0)) & (cos_psi > least_cos)"
     yield "well = well & (abs(v) < most_speed) & (abs(r) < most_rate) & (abs(u) < most_speed)"
     yield f"{fields['flag']} = real(0.0) if well else real(1.0)"
+    yield "all_well = all_well & well"

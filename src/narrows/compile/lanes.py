@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     def lean(y: float, cos_psi: float, sin_psi: float, *constants: float) -> float:
         """Positive where starboard is the nearer bank."""
 
-    def step(block: Array, limits: Array, constants: Any) -> int:
-        """Step every lane; return how many want attention."""
+    def step(block: Array, limits: Array, constants: Any) -> bool:
+        """Step every lane; return whether any wants attention."""
 
     def uniform(constants: Array) -> Any:
         """Give the constants of the whole fleet."""
@@ -187,14 +187,11 @@ def fleet(
     for lane in range(LANES):
         park(block, lane)
         block[FLAG * LANES + lane] = 1
-    flagged = LANES
+    flagged = True
     while True:
-        for lane in range(LANES):
-            if flagged == 0:
-                break
+        for lane in range(LANES if flagged else 0):
             if block[FLAG * LANES + lane] == 0:
                 continue
-            flagged -= 1
             vessel = who[lane]
             if vessel >= 0:
                 own = of_lane(block, lane, shared)

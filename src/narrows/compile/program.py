@@ -222,6 +222,7 @@ class Program:
                 result = (np.nan,)
         if not all(np.isfinite(value).all() for value in result):
             raise InputError(
-                "the mass matrix cannot be inverted; check the inertia coefficients, and where surge is free give surge_inertia"
+                "the mass matrix cannot be inverted; check the inertia coefficients, "
+                "and where surge is free give surge_inertia"
             )
         return tuple(result)

@@ -46,7 +46,7 @@ def correlation_figure(fit: Fit) -> Figure:
     return figure
 
 
-def _matrix(panel, diagnosis: Diagnosis, terms: TermTable):  # type: ignore[no-untyped-def]  # noqa: ANN202
+def _matrix(panel, diagnosis: Diagnosis, terms: TermTable):  # type: ignore[no-untyped-def]
     values = diagnosis.correlation
     panel.set_facecolor("#DDDDDD")
     image = panel.imshow(values, cmap="PuOr", vmin=-1, vmax=1)
@@ -81,8 +81,8 @@ def inflation_figure(fit: Fit) -> Figure:
         own = {n: d.vif[n] for d in found.values() for n in d.names}
         style = {"color": COLOURS[i % 6], "marker": MARKERS[i % 6], "linestyle": "none", "markersize": 5}
         panel.plot(range(len(names)), [_finite(own[n]) for n in names], label=f"{speed:.2f} m/s alone", **style)
-    for limit, style in ((VIF_LIMIT, "--"), (VIF_LIMIT_ONE_SPEED, ":")):
-        panel.axhline(limit, color=GREY, linestyle=style, linewidth=0.9)
+    for limit, dashes in ((VIF_LIMIT, "--"), (VIF_LIMIT_ONE_SPEED, ":")):
+        panel.axhline(limit, color=GREY, linestyle=dashes, linewidth=0.9)
     panel.set(yscale="log", ylabel="variance inflation [1]", xlabel="coefficient [-]")
     panel.set_xticks(range(len(names)), symbols(fit.terms, names))
     panel.grid(alpha=0.3, axis="y")

@@ -70,12 +70,12 @@ def intervals_figure(fit: Fit) -> Figure:
         size, sure = abs(fit.coefficients[name]), fit.verdicts[name].status == IDENTIFIED
         low, high = (end / size for end in fit.intervals[name])
         panel.plot([low, high], [i, i], color=BLUE if sure else ORANGE, linestyle="-" if sure else "--")
-        face = BLUE if sure else "white"
-        panel.plot(fit.coefficients[name] / size, i, "o", markerfacecolor=face, markeredgecolor=BLUE if sure else ORANGE)
+        face, edge = (BLUE, BLUE) if sure else ("white", ORANGE)
+        panel.plot(fit.coefficients[name] / size, i, "o", markerfacecolor=face, markeredgecolor=edge)
     panel.axvline(0, color=BLACK, linewidth=0.7)
     panel.set_yticks(range(len(names)), symbols(fit.terms, names))
     panel.set(xlim=(-3.5, 3.5), ylim=(len(names) - 0.5, -0.5), ylabel="coefficient [-]")
-    panel.set_xlabel("value and 95 % interval over the size of the value [1]; filled: identified, open: weakly or at its bound")
+    panel.set_xlabel("value and 95 % interval over the size of the value [1]; filled: identified, open: weakly")
     panel.grid(alpha=0.3, axis="x")
     return figure
 

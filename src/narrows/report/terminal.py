@@ -67,7 +67,8 @@ def kkt_sentence(fit: Fit) -> str:
 def _coefficients(fit: Fit) -> Table:
     table = Table(box=None, pad_edge=False)
     for header in ("", "value", "std. error", "95 % interval", "unit", ""):
-        table.add_column(header, justify="right" if header in ("value", "std. error", "95 % interval") else "left", no_wrap=True)
+        number = header in ("value", "std. error", "95 % interval")
+        table.add_column(header, justify="right" if number else "left", no_wrap=True)
     for name in fit.terms.names:
         status, std = fit.verdicts[name].status, fit.std[name]
         colour = COLOURS.get(status, "red")

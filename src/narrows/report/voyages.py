@@ -1,7 +1,7 @@
 """Pictures of voyages: paths in the canal, and maps of where ships ground."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -147,6 +147,34 @@ def hull(voyage: Voyage, i: int, setting: Setting, colour: str, alpha: float = 0
     return Polygon(place, closed=True, facecolor=colour, edgecolor="black", linewidth=0.6, alpha=alpha)
 
 
+def distances_figure(
+    distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], setting: Setting
+) -> Figure:
+    """Draw the distance to grounding against the clearance at the start, a line a reading (fig. ground_dist).
+
+    Parameters
+    ----------
+    distances : mapping of str to DataArray [m]
+        Over ``y``.
+    sides : mapping of str to DataArray
+        Where each grounds; thick where to starboard.
+    setting : Setting
+        Ship and canal.
+    """
+    figure = Figure(figsize=(7.2, 3.8), layout="constrained")
+    axes = figure.subplots()
+    edge = (setting.canal.width - setting.ship.beam) / 2
+    for i, (name, distance) in enumerate(distances.items()):
+        clearance, colour = edge - distance["y"], (BLUE, ORANGE, "#009E73", "#CC79A7")[i % 4]
+        axes.plot(clearance, distance, color=colour, linestyle=("-", "--", "-.", ":")[i % 4], label=name)
+        axes.plot(clearance, distance.where(sides[name] > 0), color=colour, linewidth=4, alpha=0.5)
+    axes.set_xlabel("starboard clearance at the start $y_s(0)$ [m]; thick: grounds to starboard")
+    axes.set_ylabel("distance to grounding [m]")
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False)
+    return figure
+
+
 def map_figure(voyages: xr.Dataset, setting: Setting, within: float | None = None) -> Figure:
     """Draw a map of voyages: distance to grounding over one or two dimensions, or its probability.
 
@@ -181,7 +209,7 @@ def map_figure(voyages: xr.Dataset, setting: Setting, within: float | None = Non
 
 
 def _scaled(quantity: xr.DataArray, name: str) -> np.ndarray:
-    values = quantity[name].to_numpy()
+    values: np.ndarray = quantity[name].to_numpy()
     return np.degrees(values) if name == "psi" else values
 
 
@@ -221,5 +249,9 @@ def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArra
 def _clearance_on_top(axes: Axes, setting: Setting) -> None:
     """The paper's own axis: starboard clearance at the start."""
     edge = (setting.canal.width - setting.ship.beam) / 2
-    top: Any = axes.secondary_xaxis("top", functions=(lambda y: edge - y, lambda clearance: edge - clearance))
+
+    def other_side(value: Any) -> Any:
+        return edge - value
+
+    top: Any = axes.secondary_xaxis("top", functions=(other_side, other_side))
     top.set_xlabel("starboard clearance at the start $y_s(0)$ [m]")

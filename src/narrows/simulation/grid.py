@@ -66,6 +66,17 @@ class Grid:
         """
         return tuple(block if name == self.axis else slice(None) for name in self.sizes)
 
+    def part(self, block: slice) -> "Grid":
+        """Return one block as a grid of its own, to send elsewhere.
+
+        Parameters
+        ----------
+        block : slice
+            Of the longest dimension.
+        """
+        values = {n: v.isel({self.axis: block}) if self.axis in v.dims else v for n, v in self.values.items()}
+        return Grid(values, {**self.sizes, self.axis: block.stop - block.start})
+
     def flat(self, block: slice) -> tuple[dict[str, np.ndarray | float], tuple[int, ...]]:
         """Return every value over one block of vessels: one number, or one a vessel, and the block's shape.
 

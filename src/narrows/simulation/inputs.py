@@ -1,19 +1,26 @@
 """What drives the ship beside the water: constant or scheduled surge force, sway force and yaw moment."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError
 
 Schedule = float | Sequence[Sequence[float]]
-"""A constant, or pairs of (time [s], value): each value holds from its time until the next."""
-
-Forces = Callable[[float], tuple[float, float, float]]
+"""A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first."""
 
 
-def forces_over_time(X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0) -> Forces:
-    """Return the three inputs as one function of time (ours).
+class Stretch(NamedTuple):
+    """A time [s] over which the surge force, sway force [N] and yaw moment [N m] are constant."""
+
+    start: float
+    stop: float
+    forces: tuple[float, float, float]
+
+
+def stretches(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Stretch]:
+    """Cut a voyage where its inputs jump, so that no step reaches over a jump (ours).
 
     Parameters
     ----------
@@ -21,27 +28,34 @@ def forces_over_time(X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0) ->
         Surge and sway force.
     N : float or pairs [N m]
         Yaw moment.
+    stop : float [s]
+        End of the voyage.
 
     Raises
     ------
     InputError
         Where a schedule is not pairs of finite numbers in rising time.
     """
-    parts = [_one(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
-    if all(isinstance(part, float) for part in parts):
-        constant = tuple(parts)
-        return lambda t: constant  # type: ignore[return-value]
-    functions = [part if callable(part) else (lambda t, value=part: value) for part in parts]
-    return lambda t: tuple(function(t) for function in functions)  # type: ignore[return-value]
+    tables = [_table(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
+    jumps = sorted({0.0, *(t for times, _ in tables for t in times.tolist() if 0 < t < stop)})
+    return [
+        Stretch(begin, end, (_value(tables[0], begin), _value(tables[1], begin), _value(tables[2], begin)))
+        for begin, end in zip(jumps, [*jumps[1:], stop], strict=True)
+    ]
 
 
-def _one(name: str, schedule: Schedule) -> float | Callable[[float], float]:
+def _value(table: tuple[np.ndarray, np.ndarray], t: float) -> float:
+    times, values = table
+    place = int(np.searchsorted(times, t, side="right")) - 1
+    return float(values[place]) if place >= 0 else 0.0
+
+
+def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
     values = np.asarray(schedule, dtype=float)
-    if values.ndim == 0 and np.isfinite(values):
-        return float(values)
+    if values.ndim == 0:
+        values = np.array([[0.0, float(values)]])
     if values.ndim != 2 or values.shape[1] != 2 or not np.isfinite(values).all():
         raise InputError(f"input {name} must be a finite number or pairs of (time, value)")
-    times, steps = values[:, 0], values[:, 1]
-    if (np.diff(times) <= 0).any():
+    if (np.diff(values[:, 0]) <= 0).any():
         raise InputError(f"input {name}: the times of its schedule must rise")
-    return lambda t: float(steps[np.searchsorted(times, t, side="right") - 1]) if t >= times[0] else 0.0
+    return values[:, 0], values[:, 1]

@@ -6,34 +6,32 @@ from functools import partial
 from itertools import pairwise
 from typing import Any, Protocol
 
-from narrows.simulation.inputs import Forces
-
 State = tuple[float, ...]
 """x, y [m], cos psi, sin psi, u, v [m/s], r [rad/s]."""
 
-Rate = Callable[[State, tuple[float, float, float]], State]
-"""Time derivative of the state under surge force, sway force and yaw moment."""
+Row = tuple[float, State]
+"""Time [s] and state."""
+
+Rate = Callable[[State], State]
+"""Time derivative of the state."""
 
 Gap = Callable[[State], float]
 """Positive while the voyage goes on."""
 
 GAP_TOLERANCE = 1e-9
 """How near to contact the end is placed, in metres of gap."""
+MOST_TRIES = 60
 
 
 class Method(Protocol):
-    """A way to integrate: yields (t, state) at each output time, and last where the gap closed."""
+    """A way to integrate: yields a row at each time after the first, and last the one where the gap closed."""
 
-    def __call__(
-        self, rate: Rate, start: State, times: Sequence[float], forces: Forces, gap: Gap, dt: float
-    ) -> Iterator[tuple[float, State]]:
+    def __call__(self, rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
         """Integrate."""
 
 
-def rk4(
-    rate: Rate, start: State, times: Sequence[float], forces: Forces, gap: Gap, dt: float
-) -> Iterator[tuple[float, State]]:
-    """Classical Runge-Kutta in steps of dt, shortened to meet each output time (ours).
+def rk4(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
+    """March by classical Runge-Kutta in steps of dt, shortened to meet each output time (ours).
 
     Parameters
     ----------
@@ -43,30 +41,27 @@ def rk4(
         State at the first time.
     times : sequence of float [s]
         When to report.
-    forces : callable
-        Inputs over time.
     gap : callable
         The voyage ends inside the step in which it turns negative.
     dt : float [s]
         Longest step.
     """
     state = start
-    yield times[0], state
     for begin, stop in pairwise(times):
         steps = max(1, math.ceil((stop - begin) / dt - 1e-9))
         h = (stop - begin) / steps
         for i in range(steps):
-            t = begin + i * h
-            after = rk4_step(rate, state, t, h, forces)
+            after = rk4_step(rate, state, h)
             if not gap(after) > 0:
-                yield located(partial(_part_of_step, rate, state, t, forces), h, gap)
+                part, end = located(partial(rk4_step, rate, state), h, gap)
+                yield begin + i * h + part, end
                 return
             state = after
         yield stop, state
 
 
-def rk4_step(rate: Rate, state: State, t: float, h: float, forces: Forces) -> State:
-    """One step of Runge-Kutta of order 4, with the heading brought back to the unit circle (ours).
+def rk4_step(rate: Rate, state: State, h: float) -> State:
+    """Take one step of Runge-Kutta of order 4, with the heading brought back to the unit circle (ours).
 
     Parameters
     ----------
@@ -74,16 +69,13 @@ def rk4_step(rate: Rate, state: State, t: float, h: float, forces: Forces) -> St
         Right-hand side.
     state : tuple of float
         Before the step.
-    t, h : float [s]
-        Time and step.
-    forces : callable
-        Inputs over time.
+    h : float [s]
+        The step.
     """
-    early, middle, late = forces(t), forces(t + h / 2), forces(t + h)
-    k1 = rate(state, early)
-    k2 = rate(_moved(state, k1, h / 2), middle)
-    k3 = rate(_moved(state, k2, h / 2), middle)
-    k4 = rate(_moved(state, k3, h), late)
+    k1 = rate(state)
+    k2 = rate(_moved(state, k1, h / 2))
+    k3 = rate(_moved(state, k2, h / 2))
+    k4 = rate(_moved(state, k3, h))
     new = [z + h / 6 * (a + 2 * b + 2 * c + d) for z, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)]
     unit = 1.5 - 0.5 * (new[2] * new[2] + new[3] * new[3])
     new[2] *= unit
@@ -91,45 +83,39 @@ def rk4_step(rate: Rate, state: State, t: float, h: float, forces: Forces) -> St
     return tuple(new)
 
 
-def _part_of_step(rate: Rate, state: State, t: float, forces: Forces, part: float) -> tuple[float, State]:
-    return t + part, rk4_step(rate, state, t, part, forces)
-
-
 def _moved(state: State, slope: State, h: float) -> State:
     return tuple(z + h * k for z, k in zip(state, slope, strict=True))
 
 
-def located(at: Callable[[float], tuple[float, State]], h: float, gap: Gap) -> tuple[float, State]:
-    """Find where inside a step the gap closes, by bisection with secants (ours).
+def located(step: Callable[[float], State], h: float, gap: Gap) -> tuple[float, State]:
+    """Find where inside a step the gap closes: two secants, a bisection, and again (ours).
 
     Parameters
     ----------
-    at : callable
-        Time and state a part of the step further.
+    step : callable
+        State after a part of the step.
     h : float [s]
-        The step.
+        The whole step.
     gap : callable
         Positive before, not positive after.
     """
-    low, high, best = 0.0, h, at(h)
-    above, below = gap(at(0.0)[1]), gap(best[1])
-    for i in range(60):
-        guess = low + (high - low) * above / (above - below) if i % 3 < 2 and math.isfinite(below) else (low + high) / 2
-        best = at(guess)
-        found = gap(best[1])
+    low, high = 0.0, h
+    above, below = gap(step(0.0)), gap(step(h))
+    for tries in range(MOST_TRIES):
+        secant = tries % 3 < 2 and math.isfinite(below)
+        guess = low + (high - low) * (above / (above - below) if secant else 0.5)
+        found = gap(step(guess))
         if abs(found) < GAP_TOLERANCE:
-            break
+            return guess, step(guess)
         if found > 0:
             low, above = guess, found
         else:
             high, below = guess, found
-    return best
+    return low, step(low)
 
 
-def dop853(
-    rate: Rate, start: State, times: Sequence[float], forces: Forces, gap: Gap, dt: float
-) -> Iterator[tuple[float, State]]:
-    """SciPy's DOP853 at a relative tolerance of 1e-10, the gap as a terminal event (ours).
+def dop853(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
+    """March by SciPy's DOP853 at a relative tolerance of 1e-10, the gap as a terminal event (ours).
 
     Parameters
     ----------
@@ -139,22 +125,20 @@ def dop853(
         State at the first time.
     times : sequence of float [s]
         When to report.
-    forces : callable
-        Inputs over time.
     gap : callable
         The voyage ends where it turns negative.
     dt : float [s]
-        Longest step, as jumps of the inputs must not be passed over.
+        Not used: the method chooses its steps.
     """
     from scipy.integrate import solve_ivp
 
-    def event(t: float, z: State) -> float:
+    def closed(_: float, z: Any) -> float:
         return gap(tuple(z))
 
-    event.terminal = True  # type: ignore[attr-defined]
-    found: Any = solve_ivp(  # type: ignore[call-overload]
-        lambda t, z: rate(tuple(z), forces(t)), (times[0], times[-1]), start, method="DOP853", t_eval=times,
-        events=event, rtol=1e-10, atol=1e-12, max_step=max(dt, (times[-1] - times[0]) / 1000),
+    closed.terminal = True  # type: ignore[attr-defined]
+    found: Any = solve_ivp(
+        lambda _, z: rate(tuple(z)), (times[0], times[-1]), start, method="DOP853", t_eval=times[1:],
+        events=closed, rtol=1e-10, atol=1e-12,
     )  # fmt: skip
     yield from zip(found.t.tolist(), map(tuple, found.y.T.tolist()), strict=True)
     if found.t_events[0].size:

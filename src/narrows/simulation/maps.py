@@ -86,7 +86,8 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     count = {code.name.lower(): int((outcome == code).sum()) for code in Code}
     sides = {"starboard": int((side > 0).sum()), "port": int((side < 0).sum())}
     near = float(np.nanmin(distance)) if count["grounded"] else None
-    said = f"{outcome.size} voyages: {count['grounded']} ground ({sides['starboard']} to starboard, {sides['port']} to port)"
+    where = f"{sides['starboard']} to starboard, {sides['port']} to port"
+    said = f"{outcome.size} voyages: {count['grounded']} ground ({where})"
     nearest = f", the nearest after {near:.2f} m" if near is not None else ""
     rest = f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal"
     return {

@@ -43,28 +43,28 @@ def run_into(path: Path, fleet: Fleet, grid: Grid, client: Any, progress: bool) 
     blocks = list(grid.blocks(TASK_VESSELS))
     group = _opened(path, fleet, grid, blocks)
     left = [number for number, done in enumerate(group[DONE][:]) if not done]
-    here = client is None
+    tasks = _tasks(path, fleet, grid, blocks, left)
     with bar(grid.vessels, progress) as advance:
         advance(sum(_vessels(grid, block) for i, block in enumerate(blocks) if i not in left))
-        for number in (
-            _here(path, fleet, grid, blocks, left) if here else _there(client, path, fleet, grid, blocks, left)
-        ):
+        for number in _here(tasks) if client is None else _there(client, tasks):
             advance(_vessels(grid, blocks[number]))
     found = xr.open_zarr(path, consolidated=False)
     return found.drop_vars(DONE).assign_attrs(complete=int(bool(found[DONE].all())))
 
 
-def run_block(path: str, shared: tuple[Fleet, Grid], block: slice, number: int) -> int:
+def run_block(path: str, fleet: Fleet, part: Grid, region: tuple[slice, ...], number: int) -> int:
     """Run one block, write its region, then mark it done; doing it again changes nothing (ours).
 
     Parameters
     ----------
     path : str
         The Zarr folder.
-    shared : pair of Fleet and Grid
-        How to run, and what varies.
-    block : slice
-        Of the longest dimension.
+    fleet : Fleet
+        How to run.
+    part : Grid
+        What varies in this block.
+    region : tuple of slice
+        Where the block lies among all vessels.
     number : int
         Of the block.
 
@@ -75,30 +75,35 @@ def run_block(path: str, shared: tuple[Fleet, Grid], block: slice, number: int) 
     """
     import zarr
 
-    fleet, grid = shared
     group = zarr.open_group(path, mode="r+")
-    values, shape = grid.flat(block)
+    values, shape = part.flat(slice(0, part.sizes[part.axis]))
     for name, column in fleet.run(values, math.prod(shape)).items():
-        group[name][grid.region(block)] = column.reshape(shape)
+        group[name][region] = column.reshape(shape)
     group[DONE][number] = True
     return number
 
 
-def _here(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice], left: list[int]) -> Iterator[int]:
+Tasks = Iterator[tuple[str, Fleet, Grid, tuple[slice, ...], int]]
+
+
+def _tasks(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice], left: list[int]) -> Tasks:
+    for number in left:
+        yield str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number
+
+
+def _here(tasks: Tasks) -> Iterator[int]:
     try:
-        for number in left:
-            run_block(str(path), (fleet, grid), blocks[number], number)
-            yield number
+        for task in tasks:
+            yield run_block(*task)
     except KeyboardInterrupt:
         return
 
 
-def _there(client: Any, path: Path, fleet: Fleet, grid: Grid, blocks: list[slice], left: list[int]) -> Iterator[int]:
+def _there(client: Any, tasks: Tasks) -> Iterator[int]:
+    """Each task carries all it needs, so that a worker's death costs that task and no more."""
     from dask.distributed import as_completed
 
-    shared = client.scatter((fleet, grid), broadcast=True, hash=False)
-    place = str(path.resolve())
-    futures = [client.submit(run_block, place, shared, blocks[i], i, pure=False, retries=3) for i in left]
+    futures = [client.submit(run_block, *task, pure=False, retries=3) for task in tasks]
     for future in as_completed(futures):
         yield int(future.result())
 

@@ -12,8 +12,8 @@ from narrows.compile import Limits
 from narrows.errors import InputError, did_you_mean
 from narrows.model import Model
 from narrows.simulation import outcome as end
-from narrows.simulation.inputs import Forces, Schedule, forces_over_time
-from narrows.simulation.integrate import METHODS, State
+from narrows.simulation.inputs import Schedule, Stretch, stretches
+from narrows.simulation.integrate import METHODS, Rate, Row, State
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
 from narrows.simulation.ship import Outline, SimulatedShip
@@ -152,44 +152,55 @@ def simulate(
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     start = (x, y, math.cos(psi), math.sin(psi), u, v, r)
     _check_afloat(ship, start)
-    rows = _rows(ship, start, _times(duration, dt, at), forces_over_time(X, Y, N), dt, method)
-    return _voyage(rows, ship, psi)
+    times = _times(duration, dt, at)
+    rows = _rows(ship, start, times, stretches(X, Y, N, times[-1]), dt, method)
+    return _voyage(rows, ship, psi, times[-1])
 
 
 def _rows(
-    ship: SimulatedShip, start: State, times: list[float], forces: Forces, dt: float, method: str
-) -> list[tuple[float, State]]:
-    rhs, room, constants = ship.program.rhs, ship.program.gap, ship.constants
-
-    def rate(state: State, pushed: tuple[float, float, float]) -> State:
-        return tuple(rhs(*state, *pushed, *constants))
+    ship: SimulatedShip, start: State, times: list[float], pushes: list[Stretch], dt: float, method: str
+) -> list[Row]:
+    room, constants = ship.program.gap, ship.constants
 
     def gap(state: State) -> float:
         """Metres to the bank, cut off where the model ends."""
         _, y, c, s, *_ = state
         return min(room(y, c, s, *constants), c - WIDEST) if _sane(state) else -math.inf
 
-    return list(METHODS[method](rate, start, times, forces, gap, dt))
+    rows = [(0.0, start)]
+    for push in pushes:
+        own = [push.start, *(t for t in times if push.start < t < push.stop), push.stop]
+        rows += METHODS[method](_rate(ship, push.forces), rows[-1][1], own, gap, dt)
+        if rows[-1][0] < push.stop:
+            break
+    wanted = {*times, rows[-1][0]}
+    return [row for row in rows if row[0] in wanted]
 
 
-def _voyage(rows: list[tuple[float, State]], ship: SimulatedShip, psi: float) -> Voyage:
+def _rate(ship: SimulatedShip, forces: tuple[float, float, float]) -> Rate:
+    rhs, tail = ship.program.rhs, (*forces, *ship.constants)
+    return lambda state: tuple(rhs(*state, *tail))
+
+
+def _voyage(rows: list[Row], ship: SimulatedShip, psi: float, stop: float) -> Voyage:
     t, x, y, c, s, u, v, r = np.array([(t, *state) for t, state in rows]).T
     # Whole turns of the start are kept; the heading never turns far from there.
     heading = np.arctan2(s, c) + (psi - math.atan2(math.sin(psi), math.cos(psi)))
     columns = {"t": t, "x": x, "y": y, "psi": heading, "u": u, "v": v, "r": r}
     state = {name: float(column[-1]) for name, column in columns.items() if name != "t"}
-    kind, side = _kind_and_side(rows[-1][1], ship)
+    kind, side = _kind_and_side(rows[-1], ship, stop)
     beyond = beyond_envelope(ship.model.envelope, columns)
     return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond))
 
 
-def _kind_and_side(state: State, ship: SimulatedShip) -> tuple[str, str | None]:
-    _, y, c, s, *_ = state
-    if not _sane(state):
-        return end.DIVERGED, None
+def _kind_and_side(last: Row, ship: SimulatedShip, stop: float) -> tuple[str, str | None]:
+    t, (_, y, c, s, *_) = last
     if ship.program.gap(y, c, s, *ship.constants) <= CONTACT:
         return end.GROUNDED, "starboard" if ship.program.lean(y, c, s, *ship.constants) > 0 else "port"
-    return end.LEFT_VALIDITY if c <= WIDEST + CONTACT else end.AFLOAT, None
+    if c <= WIDEST + CONTACT:
+        return end.LEFT_VALIDITY, None
+    # What ends before its time, neither aground nor across, has run out of sane numbers.
+    return (end.AFLOAT if t >= stop and _sane(last[1]) else end.DIVERGED), None
 
 
 def _sane(state: State) -> bool:

@@ -1,0 +1,54 @@
+"""The paper's simulations, and what an independent reckoning of them gave."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import narrows as nw
+
+
+def test_the_bank_makes_the_pair_unstable(dtc: nw.Model) -> None:
+    found = nw.eigenvalues(dtc, u=1.0)
+    assert found[0] == pytest.approx(complex(0.260, 0.248), abs=0.001)
+    assert found[1] == pytest.approx(complex(0.260, -0.248), abs=0.001)
+
+
+def test_the_hull_is_course_unstable_without_a_bank(dtc: nw.Model) -> None:
+    assert nw.eigenvalues(dtc, bank=False)[0] == pytest.approx(0.163, abs=0.001)
+
+
+def test_bank_stiffness(dtc: nw.Model) -> None:
+    assert nw.bank_stiffness(dtc.setting) == pytest.approx(0.120603, abs=5e-7)
+
+
+def switch(model: nw.Model, **options) -> float:
+    """The start beyond which she grounds on the near bank."""
+    y = np.linspace(2.0, 2.6, 121)
+    side = nw.ensemble(model, y=y, duration=120.0, **options)["side"].to_numpy()
+    return float(y[np.argmax(side > 0)])
+
+
+def test_switch_to_the_near_bank_by_corners(dtc: nw.Model) -> None:
+    """About 2.35 m, where the paper has about 2.0; reported, not bent."""
+    assert switch(dtc) == pytest.approx(2.35, abs=0.02)
+
+
+def test_coriolis_moves_the_switch(dtc: nw.Model) -> None:
+    heavy = replace(dtc, setting=replace(dtc.setting, ship=replace(dtc.setting.ship, mass=245.0)))
+    assert switch(heavy, coriolis=True) == pytest.approx(2.29, abs=0.02)
+
+
+def test_by_midship_she_never_grounds_to_starboard_from_afar(dtc: nw.Model) -> None:
+    ends = nw.ensemble(dtc, y=np.linspace(0.3, 2.5, 45), contact="midship", duration=120.0)
+    assert not (ends["side"] > 0).any()
+
+
+def test_from_a_tenth_of_a_metre_she_grounds(dtc: nw.Model) -> None:
+    assert nw.simulate(dtc, y=0.1, duration=120.0).outcome.kind == "grounded"
+
+
+def test_the_papers_surge_force_holds_the_papers_speed(dtc: nw.Model) -> None:
+    """12.6 N against 12.6 |u|u: straight ahead the speed stays 1 m/s."""
+    voyage = nw.simulate(dtc, y=0.0, surge="free", surge_inertia=300.0, X=12.6, duration=10.0)
+    np.testing.assert_allclose(voyage.u, 1.0, rtol=1e-12)

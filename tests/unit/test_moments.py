@@ -1,0 +1,101 @@
+"""Sums of products against NumPy on the rows, over all of them, over each test and over each stretch."""
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.identification.diagnostics import diagnose
+from narrows.identification.moments import ONE, PART_ROWS, PARTS, accumulate, count, products
+from narrows.identification.uncertainty import clustered
+from tables import many_runs, short_twin
+
+
+def rows_of(tests: nw.CaptiveTests, own: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
+    """Every coefficient's column, every force and the constant, from the rows of all tests or of one."""
+    columns = own or tests.columns
+    values = {**tests.setting.values(), **columns}
+    rows = len(columns["u"])
+    return (
+        {term.name: np.broadcast_to(term.column(values), rows) for term in nw.PAPER.terms}
+        | {force: columns[force] for force in "XYN"}
+        | {ONE: np.ones(rows)}
+    )
+
+
+def assert_products(moments, sums: np.ndarray, rows: dict[str, np.ndarray]) -> None:
+    names = list(rows)
+    matrix = np.column_stack(list(rows.values()))
+    size = np.sqrt(np.diag(matrix.T @ matrix))
+    size[size == 0] = 1.0
+    scale = np.outer(size, size)
+    np.testing.assert_allclose(moments.pick(sums, names) / scale, matrix.T @ matrix / scale, atol=1e-12)
+
+
+def test_over_all_rows_and_over_each_test(short: nw.CaptiveTests) -> None:
+    moments, _ = accumulate(short, nw.PAPER, pieces=5)
+    assert_products(moments, moments.total, rows_of(short))
+    assert count(moments.total, moments.columns) == short.rows
+    assert moments.names == short.names
+    for name, sums in zip(short.names, moments.by_test(), strict=True):
+        assert_products(moments, sums, rows_of(short, short.test(name)))
+
+
+def test_over_each_stretch(short: nw.CaptiveTests) -> None:
+    """About equal consecutive stretches, each row in one."""
+    moments, _ = accumulate(short, nw.PAPER, pieces=3)
+    assert moments.tests == tuple(name for name in short.names for _ in range(3))
+    for i, name in enumerate(short.names):
+        own = short.test(name)
+        edges = [len(own["u"]) * k // 3 for k in range(4)]
+        for piece in range(3):
+            part = {key: column[edges[piece] : edges[piece + 1]] for key, column in own.items()}
+            assert_products(moments, moments.sums[3 * i + piece], rows_of(short, part))
+            assert moments.speeds[3 * i + piece] == pytest.approx(part["u"].mean(), rel=1e-12)
+
+
+def test_a_test_with_fewer_rows_than_stretches_leaves_none_empty() -> None:
+    tests = nw.twin(runs=(nw.HarmonicRun("A", "yaw", 0.3, 12.0, 1.0, 1),), rate=0.25)
+    moments, _ = accumulate(tests, nw.PAPER, pieces=30)
+    assert [count(sums, moments.columns) for sums in moments.sums] == [1] * tests.rows
+
+
+def test_coefficients_of_one_regressor_share_a_column(short: nw.CaptiveTests) -> None:
+    columns = accumulate(short, nw.PAPER)[0].columns
+    for name in ("vdot", "rdot", "v", "r", "vv", "rr"):
+        assert columns[f"b_{name}"] == columns[f"c_{name}"]
+    assert columns["b_bank"] != columns["c_bank"]
+    assert len(set(columns.values())) == 3 + 8 + 3 + 1
+
+
+@pytest.mark.parametrize("rows", [1, 2999, 3000, 3001, PARTS * PART_ROWS + 7])
+def test_products_of_any_length(rows: int) -> None:
+    """Short ones in one go, long ones in strips, the longest shared among threads."""
+    design = np.random.default_rng(rows).standard_normal((4, rows))
+    found = products(design)
+    np.testing.assert_allclose(found, design @ design.T, rtol=1e-11, atol=1e-10)
+    np.testing.assert_array_equal(found, products(design))
+
+
+def test_ranges_that_the_rows_cover(short: nw.CaptiveTests) -> None:
+    envelope = accumulate(short, nw.PAPER)[1]
+    for name, column in (("speed", "u"), ("abs_y", "y"), ("abs_psi", "psi"), ("abs_r", "r")):
+        values = short.columns[column] if name == "speed" else np.abs(short.columns[column])
+        assert getattr(envelope, name) == (values.min(), values.max())
+    assert envelope.depth_to_draft is None
+
+
+def test_sums_without_a_cluster_are_those_of_the_others() -> None:
+    """Added up and not taken away: where no other test excites a column its sums are zero and not rounding."""
+    runs = (*many_runs(10)[::2], nw.HarmonicRun("last", "sway", 0.8, 25.0, 1.0, 1))
+    kept = short_twin(0, runs)
+    moments, _ = accumulate(kept, nw.PAPER, 7)
+    clusters = clustered(moments)
+    for i, _ in enumerate(clusters.labels):
+        others = np.delete(clusters.sums, i, axis=0).sum(axis=0)
+        np.testing.assert_allclose(clusters.without[i], others, rtol=1e-12, atol=1e-9)
+    sway = [i for i, label in enumerate(clusters.labels) if label.startswith("last")]
+    rest = clusters.sums.sum(axis=0) - clusters.sums[sway].sum(axis=0)
+    assert abs(moments.pick(rest, ["b_v"])[0, 0]) < 1e-9
+    assert diagnose(moments, np.delete(clusters.sums, sway, axis=0).sum(axis=0), nw.PAPER.sway).empty == (
+        "b_vdot", "b_v", "b_vv",
+    )  # fmt: skip

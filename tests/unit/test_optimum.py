@@ -1,0 +1,118 @@
+"""The optimum of problems harder than the usual: upper bounds, dependent columns, no freedom at all."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import narrows as nw
+from narrows.identification.solve import check, solve
+
+
+def problem(seed: int, rank: int, size: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A consistent scaled problem of some rank, with a mix of bounds."""
+    draw = np.random.default_rng(seed)
+    matrix = draw.normal(size=(30, rank)) @ draw.normal(size=(rank, size))
+    matrix /= np.linalg.norm(matrix, axis=0)
+    lower = draw.choice([-np.inf, 0.0, -0.3], size)
+    upper = draw.choice([np.inf, 0.5, 2.0], size)
+    return matrix, draw.normal(size=30), lower, upper
+
+
+def worth(matrix: np.ndarray, right: np.ndarray, z: np.ndarray) -> float:
+    return float(((right - matrix @ z) ** 2).sum())
+
+
+def best_of_all_faces(matrix: np.ndarray, right: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
+    """The least squared error over every choice of parameters at their lower bound, at their upper, or free."""
+    best = np.inf
+    for face in product("lfu", repeat=len(lower)):
+        z = np.select([np.array(face) == "l", np.array(face) == "u"], [lower, upper], 0.0)
+        free = np.array(face) == "f"
+        if not np.isfinite(z).all():
+            continue
+        if free.any():
+            z[free] = np.linalg.lstsq(matrix[:, free], right - matrix[:, ~free] @ z[~free], rcond=None)[0]
+        if (z >= lower - 1e-9).all() and (z <= upper + 1e-9).all():
+            best = min(best, worth(matrix, right, z))
+    return best
+
+
+@pytest.mark.parametrize("rank", [5, 3])
+@pytest.mark.parametrize("seed", range(12))
+def test_no_face_of_the_box_is_better(seed: int, rank: int) -> None:
+    matrix, right, lower, upper = problem(seed, rank)
+    solution = solve(matrix.T @ matrix, matrix.T @ right, lower, upper)
+    assert (solution.z >= lower).all()
+    assert (solution.z <= upper).all()
+    # Where columns are dependent a face's point of smallest norm may leave the box though another would not.
+    assert worth(matrix, right, solution.z) <= best_of_all_faces(matrix, right, lower, upper) * (1 + 1e-9)
+    assert solution.kkt.satisfied
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_agrees_with_scipys_other_method(seed: int) -> None:
+    """The trust-region method knows nothing of active sets."""
+    matrix, right, lower, upper = problem(seed + 100, 5)
+    other = lsq_linear(matrix, right, (lower, upper), method="trf", tol=1e-13, lsq_solver="exact").x
+    found = solve(matrix.T @ matrix, matrix.T @ right, lower, upper).z
+    assert worth(matrix, right, found) <= worth(matrix, right, other) * (1 + 1e-12)
+    np.testing.assert_allclose(found, other, atol=1e-5)
+
+
+def test_no_data_at_all_stays_at_zero_or_at_the_nearest_bound() -> None:
+    lower, upper = np.array([-np.inf, 0.0, 1.0, -3.0]), np.array([np.inf, np.inf, 2.0, -1.0])
+    solution = solve(np.zeros((4, 4)), np.zeros(4), lower, upper)
+    np.testing.assert_array_equal(solution.z, [0.0, 0.0, 1.0, -1.0])
+
+
+def test_everything_at_a_bound() -> None:
+    h, g = np.eye(3), np.full(3, -1.0)
+    solution = solve(h, g, np.zeros(3), np.full(3, np.inf))
+    np.testing.assert_array_equal(solution.z, 0.0)
+    assert solution.at_bound.all()
+    assert solution.kkt.satisfied
+
+
+@pytest.mark.parametrize("move", [1e-6, -1e-6])
+@pytest.mark.parametrize("i", range(5))
+def test_a_point_off_the_optimum_is_told_from_it(i: int, move: float) -> None:
+    matrix, right, lower, upper = problem(3, 5)
+    h, g = matrix.T @ matrix, matrix.T @ right
+    z = solve(h, g, lower, upper).z
+    assert check(h, g, z, lower, upper).satisfied
+    z[i] += move
+    assert not check(h, g, z, lower, upper).satisfied
+
+
+def test_a_bound_with_the_wrong_sign_of_multiplier_is_told() -> None:
+    """Inside the bounds and stationary in what is free, yet not optimal: the held one wants to leave."""
+    h, g, lower, upper = np.eye(2), np.array([1.0, 1.0]), np.zeros(2), np.full(2, np.inf)
+    found = check(h, g, np.array([1.0, 0.0]), lower, upper)
+    assert (found.stationarity, found.infeasibility) == (0.0, 0.0)
+    assert found.multiplier == pytest.approx(1.0)
+    assert not found.satisfied
+
+
+def test_bounds_without_room_are_refused(short: nw.CaptiveTests) -> None:
+    own = nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, nw.PAPER["b_v"].dimension, (5.0, 1.0))
+    with pytest.raises(nw.InputError, match="bounds 5 to 1 leave b_v no room"):
+        nw.identify(short, nw.PAPER.with_terms("narrow", sway=[own]))
+
+
+def test_ties_join_bounds(short: nw.CaptiveTests) -> None:
+    """Of two tied coefficients the tighter bound holds for both."""
+    own = nw.Term("c_vdot", "c_vdot", nw.PAPER["c_vdot"].regressor, nw.PAPER["c_vdot"].dimension, (-10.0, 10.0))
+    fit = nw.identify(short, nw.PAPER.with_terms("bounded", yaw=[own]))
+    assert fit.coefficients["b_rdot"] == fit.coefficients["c_vdot"] == -10.0
+    assert {"b_rdot", "c_vdot"} <= set(fit.at_bound)
+
+
+def test_a_chain_of_ties_is_one_parameter(short: nw.CaptiveTests) -> None:
+    chained = nw.TermTable(
+        "chained", nw.PAPER.surge, nw.PAPER.sway, nw.PAPER.yaw, (("b_rdot", "c_vdot"), ("c_vdot", "b_rr"))
+    )
+    values = nw.identify(short, chained).coefficients
+    assert values["b_rdot"] == values["c_vdot"] == values["b_rr"]
+    assert nw.identify(short, chained).kkt.satisfied
