@@ -73,7 +73,8 @@ def write_reproduction(path: str | Path, progress: Callable[[str], None] = lambd
     page = render(
         "paper.html.j2", title="The paper, reproduced", figures=_figures(fit, truth, voyages, readings),
         kinds=KINDS, printed_switch=PRINTED_SWITCH, doubts=_doubts(fit), source=truth.source.text,
-        clusters=fit.clusters.sentence, voyages=list(zip(SHOWN_STARTS, [v.outcome.sentence for v in voyages], strict=True)),
+        clusters=fit.clusters.sentence, verdict=_agreement(numbers["readings"]),
+        voyages=list(zip(SHOWN_STARTS, [v.outcome.sentence for v in voyages], strict=True)),
         **numbers,
     )  # fmt: skip
     write_whole(path, page)
@@ -102,7 +103,7 @@ def grounding_readings(model: Model) -> dict[str, Any]:
         The ship.
     """
     heavy = replace(model, setting=replace(model.setting, ship=replace(model.setting.ship, mass=MASS)))
-    common = {"y": STARTS, "duration": 120.0, "surge": "free", "surge_inertia": SURGE_MASS, "X": SURGE_FORCE}
+    common: dict[str, Any] = {"y": STARTS, "duration": 120.0, "surge": "free", "surge_inertia": SURGE_MASS, "X": SURGE_FORCE}
     return {
         "hull corners": ensemble(model, **common),
         "midship clearance": ensemble(model, contact="midship", **common),
@@ -144,6 +145,13 @@ def _why(known: bool, inside: bool) -> str:
     if not known:
         return "these tests cannot say; the paper's number is its solver's choice"
     return "" if inside else "outside the 95 % interval, as one in twenty is"
+
+
+def _agreement(readings: list[dict[str, Any]]) -> str:
+    """Say which readings switch where the paper does, to its one digit."""
+    near = [r["name"] for r in readings if r["switch"] is not None and abs(r["switch"] - PRINTED_SWITCH) < 0.05]
+    which = ", ".join(near) or "None of these readings"
+    return f"{which} {'switches' if len(near) < 2 else 'switch'} where the paper does; the physics is left as it is."
 
 
 def _share(fit: Fit, name: str) -> dict[str, Any]:

@@ -1,0 +1,107 @@
+"""Whatever stands in a header, a cell or a file: it reads, or it is refused in one sentence."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import narrows as nw
+from narrows.captive.columns import COLUMNS, Column, parse_header
+from narrows.model_file import load_model
+from tables import DTC_SHIP, frame_of, short_twin
+
+CELLS = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(),
+    st.text(max_size=6),
+    st.dates(),
+    st.just("1,2"),
+    st.just("0x1"),
+)
+TOML = st.recursive(
+    st.one_of(st.booleans(), st.integers(-9, 9), st.floats(), st.text(max_size=4)),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(st.text("ab", min_size=1), inner, max_size=2)),
+    max_leaves=4,
+)
+SPELLED = "kmdegradsN°²³/*^.-+() 0123%[]'\"\\"
+
+
+def one_sentence(error: nw.InputError) -> bool:
+    return bool(str(error)) and "\n" not in str(error).strip()
+
+
+@given(name=st.sampled_from(sorted(COLUMNS)), unit=st.text(SPELLED, max_size=7))
+@settings(max_examples=300)
+def test_units(name: str, unit: str) -> None:
+    try:
+        column = parse_header(f"{name} [{unit}]")
+    except nw.InputError as error:
+        assert one_sentence(error)
+    else:
+        assert column is None or isinstance(column, Column)
+
+
+@given(column=st.sampled_from([*sorted(COLUMNS), "test"]), row=st.integers(0, 40), cell=CELLS)
+@settings(max_examples=60)
+def test_cells(tmp_path_factory: pytest.TempPathFactory, column: str, row: int, cell: object) -> None:
+    frame = frame_of(short_twin()).iloc[:60]
+    if column not in frame:
+        frame = frame.assign(**{column: 7.0})
+    frame = frame.astype({column: object})
+    frame.iloc[row, frame.columns.get_loc(column)] = cell
+    path = tmp_path_factory.mktemp("cells") / "t.csv"
+    frame.to_csv(path, index=False)
+    try:
+        nw.identify(nw.read_captive(path, short_twin().setting))
+    except nw.InputError as error:
+        assert one_sentence(error)
+        assert "several conditions" in str(error) or str(error).startswith(f"{path}: ")
+
+
+def spoilt(text: str, section: str, key: str, value: object) -> dict:
+    tables = tomllib.loads(text)
+    if key:
+        tables.setdefault(section, {})[key] = value
+    else:
+        tables[section] = value
+    return tables
+
+
+@given(
+    section=st.sampled_from(["ship", "canal", "water", "depths"]),
+    key=st.sampled_from(["", "length", "beam", "width", "depth", "density", "x_g", "mass", "A"]),
+    value=TOML,
+)
+@settings(max_examples=100)
+def test_ship_files(tmp_path_factory: pytest.TempPathFactory, section: str, key: str, value: object) -> None:
+    check_file(tmp_path_factory, nw.read_ship, spoilt(DTC_SHIP, section, key, value))
+
+
+@given(
+    section=st.sampled_from(["terms", "coefficients", "covariance", "envelope", "source", "ship"]),
+    key=st.sampled_from(["", "table", "X", "b_v", "names", "matrix", "speed", "text", "beam"]),
+    value=TOML,
+)
+@settings(max_examples=100)
+def test_model_files(
+    dtc: nw.Model, tmp_path_factory: pytest.TempPathFactory, section: str, key: str, value: object
+) -> None:
+    path = tmp_path_factory.mktemp("model") / "m.toml"
+    nw.save_model(dtc, path)
+    check_file(tmp_path_factory, load_model, spoilt(path.read_text(), section, key, value))
+
+
+def check_file(folders: pytest.TempPathFactory, read, tables: dict) -> None:
+    import tomli_w
+
+    path: Path = folders.mktemp("toml") / "t.toml"
+    path.write_text(tomli_w.dumps(tables))
+    try:
+        read(path)
+    except nw.InputError as error:
+        assert one_sentence(error)
+        assert str(error).startswith(f"{path}: ")

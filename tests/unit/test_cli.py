@@ -1,0 +1,161 @@
+"""The command line: exit codes, one line on stderr, JSON in the documented shape, files whole or not at all."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import narrows as nw
+from tables import frame_of, many_runs, short_twin, written
+
+SCRIPT = Path(sys.executable).parent / "narrows"
+
+
+@pytest.fixture
+def good(table: pd.DataFrame, tmp_path: Path) -> Path:
+    return written(table, tmp_path / "good.csv")
+
+
+def test_json_is_the_documented_shape(good: Path, ship_file: Path, cli) -> None:
+    code, out, err = cli("identify", good, "--ship", ship_file, "--json")
+    assert (code, err) == (0, "")
+    shown = json.loads(out)
+    fit = nw.identify(nw.read_captive(good, ship_file))
+    assert list(shown["coefficients"]) == list(nw.PAPER.names)
+    for name, own in shown["coefficients"].items():
+        assert {"value", "std", "ci95", "unit", "identifiable"} <= own.keys()
+        assert own["value"] == fit.coefficients[name]
+        assert own["unit"] == nw.PAPER[name].dimension.unit
+        assert own["identifiable"] is fit.verdicts[name].identifiable
+        assert (own["std"] is None) == (not own["identifiable"])
+        expected = [end if math.isfinite(end) else None for end in fit.intervals[name]]
+        assert own["ci95"] == expected
+    assert shown["coefficients"]["a_udot"]["identifiable"] is False
+    for force in "XYN":
+        assert {"r2", "rmse", "r2_left_out"} <= shown["fit"][force].keys()
+        assert shown["fit"][force]["r2"] == fit.scores[force].r2
+        assert shown["fit"][force]["r2_left_out"] == fit.left_out[force].r2
+        found = shown["diagnostics"][force]
+        assert {"rank", "columns", "condition", "vif"} <= found.keys()
+        assert found["columns"] == len(nw.PAPER.forces[force])
+        assert list(found["vif"]) == [term.name for term in nw.PAPER.forces[force]]
+        for kind in ("mse", "mean_abs", "lmg"):
+            assert shown["shapley"][kind][force] == fit.shapley(kind)[force]
+
+
+def test_model_file_is_the_fit(good: Path, ship_file: Path, tmp_path: Path, cli) -> None:
+    code, out, err = cli("identify", good, "--ship", ship_file, "-o", tmp_path / "m.toml", "--json")
+    assert (code, err) == (0, "")
+    model, fit = nw.load_model(tmp_path / "m.toml"), nw.identify(nw.read_captive(good, ship_file))
+    assert dict(model.coefficients) == dict(fit.coefficients)
+    np.testing.assert_array_equal(model.covariance, fit.covariance)
+    assert model.source == fit.tests.source
+    assert model.source.table == "good.csv"
+    assert json.loads(out)["coefficients"]["b_v"]["value"] == model.coefficients["b_v"]
+
+
+def test_several_conditions_give_several_models(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path, cli) -> None:
+    frame = frame_of(short)
+    frame["condition"] = np.where(frame.test.isin(short.names[:2]), "deep", "shallow")
+    path = written(frame, tmp_path / "two.csv")
+    code, out, _ = cli("identify", path, "--ship", ship_file, "-o", tmp_path / "m.toml", "--json")
+    assert code == 0
+    shown = json.loads(out)
+    assert list(shown) == ["conditions"]
+    assert list(shown["conditions"]) == ["deep", "shallow"]
+    assert sorted(own.name for own in tmp_path.glob("m*")) == ["m-deep.toml", "m-shallow.toml"]
+    alone = json.loads(cli("identify", path, "--ship", ship_file, "--condition", "deep", "--json")[1])
+    assert alone["coefficients"] == shown["conditions"]["deep"]["coefficients"]
+
+
+def test_options_reach_the_fit(ship_file: Path, tmp_path: Path, cli) -> None:
+    path = written(frame_of(short_twin(4, many_runs())), tmp_path / "t.parquet")
+    tests = nw.read_captive(path, ship_file)
+    for words, options in (
+        (["--split", "random", "--seed", "5"], {"split": "random", "seed": 5}),
+        (["--weights", "variance"], {"weights": "variance"}),
+        (["--terms", "tapered"], {"terms": nw.TAPERED}),
+    ):
+        shown = json.loads(cli("identify", path, "--ship", ship_file, "--json", *words)[1])
+        fit = nw.identify(tests, **options)
+        assert shown["coefficients"]["b_bank"]["value"] == fit.coefficients["b_bank"]
+        assert shown["split"] == fit.split
+    fast = json.loads(cli("identify", path, "--ship", ship_file, "--where", "u > 0.9", "--json")[1])
+    assert list(fast["by_test"]) == [name for name in tests.names if tests.test(name)["u"][0] > 0.9]
+    streamed = json.loads(cli("identify", path, "--ship", ship_file, "--stream", "--json")[1])
+    assert streamed["coefficients"]["b_bank"]["value"] == pytest.approx(
+        nw.identify(tests).coefficients["b_bank"], rel=1e-9
+    )
+
+
+def test_unsolved_problem_leaves_with_one(good: Path, ship_file: Path, cli, monkeypatch) -> None:
+    """The command ran, and says that its answer is not the optimum."""
+    monkeypatch.setattr("narrows.identification.solve.KKT_TOLERANCE", -1.0)
+    code, out, _ = cli("identify", good, "--ship", ship_file, "--json")
+    assert code == 1
+    assert json.loads(out)["kkt"]["satisfied"] is False
+
+
+def test_bad_input_leaves_an_older_model_as_it_was(table: pd.DataFrame, ship_file: Path, tmp_path: Path, cli) -> None:
+    model = tmp_path / "m.toml"
+    model.write_text("an older model")
+    bad = written(table.drop(columns="v"), tmp_path / "bad.csv")
+    code, out, err = cli("identify", bad, "--ship", ship_file, "-o", model, "--json")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("narrows: ")
+    assert model.read_text() == "an older model"
+    assert sorted(own.name for own in tmp_path.iterdir()) == ["bad.csv", "m.toml", "ship.toml"]
+
+
+def test_debug_shows_the_traceback(ship_file: Path, tmp_path: Path, monkeypatch) -> None:
+    from narrows.cli import main
+
+    monkeypatch.setattr(
+        "sys.argv", ["narrows", "identify", str(tmp_path / "no.csv"), "--ship", str(ship_file), "--debug"]
+    )
+    with pytest.raises(nw.InputError, match="there is no such file"):
+        main()
+
+
+@pytest.mark.parametrize("words", [["--help"], ["identify", "--help"], ["demo", "--help"]])
+def test_help(words: list[str], cli) -> None:
+    code, out, err = cli(*words)
+    assert (code, err) == (0, "")
+    assert "Usage: narrows" in out
+    if words[0] != "--help":
+        assert "Example: narrows" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["identify"], "Missing argument"),
+        (["identify", "t.csv", "--ship", "s.toml", "--bogus"], "No such option: --bogus"),
+        (["identfy"], "Did you mean 'identify'"),
+        (["identify", "t.csv", "--ship", "s.toml", "--seed", "x"], "--seed"),
+        (["identify", "t.csv", "--ship", "s.toml", "--stream", "--report", "r.html"], "leave one of them out"),
+    ],
+)
+def test_usage_errors_are_one_line(words: list[str], sentence: str, cli) -> None:
+    code, out, err = cli(*words)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert sentence in err
+
+
+def test_the_installed_command(good: Path, ship_file: Path, tmp_path: Path) -> None:
+    """As a user runs it: nothing on stderr where all is well, one line where it is not, no traceback."""
+
+    def run(*words: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([SCRIPT, *map(str, words)], capture_output=True, text=True, timeout=120)
+
+    done = run("identify", good, "--ship", ship_file, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["kkt"]["satisfied"] is True
+    done = run("identify", tmp_path / "no.csv", "--ship", ship_file)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"narrows: {tmp_path / 'no.csv'}: there is no such file; check the path\n"
