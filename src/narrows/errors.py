@@ -8,7 +8,15 @@ class InputError(ValueError):
     """Bad input: the message is one sentence that names the place and the remedy (ours).
 
     The command line prints it on stderr and leaves with exit code 2.
+
+    Parameters
+    ----------
+    sentence : str
+        What to say; a line break in it, out of a cell or a name, becomes a blank.
     """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(" ".join(sentence.splitlines()))
 
 
 def near_miss(word: str, known: Iterable[str]) -> str:

@@ -70,6 +70,13 @@ def test_a_fleet_is_its_voyages(dtc: nw.Model) -> None:
         assert int(ends["side"][i]) == {"starboard": 1, "port": -1}[outcome.side]
 
 
+@pytest.mark.parametrize("method", ["rk4", "dop853"])
+def test_a_grounding_before_the_first_output_time(dtc: nw.Model, method: str) -> None:
+    voyage = nw.simulate(dtc, 1.0, at=[60.0], method=method, duration=60.0)
+    assert voyage.outcome.kind == "grounded"
+    assert len(voyage.t) == 2
+
+
 def test_contact_is_met_to_a_micrometre(dtc: nw.Model) -> None:
     for y in (0.5, 1.5, 2.5):
         end = nw.simulate(dtc, y).outcome.state

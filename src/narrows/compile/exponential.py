@@ -25,9 +25,9 @@ WIDTHS = {
     "float32": Width("int32", -87.0, 88.0, 1.5 * 2.0**23, 0.693359375, -2.12194440054690583e-4, 127, 23, 8),
 }
 # e^x = 2^k e^r with k the nearest integer to x / ln 2. Adding 1.5 2^52 rounds to that integer and leaves it in the low
-# bits, whence it is shifted into the exponent. So this function must not be reassociated: it is compiled strictly.
+# bits, whence it is shifted into the exponent: one more reason why kernels are not compiled with ``reassoc``.
 TEXT = """
-@numba.njit(fastmath={{"contract", "nsz"}}, error_model="numpy", nogil=True)
+@jit
 def exp(x):
     x = min(max(x, real({low})), real({high}))
     shifted = x * real(1.4426950408889634) + real({magic})

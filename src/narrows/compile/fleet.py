@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from types import ModuleType
@@ -20,6 +20,8 @@ LARGEST_SLICE, SMALLEST_SLICE = 256 * LANES, 16 * LANES
 SLICES_PER_WORKER = 4
 CONTACT_TOLERANCE = 1e-9
 NEAR_THE_BANK = 1e-3
+"""Of the width: a hull that runs away so near a bank has met it, for at midship the suction ends infinite."""
+MOST_STEPS_SINGLE = 2**24
 
 
 @dataclass(frozen=True)
@@ -91,12 +93,16 @@ class Task:
     time: np.ndarray
     codes: np.ndarray
 
-    def part(self, rows: slice) -> tuple[np.ndarray, ...]:
-        """Views of some vessels: what goes in, then what comes out."""
-        return tuple(getattr(self, name)[rows] for name in ("start", "pace", "steps", "end", "time", "codes"))
+    def part(self, rows: slice) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
+        """Views of some vessels: what goes in, and what comes out."""
+        return (self.start[rows], self.pace[rows], self.steps[rows]), (
+            self.end[rows],
+            self.time[rows],
+            self.codes[rows],
+        )
 
 
-def task_of(start: Mapping[str, Number], dt: Number, duration: float, precision: Precision) -> Task:
+def task_of(start: Mapping[str, Number], dt: Number, duration: float, vessels: int, precision: Precision) -> Task:
     """Lay out a fleet's columns (ours).
 
     Parameters
@@ -107,48 +113,69 @@ def task_of(start: Mapping[str, Number], dt: Number, duration: float, precision:
         Time step.
     duration : float [s]
         Longest voyage.
+    vessels : int
+        How many there are at least; 1 leaves it to the columns.
     precision : {"float64", "float32"}
         Of a lane.
 
     Raises
     ------
     InputError
-        Where a number is not finite or the time step is not positive.
+        Where columns do not match, a number is not finite or the time step is not positive.
     """
-    dt, *columns = (np.ravel(c) for c in np.broadcast_arrays(np.asarray(dt, float), *start.values()))
-    values = {name: np.asarray(column, float) for name, column in zip(start, columns, strict=True)}
-    for name, column in values.items():
-        if not np.isfinite(column).all():
-            raise InputError(f"{name} of vessel {int(np.argmin(np.isfinite(column)))} is not a finite number; mend it")
-    if not ((dt > 0) & np.isfinite(dt)).all() or not 0 <= duration < math.inf:
+    values = _columns({"dt": dt, **start}, vessels)
+    pace, psi = values.pop("dt"), values.pop("psi")
+    if (pace <= 0).any() or not 0 <= duration < math.inf:
         raise InputError("dt and duration are times in seconds: the one positive, the other not negative")
-    psi = values.pop("psi")
+    steps = np.ceil(duration / pace - 1e-9)
+    if precision == "float32" and steps.max(initial=0) >= MOST_STEPS_SINGLE:
+        raise InputError(f"single precision counts fewer than {MOST_STEPS_SINGLE} steps; lengthen dt or use float64")
     values |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
     state = np.stack([values[name] for name in STATE], axis=1).astype(precision)
-    steps = np.ceil(duration / dt - 1e-9)
-    codes = np.zeros((len(dt), 3), np.int64)
-    codes[:, 0] = RUNNING
-    return Task(state, dt, steps, state.copy(), np.zeros(len(dt)), codes)
+    codes = np.full((len(pace), 3), (RUNNING, 0, 0))
+    return Task(state, pace, steps, state.copy(), np.zeros(len(pace)), codes)
 
 
-def settle(task: Task, room: Number, lean: Number, limits: Limits) -> None:
+def _columns(values: Mapping[str, Number], vessels: int) -> dict[str, np.ndarray]:
+    try:
+        _, *columns = np.broadcast_arrays(np.empty(vessels), *(np.asarray(v, float) for v in values.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in values.items() if np.ndim(value))
+        raise InputError(f"the columns of a fleet do not match: {vessels} vessels, {shapes}; give one length") from None
+    flat = {name: column.ravel() for name, column in zip(values, columns, strict=True)}
+    for name, column in flat.items():
+        if not np.isfinite(column).all():
+            raise InputError(f"{name} of vessel {int(np.argmin(np.isfinite(column)))} is not a finite number; mend it")
+    return flat
+
+
+def settle(
+    task: Task,
+    constants: Sequence[Number],
+    gap: Callable[..., Number],
+    lean: Callable[..., Number],
+    limits: Limits,
+) -> None:
     """End the voyages that end where they begin (ours).
 
     Parameters
     ----------
     task : Task
         The columns.
-    room, lean : number [m]
-        Between hull and bank at the start, and which bank is nearer.
+    constants : sequence of number
+        Of the right-hand side.
+    gap, lean : callable
+        Room between hull and bank, and the side that is nearer, by pose and constants.
     limits : Limits
         What else ends a voyage.
     """
-    outcome = task.codes[:, 0]
+    outcome, side, _ = task.codes.T
+    pose = [task.start[:, STATE.index(name)] for name in ("y", "cos_psi", "sin_psi")]
     outcome[task.steps <= 0] = Outcome.AFLOAT
-    outcome[task.start[:, STATE.index("cos_psi")] <= math.cos(limits.heading)] = Outcome.OUTSIDE
-    aground = np.broadcast_to(room, outcome.shape) <= 0
+    outcome[pose[1] <= math.cos(limits.heading)] = Outcome.OUTSIDE
+    aground = np.asarray(gap(*pose, *constants)) <= 0
     outcome[aground] = Outcome.GROUNDED
-    task.codes[aground, 1] = np.sign(np.broadcast_to(lean, outcome.shape)[aground])
+    side[aground] = np.sign(np.asarray(lean(*pose, *constants))[aground])
 
 
 def sail(
@@ -169,17 +196,24 @@ def sail(
     workers : int, optional
         Threads; a core each if absent.
     """
-    workers = workers or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
     def run(rows: slice) -> int:
-        start, pace, steps, *out = task.part(rows)
-        return int(kernel.fleet(start, pace, steps, constants(rows), limits, *out))
+        given, out = task.part(rows)
+        return int(kernel.fleet(*given, constants(rows), limits, *out))
 
+    workers = workers or _cores()
     slices = _slices(len(task.pace), workers)
     if workers == 1 or len(slices) == 1:
         return _fleet(task, sum(map(run, slices)))
-    with ThreadPoolExecutor(min(workers, len(slices))) as pool:
+    pool = ThreadPoolExecutor(min(workers, len(slices)))
+    try:
         return _fleet(task, sum(pool.map(run, slices)))
+    finally:
+        pool.shutdown(cancel_futures=True)  # an interrupt does not wait for the whole queue
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def limits_of(limits: Limits, width: Number, precision: Precision) -> np.ndarray:
@@ -208,5 +242,5 @@ def _fleet(task: Task, lane_steps: int) -> Fleet:
     ends = dict(zip(STATE, np.asarray(task.end, float).T, strict=True))
     psi = np.arctan2(ends.pop("sin_psi"), ends.pop("cos_psi"))
     outcome, side, steps = task.codes.T
-    return Fleet(outcome.astype(np.int8), side.astype(np.int8), task.time, psi=psi, steps=steps,
-                 lane_steps=lane_steps, **ends)  # fmt: skip
+    codes = {"outcome": outcome.astype(np.int8), "side": side.astype(np.int8), "steps": steps}
+    return Fleet(**codes, **ends, psi=psi, time=task.time, lane_steps=lane_steps)

@@ -1,6 +1,7 @@
 """A compiled model: constants, right-hand side, derivatives, and a kernel that sails fleets."""
 
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
@@ -144,23 +145,21 @@ class Program:
             Where a value is missing, a number is not finite, or no mass resists an acceleration.
         """
         limits = limits or Limits()
+        columns = self._columns(values)
+        vessels = max(map(len, columns.values()), default=1)
         start = {"x": x, "y": y, "psi": psi, "u": u, "v": v, "r": r}
-        columns = {name: np.ravel(value) for name, value in self._columns(values)}
-        shape = np.broadcast_shapes((), *(c.shape for c in columns.values()))
-        task = task_of(start | {"y": np.broadcast_arrays(y, np.empty(shape))[0]}, dt, duration, precision)
-        pose = [task.start[:, place] for place in (1, 2, 3)]
-        known = self.constants(values)
-        settle(task, self.gap(*pose, *known), self.lean(*pose, *known), limits)
+        task = task_of(start, dt, duration, vessels, precision)
+        settle(task, self.constants(values), self.gap, self.lean, limits)
         pushed: Inputs = "constants" if any(name in values for name in INPUTS.values()) else "none"
         kernel = self.kernel(bool(columns), precision, pushed)
 
         def constants(rows: slice) -> np.ndarray:
-            part = {**values, **{name: column[rows] for name, column in columns.items()}}
-            own = self._constants(kernel, part)
+            part = {name: column[rows] for name, column in columns.items()}
+            own = self._constants(kernel, {**values, **part})
             return np.stack(np.broadcast_arrays(*own), axis=-1).astype(precision)
 
-        whole = constants(slice(None)) if not columns else None
-        give = constants if whole is None else lambda _: whole
+        shared = None if columns else constants(slice(None))
+        give = constants if shared is None else lambda _: shared
         return sail(task, kernel, give, limits_of(limits, values["width"], precision), workers)
 
     def kernel(self, varying: bool, precision: Precision, inputs: Inputs) -> ModuleType:
@@ -205,9 +204,10 @@ class Program:
         names = point_names(len(self.shape))
         return {n: p for pair, point in zip(names, self.shape, strict=True) for n, p in zip(pair, point, strict=True)}
 
-    def _columns(self, values: Mapping[str, Number]) -> Iterable[tuple[str, Any]]:
+    def _columns(self, values: Mapping[str, Number]) -> dict[str, np.ndarray]:
+        """The values that differ from vessel to vessel."""
         wanted = {*self.parameters, *INPUTS.values()}
-        return ((name, value) for name, value in values.items() if name in wanted and np.ndim(value) > 0)
+        return {name: np.ravel(value) for name, value in values.items() if name in wanted and np.size(value) > 1}
 
     def _constants(self, module: ModuleType, values: Mapping[str, Number]) -> tuple[Number, ...]:
         given = DEFAULTS | dict(values) | self._points()
@@ -217,12 +217,16 @@ class Program:
         numbers = (given[name] for name in module.PARAMETERS)
         with np.errstate(all="ignore"):
             try:
-                result = module.constants(*(n if np.ndim(n) else float(n) for n in numbers))
+                result = module.constants(*(float(np.ravel(n)[0]) if np.size(n) == 1 else n for n in numbers))
             except ZeroDivisionError:
-                result = (np.nan,)
+                result = (math.nan,)
         if not all(np.isfinite(value).all() for value in result):
             raise InputError(
-                "the mass matrix cannot be inverted; check the inertia coefficients, "
-                "and where surge is free give surge_inertia"
+                "the mass matrix cannot be inverted; check that the coefficients are finite and those of inertia "
+                "not zero, and where surge is free give surge_inertia"
             )
         return tuple(result)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # another process finds the generated modules, or makes its own
+        return Program, (self.table, self.surge, self.coriolis, self.shape)

@@ -4,6 +4,7 @@ On the rig a force is F(motion, accelerations); adrift it vanishes with the inpu
 M = -dF/d(udot, vdot, rdot) and f = F at rest accelerations, that is M (udot, vdot, rdot) = f + F_in.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,7 +13,7 @@ from typing import Any, Literal
 
 from narrows.compile.record import Record
 from narrows.errors import InputError
-from narrows.vocabulary import FORCES, MOTION, PARTICULARS, REGRESSOR_INPUTS
+from narrows.vocabulary import FORCES, PARTICULARS, REGRESSOR_INPUTS
 
 Expr = Any
 """A SymPy expression."""
@@ -25,7 +26,9 @@ INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 """Force [N, N, N m] added from outside, by the component that it adds to."""
 SURGE_INERTIA = "surge_inertia"
 """The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
-RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA, "E", "abs", "exp", "sqrt", "real"}
+RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA}
+TEMPORARY = re.compile(r"[kt]\d+|(coefficient|forward|starboard)_\d+|E|abs|larger|smaller|exp|sqrt|real|constants")
+"""Names that the generated text has for itself."""
 MOST_BITS = 20
 
 
@@ -96,6 +99,10 @@ def trace(record: Record, surge: Surge, coriolis: bool) -> Traced:
     regressors = _regressors(record, freedoms)
     mass = _mass(regressors, names, freedoms)
     columns = _columns(regressors, names, freedoms, coriolis)
+    if mass.det() == 0:
+        raise InputError(
+            f"no term resists {' and '.join(_unresisted(mass, freedoms))}; add one of inertia to the table"
+        )
     inverse = mass.adjugate() / mass.det()
     gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(freedoms))]
     others = (*PARTICULARS, "heave", SURGE_INERTIA, *INPUTS.values())
@@ -114,7 +121,7 @@ def _coefficient_symbols(record: Record) -> dict[str, Expr]:
     for number, name in enumerate(record.results):
         if name in RESERVED:
             raise InputError(f"term {name}: the name already means something else here; rename the coefficient")
-        plain = name.isascii() and name.isidentifier() and not iskeyword(name)
+        plain = name.isascii() and name.isidentifier() and not iskeyword(name) and not TEMPORARY.fullmatch(name)
         names[name] = symbol(name if plain else f"coefficient_{number}")
     return names
 
@@ -155,6 +162,11 @@ def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr],
     return mass
 
 
+def _unresisted(mass: Expr, freedoms: Sequence[str]) -> list[str]:
+    accelerations = [ACCELERATIONS[force] for force in freedoms]
+    return [name for place, name in enumerate(accelerations) if not any(mass.col(place))] or accelerations
+
+
 def _columns(
     regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str], coriolis: bool
 ) -> dict[Expr, Expr]:
@@ -174,6 +186,3 @@ def _columns(
             column = columns.setdefault(varying, sympy.zeros(len(freedoms), 1))
             column[freedoms.index(force)] += factor * fixed
     return {basis: column for basis, column in columns.items() if any(column)}
-
-
-assert set(STATE) | set(ACCELERATIONS.values()) | {"heave"} == set(MOTION)

@@ -62,7 +62,7 @@ def write_reproduction(path: str | Path, progress: Callable[[str], None] = lambd
     progress("voyages and grounding distances")
     voyages = [sailed(truth, y) for y in SHOWN_STARTS]
     readings = grounding_readings(truth)
-    numbers = {
+    numbers: dict[str, Any] = {
         "coefficients": [_coefficient(fit, truth, name) for name in truth.terms.names],
         "shapley": [_share(fit, name) for name in truth.terms.names],
         "readings": [{"name": name, "switch": switch_of(d)} for name, d in readings.items()],

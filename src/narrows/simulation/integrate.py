@@ -6,6 +6,8 @@ from functools import partial
 from itertools import pairwise
 from typing import Any, Protocol
 
+import numpy as np
+
 State = tuple[float, ...]
 """x, y [m], cos psi, sin psi, u, v [m/s], r [rad/s]."""
 
@@ -140,7 +142,8 @@ def dop853(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float
         lambda _, z: rate(tuple(z)), (times[0], times[-1]), start, method="DOP853", t_eval=times[1:],
         events=closed, rtol=1e-10, atol=1e-12,
     )  # fmt: skip
-    yield from zip(found.t.tolist(), map(tuple, found.y.T.tolist()), strict=True)
+    for t, z in zip(found.t, np.transpose(found.y), strict=True):
+        yield float(t), tuple(z.tolist())
     if found.t_events[0].size:
         yield float(found.t_events[0][0]), tuple(found.y_events[0][0].tolist())
 

@@ -109,7 +109,7 @@ def _there(client: Any, tasks: Tasks) -> Iterator[int]:
 
 
 def _vessels(grid: Grid, block: slice) -> int:
-    return (block.stop - block.start) * grid.vessels // grid.sizes[grid.axis]
+    return int((block.stop - block.start) * grid.vessels // grid.sizes[grid.axis])
 
 
 def _opened(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice]) -> Any:
