@@ -10,7 +10,7 @@ demo: .venv/base
 	$(BIN)/narrows demo --out out
 
 test: .venv/dev
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: .venv/dev
 	$(BIN)/ruff check .

@@ -98,9 +98,9 @@ def with_diffrax(vessels: int):
 
 def with_shipmmg(steps: int) -> None:
     """The KT model of shipmmg by its own solver."""
-    from shipmmg.kt import simulate_kt
+    from shipmmg.kt import simulate
 
-    simulate_kt(0.155, 80.5, np.linspace(0, 100, steps), np.full(steps, 0.1))
+    simulate(0.155, 80.5, np.linspace(0, 100, steps), np.full(steps, 0.1))
 
 
 def main() -> None:

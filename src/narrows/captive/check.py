@@ -10,6 +10,8 @@ from narrows.captive.columns import COLUMNS, Column
 from narrows.errors import InputError, near_miss
 from narrows.particulars import Setting
 
+LARGEST = 1e20
+"""Beyond this a number stands for a missing one (netCDF fills with 9.97e36), and its square spoils every sum."""
 FIRST_ROW = 2
 """What editors call the row under a header."""
 
@@ -78,14 +80,16 @@ def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
     Raises
     ------
     InputError
-        At the first cell that is not a finite number.
+        At the first cell that is not a finite number, or beyond all measure.
     """
     values = pd.to_numeric(frame[header], errors="coerce").to_numpy(dtype=float)
-    wrong = ~np.isfinite(values)
+    # NaN is not below either.
+    wrong = ~(np.abs(values) < LARGEST)
     if wrong.any():
         cell = frame[header].iloc[int(np.argmax(wrong))]
+        fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         row = row_number(frame, wrong)
-        raise InputError(f"{place}: row {row}, column {header!r} holds {cell}, not a finite number; mend the cell")
+        raise InputError(f"{place}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell")
     return values
 
 

@@ -142,7 +142,7 @@ def _columns(values: Mapping[str, Number], vessels: int) -> dict[str, np.ndarray
     except ValueError:
         shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in values.items() if np.ndim(value))
         raise InputError(f"the columns of a fleet do not match: {vessels} vessels, {shapes}; give one length") from None
-    flat = {name: column.ravel() for name, column in zip(values, columns, strict=True)}
+    flat = {name: column.flatten() for name, column in zip(values, columns, strict=True)}
     for name, column in flat.items():
         if not np.isfinite(column).all():
             raise InputError(f"{name} of vessel {int(np.argmin(np.isfinite(column)))} is not a finite number; mend it")

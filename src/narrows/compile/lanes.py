@@ -67,13 +67,8 @@ def restore(block: "Array", lane: int) -> None:
 
 
 @jit
-def room_of(block: "Array", lane: int, first: int, constants: "Any") -> float:
-    y, cosine, sine = (
-        block[(first + Y) * LANES + lane],
-        block[(first + COS) * LANES + lane],
-        block[(first + SIN) * LANES + lane],
-    )
-    return gap(y, cosine, sine, *constants)
+def room_of(block: "Array", lane: int, constants: "Any") -> float:
+    return gap(block[Y * LANES + lane], block[COS * LANES + lane], block[SIN * LANES + lane], *constants)
 
 
 @jit
@@ -99,7 +94,7 @@ def shorten(block: "Array", lane: int, book: "Array", limits: "Array") -> int:
 @jit
 def attend(block: "Array", lane: int, book: "Array", limits: "Array", constants: "Any") -> int:
     """Say what becomes of a lane that a step has flagged: an outcome, or RUNNING with a shorter step set up."""
-    room = room_of(block, lane, 0, constants)
+    room = room_of(block, lane, constants)
     sane = is_sane(block, lane, room, limits)
     tried = block[STEP * LANES + lane]
     if book[lane, TRIES] == 0:
@@ -107,7 +102,6 @@ def attend(block: "Array", lane: int, book: "Array", limits: "Array", constants:
         if sane and room > 0:
             book[lane, CLOCK] = tried
             return OUTSIDE if block[COS * LANES + lane] <= limits[LEAST_COS] else AFLOAT
-        book[lane, LOW] = room_of(block, lane, OLD, constants)
     if sane and abs(room) <= limits[TOLERANCE]:
         book[lane, CLOCK] += tried
         return GROUNDED
@@ -119,6 +113,7 @@ def attend(block: "Array", lane: int, book: "Array", limits: "Array", constants:
         book[lane, SPAN] = tried
         book[lane, HIGH] = room if sane else np.nan
         restore(block, lane)
+        book[lane, LOW] = room_of(block, lane, constants)
     return shorten(block, lane, book, limits)
 
 
@@ -181,10 +176,10 @@ def fleet(
 ) -> int:  # fmt: skip
     """Sail every vessel whose outcome is RUNNING to her end; return the lane-steps that it took."""
     block, book = aligned(np.zeros((FIELDS + 1) * LANES, real)), np.zeros((LANES, COLUMNS))
-    who = np.full(LANES, -1)
-    shared = uniform(constants)
-    active, lane_steps, queue = 0, 0, next_of(0, codes)
+    who, shared = np.empty(LANES, np.int64), uniform(constants)
+    active, lane_steps, queue = 0, 0, next_of(np.int64(0), codes)
     for lane in range(LANES):
+        who[lane] = -1
         park(block, lane)
         block[FLAG * LANES + lane] = 1
     flagged = True

@@ -74,7 +74,8 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
     if np.isinf(lower).all() and np.isinf(upper).all():
         z = np.linalg.lstsq(factor, target, rcond=None)[0]
     else:
-        z = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14).x
+        with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked below.
+            z = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14).x
     at_bound = (z <= lower) | (z >= upper)
     z = _polished(h, g, np.clip(z, lower, upper), at_bound, lower, upper)
     z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))

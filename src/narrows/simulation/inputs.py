@@ -12,7 +12,15 @@ Schedule = float | Sequence[Sequence[float]]
 
 
 class Stretch(NamedTuple):
-    """A time [s] over which the surge force, sway force [N] and yaw moment [N m] are constant."""
+    """A time over which the inputs are constant.
+
+    Parameters
+    ----------
+    start, stop : float [s]
+        From when until when.
+    forces : tuple of float [N, N, N m]
+        Surge force, sway force, yaw moment.
+    """
 
     start: float
     stop: float
