@@ -14,7 +14,11 @@ from narrows.vocabulary import FORCES, Number
 
 LINEARISED = ("x", "y", "psi", "u", "v", "r")
 """The state of a linearised model; the heading is one angle [rad] again."""
-HEADER = '"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""\n'
+HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
+from numpy import log
+
+E = 2.718281828459045
+'''
 
 
 def jacobian_text(emitted: Emitted, names: Iterable[str], version: str) -> str:
@@ -38,7 +42,7 @@ def jacobian_text(emitted: Emitted, names: Iterable[str], version: str) -> str:
     }
     arguments = (*STATE, *emitted.inputs, *constants.names)
     texts = [function(name, arguments, entries, PLAIN) for name, entries in wholes.items()]
-    return "\n\n".join([HEADER.format(version=version), "E = 2.718281828459045\n", emitted.prologue(), *texts])
+    return "\n\n".join([HEADER.format(version=version), emitted.prologue(), *texts])
 
 
 def _rates(emitted: Emitted) -> list[Expr]:

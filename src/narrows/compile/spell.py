@@ -7,6 +7,7 @@ from typing import Any
 from narrows.compile.trace import Expr
 
 LONGEST_PRODUCT = 4
+DIGITS = 20
 
 
 @dataclass(frozen=True)
@@ -42,11 +43,9 @@ def spell(expression: Expr, style: Style) -> str:
     style : Style
         How to write numbers and functions.
     """
-    import sympy
-
     if expression.is_Symbol:
         return str(expression.name)
-    if expression.is_Number or expression is sympy.E:
+    if expression.is_number:
         return _number(expression, style)
     if expression.is_Add:
         return _sum(expression.args, style)
@@ -58,7 +57,7 @@ def spell(expression: Expr, style: Style) -> str:
 
 
 def _number(value: Expr, style: Style) -> str:
-    text = style.number(repr(abs(float(value))))
+    text = style.number(repr(abs(float(value.evalf(DIGITS)))))
     return f"-{text}" if value < 0 else text
 
 
@@ -99,7 +98,7 @@ def _power(base: Expr, exponent: Expr, style: Style) -> str:
     if exponent == sympy.Rational(1, 2):
         return style.root(_bracketed(base, style))
     if base.is_number and not exponent.is_number and style is BLOCK:
-        return style.exponential(_bracketed(exponent * sympy.log(base).n(), style))
+        return style.exponential(_bracketed(exponent * sympy.log(base).evalf(DIGITS), style))
     upper = str(exponent) if exponent.is_Integer else _atom(exponent, style)
     return style.power(_atom(base, style), upper)
 

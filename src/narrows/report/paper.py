@@ -103,7 +103,8 @@ def grounding_readings(model: Model) -> dict[str, Any]:
         The ship.
     """
     heavy = replace(model, setting=replace(model.setting, ship=replace(model.setting.ship, mass=MASS)))
-    common: dict[str, Any] = {"y": STARTS, "duration": 120.0, "surge": "free", "surge_inertia": SURGE_MASS, "X": SURGE_FORCE}
+    common: dict[str, Any] = {"y": STARTS, "duration": 120.0, "surge": "free", "X": SURGE_FORCE}
+    common["surge_inertia"] = SURGE_MASS
     return {
         "hull corners": ensemble(model, **common),
         "midship clearance": ensemble(model, contact="midship", **common),
