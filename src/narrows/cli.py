@@ -154,30 +154,16 @@ def map_(
 
     MODEL is a model file, or the name of a published model.
     """
-    import sys
-
-    import numpy as np
-
     from narrows.model_file import model_named
-    from narrows.simulation.fleets import ensemble
-    from narrows.simulation.maps import map_summary, parse_range
+    from narrows.simulation.maps import map_summary, mapped
     from narrows.simulation.netcdf import save_netcdf
 
-    vary = {
-        "y": parse_range("--y", y),
-        "u": parse_range("--u", u),
-        "psi": np.radians(parse_range("--psi-deg", psi_deg)),
-    }
-    if width:
-        vary["width"] = parse_range("--width", width)
-    vary = {name: values if len(values) > 1 else float(values[0]) for name, values in vary.items()}
     if within is not None and not draws:
         raise InputError("--within maps a probability, which needs draws of the coefficients: add --draws 200")
-    chosen = model_named(model)
+    chosen, ranges = model_named(model), {"--y": y, "--u": u, "--psi-deg": psi_deg, "--width": width}
     shown = sys.stderr.isatty() and not json
-    voyages = ensemble(
-        chosen, duration=duration, dt=dt, draws=draws, seed=seed, contact=contact, progress=shown, **vary
-    )
+    options = {"duration": duration, "dt": dt, "draws": draws, "seed": seed, "contact": contact, "progress": shown}
+    voyages = mapped(chosen, ranges, **options)
     if output:
         save_netcdf(voyages, output)
     if plot:

@@ -135,18 +135,13 @@ def test_neither_cores_nor_company_change_a_voyage() -> None:
 
 
 def test_values_may_differ_from_vessel_to_vessel() -> None:
-    start, count = starts(200), 200
-    draw = np.random.default_rng(5)
-    varied = {"b_v": draw.uniform(80, 120, count), "width": draw.uniform(6.5, 8, count), "N_in": draw.normal(0, 1, count)}
-    many = PAPER.fleet({**VALUES, **varied}, **start, dt=draw.uniform(0.02, 0.05, count), duration=20.0)
-    draw = np.random.default_rng(5)
-    [draw.uniform(0, 1, count), draw.uniform(0, 1, count), draw.normal(0, 1, count)]
+    start, count, draw = starts(200), 200, np.random.default_rng(5)
+    varied = {"b_v": draw.uniform(80, 120, count), "width": draw.uniform(6.5, 8, count)}
     dt = draw.uniform(0.02, 0.05, count)
+    many = PAPER.fleet({**VALUES, **varied}, **start, dt=dt, duration=20.0)
     for i in (0, 77, 199):
-        own = {name: column[i] for name, column in varied.items()}
-        alone = PAPER.fleet(
-            {**VALUES, **own}, **{n: c[i] for n, c in start.items()}, dt=dt[i], duration=20.0
-        )
+        own = VALUES | {name: column[i] for name, column in varied.items()}
+        alone = PAPER.fleet(own, **{name: column[i] for name, column in start.items()}, dt=dt[i], duration=20.0)
         for name in COLUMNS:
             assert getattr(many, name)[i] == pytest.approx(getattr(alone, name)[0], rel=1e-11, abs=1e-12)
 

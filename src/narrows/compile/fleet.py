@@ -203,7 +203,7 @@ def sail(
 
     workers = workers or _cores()
     slices = _slices(len(task.pace), workers)
-    if workers == 1 or len(slices) == 1:
+    if workers == 1 or len(slices) <= 1:
         return _fleet(task, sum(map(run, slices)))
     pool = ThreadPoolExecutor(min(workers, len(slices)))
     try:

@@ -177,7 +177,7 @@ def fleet(
     """Sail every vessel whose outcome is RUNNING to her end; return the lane-steps that it took."""
     block, book = aligned(np.zeros((FIELDS + 1) * LANES, real)), np.zeros((LANES, COLUMNS))
     who, shared = np.empty(LANES, np.int64), uniform(constants)
-    active, lane_steps, queue = 0, 0, next_of(np.int64(0), codes)
+    active, lane_steps, queue = 0, 0, next_of(np.int64(0), codes)  # type: ignore[arg-type]
     for lane in range(LANES):
         who[lane] = -1
         park(block, lane)
