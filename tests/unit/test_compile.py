@@ -1,6 +1,7 @@
 """Compiled equations of motion are held to the terms themselves, evaluated by NumPy."""
 
 import pickle
+import platform
 from dataclasses import replace
 
 import numpy as np
@@ -108,6 +109,20 @@ def test_block_form_is_the_plain_form(name: str) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="reads x86 assembly")
+@pytest.mark.parametrize("name", TABLES)
+def test_a_block_is_stepped_by_vectors(name: str) -> None:
+    """No lane on its own: the step divides packed numbers only, and calls no exponential."""
+    model = model_of(TABLES[name])
+    kernel = compiled(model.terms).kernel(varying=False, precision="float64", inputs="none")
+    values = values_of(model) | {"heave": 0.0}
+    own = np.array(kernel.constants(*(values[parameter] for parameter in kernel.PARAMETERS)))
+    kernel.step(np.zeros(kernel.FIELDS * kernel.LANES), np.ones(5), kernel.uniform(own))
+    (assembly,) = kernel.step.inspect_asm().values()
+    assert "divpd" in assembly
+    assert "divsd" not in assembly
+
+
 def test_a_replayed_record_is_the_terms_to_the_bit() -> None:
     for table in TABLES.values():
         model = model_of(table)
@@ -123,12 +138,13 @@ def test_records_name_what_is_done_and_nothing_else() -> None:
     assert len(texts) == len(TABLES)
 
 
+AT = {"x": 0.0, "y": 1.3, "psi": -0.4, "u": 0.8, "v": 0.11, "r": -0.07}
+PUSHED = dict(zip(("X_in", "Y_in", "N_in"), PUSHES, strict=True))
+DIFFERENCE = 1e-6
+
+
 class TestJacobian:
     """Exact derivatives against central differences."""
-
-    step = 1e-6
-    inputs = dict(zip(("X_in", "Y_in", "N_in"), PUSHES, strict=True))
-    at = {"x": 0.0, "y": 1.3, "psi": -0.4, "u": 0.8, "v": 0.11, "r": -0.07}
 
     def rates(self, program: Program, values: dict, at: dict, inputs: dict) -> np.ndarray:
         y, psi, u, v, r = (at[name] for name in LINEARISED[1:])
@@ -141,7 +157,7 @@ class TestJacobian:
         """Of the rates by each of some named numbers."""
         columns = []
         for name, value in about.items():
-            width = self.step * max(1.0, abs(value))
+            width = DIFFERENCE * max(1.0, abs(value))
             ahead, behind = (rates({**about, name: value + sign * width}) for sign in (1, -1))
             columns.append((ahead - behind) / (2 * width))
         return np.stack(columns, axis=-1)
@@ -151,14 +167,14 @@ class TestJacobian:
     def test_derivatives(self, name: str, surge: str) -> None:
         model = model_of(TABLES[name])
         program, values = compiled(model.terms, surge, coriolis=True), values_of(model)
-        exact, at = program.jacobian(values), self.at
+        exact, at = program.jacobian(values), AT
         state = {**at, "cos_psi": np.cos(at["psi"]), "sin_psi": np.sin(at["psi"])}
-        found = {kind: getattr(exact, kind)(state, self.inputs) for kind in ("state", "controls", "coefficients")}
+        found = {kind: getattr(exact, kind)(state, PUSHED) for kind in ("state", "controls", "coefficients")}
         expected = {
-            "state": self.slopes(lambda at: self.rates(program, values, at, self.inputs), at),
-            "controls": self.slopes(lambda inputs: self.rates(program, values, at, inputs), self.inputs),
+            "state": self.slopes(lambda at: self.rates(program, values, at, PUSHED), at),
+            "controls": self.slopes(lambda inputs: self.rates(program, values, at, inputs), PUSHED),
             "coefficients": self.slopes(
-                lambda own: self.rates(program, values | own, at, self.inputs), dict(model.coefficients)
+                lambda own: self.rates(program, values | own, at, PUSHED), dict(model.coefficients)
             ),
         }
         for kind, matrix in expected.items():
@@ -182,10 +198,6 @@ class TestJacobian:
         poles = np.linalg.eigvals(matrix[np.ix_((1, 2, 4, 5), (1, 2, 4, 5))])
         pair = poles[np.argmax(poles.imag)]
         assert pair == pytest.approx(0.260 + 0.248j, abs=1e-3)
-
-
-def numeric_delta(y, width):
-    return max(y, width)
 
 
 @pytest.mark.parametrize(
@@ -276,9 +288,6 @@ def test_unknown_choices_are_refused(choice: dict, words: str) -> None:
 
 
 def test_a_program_goes_to_other_processes() -> None:
-    program = compiled(OWN_PICKLED, contact=[(1.0, 0.2), (1.0, -0.2), (-1.0, 0.0)])
+    program = compiled(nw.PAPER, contact=[(1.0, 0.2), (1.0, -0.2), (-1.0, 0.0)])
     program.constants(values_of(nw.published("mikkelsen2025_dtc")))
     assert pickle.loads(pickle.dumps(program)) == program
-
-
-OWN_PICKLED = nw.PAPER.with_terms("flow", sway=[nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, dim.KG_PER_S)])

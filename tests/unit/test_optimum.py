@@ -101,10 +101,11 @@ def test_bounds_without_room_are_refused(short: nw.CaptiveTests) -> None:
         nw.identify(short, nw.PAPER.with_terms("narrow", sway=[own]))
 
 
-def test_ties_join_bounds(short: nw.CaptiveTests) -> None:
-    """Of two tied coefficients the tighter bound holds for both."""
-    own = nw.Term("c_vdot", "c_vdot", nw.PAPER["c_vdot"].regressor, nw.PAPER["c_vdot"].dimension, (-10.0, 10.0))
-    fit = nw.identify(short, nw.PAPER.with_terms("bounded", yaw=[own]))
+@pytest.mark.parametrize(("name", "place"), [("b_rdot", "sway"), ("c_vdot", "yaw")])
+def test_ties_join_bounds(name: str, place: str, short: nw.CaptiveTests) -> None:
+    """Of two tied coefficients the tighter bound holds for both, whichever has it."""
+    own = nw.Term(name, name, nw.PAPER[name].regressor, nw.PAPER[name].dimension, (-10.0, 10.0))
+    fit = nw.identify(short, nw.PAPER.with_terms("bounded", **{place: [own]}))
     assert fit.coefficients["b_rdot"] == fit.coefficients["c_vdot"] == -10.0
     assert {"b_rdot", "c_vdot"} <= set(fit.at_bound)
 

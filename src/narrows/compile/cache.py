@@ -50,8 +50,11 @@ def cache_folder() -> Path:
     """
     import platformdirs
 
-    chosen = os.environ.get(FOLDER_VARIABLE) or platformdirs.user_cache_dir("narrows")
-    folder = Path(chosen) / "compiled"
+    return _usable(Path(os.environ.get(FOLDER_VARIABLE) or platformdirs.user_cache_dir("narrows")) / "compiled")
+
+
+@lru_cache(maxsize=8)
+def _usable(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

@@ -74,7 +74,7 @@ def straight_line(expressions: Sequence[Expr]) -> tuple[list[tuple[Expr, Expr]],
     assignments: list[tuple[Expr, Expr]] = []
 
     def name_base(base: Expr, exponent: Expr) -> Expr:
-        if base.is_Symbol or not exponent.is_Integer or abs(exponent) == 1:
+        if base.is_Symbol or base.is_number or not exponent.is_Rational or exponent.p in (1, -1):
             return base**exponent
         name = next(names)
         assignments.append((name, base))

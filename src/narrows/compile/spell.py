@@ -95,8 +95,9 @@ def _power(base: Expr, exponent: Expr, style: Style) -> str:
         return f"{style.number('1.0')} / {_atom(sympy.Pow(base, -exponent), style)}"
     if exponent.is_Integer and exponent <= LONGEST_PRODUCT:
         return " * ".join([_atom(base, style)] * int(exponent))
-    if exponent == sympy.Rational(1, 2):
-        return style.root(_bracketed(base, style))
+    if exponent.is_Rational and exponent.q == 2:
+        whole = [_power(base, exponent - sympy.Rational(1, 2), style)] if exponent.p > 1 else []
+        return " * ".join([*whole, style.root(_bracketed(base, style))])
     if base.is_number and not exponent.is_number and style is BLOCK:
         return style.exponential(_bracketed(exponent * sympy.log(base).evalf(DIGITS), style))
     upper = str(exponent) if exponent.is_Integer else _atom(exponent, style)
