@@ -102,6 +102,13 @@ def test_the_gap_is_closed_at_contact(contact: str) -> None:
     assert (gap[~hit] > 0).all()
 
 
+def test_a_contact_is_found_in_a_few_steps() -> None:
+    """Twins that sail as one keep every lane at work, so what is left over went into the search."""
+    for y in np.linspace(0.4, 2.5, 12):
+        end = PAPER.fleet(VALUES, y=np.full(64, y), u=1.0, dt=0.02, duration=60.0, workers=1)
+        assert end.lane_steps / 64 - end.steps[0] <= 5
+
+
 def test_an_outline_touches_with_its_points() -> None:
     """The rectangle's corners as points, and half of it cut off."""
     ship, start = DTC.setting.ship, starts(200, seed=3)

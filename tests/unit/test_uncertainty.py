@@ -91,6 +91,14 @@ def test_intervals_are_students_t_cut_at_the_bounds(case) -> None:
         assert high == pytest.approx(min(term.bound[1], fit.coefficients[term.name] + half), rel=1e-9, abs=1e-12)
 
 
+def test_an_interval_ends_at_the_bound(kcs_fits: dict[int, nw.Fit]) -> None:
+    """b_vv of the KCS sits at 0 with a standard error: its interval begins there and not below."""
+    fit = kcs_fits[100]
+    assert fit.coefficients["b_vv"] == 0.0
+    assert fit.std["b_vv"] > 100
+    assert fit.intervals["b_vv"] == (0.0, pytest.approx(stats.t.ppf(0.975, 24) * fit.std["b_vv"], rel=1e-9))
+
+
 @pytest.mark.parametrize("clusters", [2, 3, 10, 25, 400])
 def test_reach_of_an_interval(clusters: int) -> None:
     assert interval_factor(clusters) == pytest.approx(stats.t.ppf(0.975, clusters - 1), rel=1e-10)

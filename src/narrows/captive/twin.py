@@ -165,5 +165,6 @@ def _coloured(white: np.ndarray, keep: float) -> np.ndarray:
 
     if keep == 0:
         return white
-    start = [keep * white[0] / np.sqrt(1 - keep**2)] if len(white) else [0.0]
-    return np.asarray(lfilter([np.sqrt(1 - keep**2)], [1, -keep], white, zi=start)[0])
+    gain = np.sqrt(1 - keep**2)
+    # The first row is drawn from the same distribution as the others: it is white[0] itself.
+    return np.asarray(lfilter([gain], [1, -keep], white, zi=[(1 - gain) * white[0]])[0])

@@ -43,8 +43,9 @@ def compiled(
         Add -m u r in sway and m v r in surge. A fit at one speed holds them already: leave it off unless the terms
         were identified without.
     contact : str or sequence of pairs of float [m]
-        What of the hull meets a bank: the ``corners`` of its rectangle; its side at ``midship``, the paper's
-        clearance; or points (forward, starboard) of its outline.
+        What of the hull meets a bank: the ``corners`` of its rectangle; points (forward, starboard) of its outline;
+        or its side at ``midship``, the paper's clearance. There the suction grows without end, so that contact is
+        where the motion runs away within a thousandth of the width.
 
     Raises
     ------

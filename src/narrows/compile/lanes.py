@@ -56,7 +56,7 @@ OUTCOME, SIDE, COUNT = 0, 1, 2
 # entries of limits
 LEAST_COS, MOST_SPEED, MOST_RATE, TOLERANCE, NEAR = 0, 1, 2, 3, 4
 RUNNING, AFLOAT, GROUNDED, DIVERGED, OUTSIDE = -1, 0, 1, 2, 3
-MOST_TRIES, HALVE_EACH = 80, 4
+MOST_TRIES, HALVE_EACH = 80, 8
 CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
 
 
