@@ -19,8 +19,9 @@ lint: .venv/dev
 	$(BIN)/lint-imports
 
 bench: .venv/dev
+	$(BIN)/python -m pip install --quiet 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group bench
-	$(BIN)/python benchmarks/identify.py
+	for work in identify kernel voyages; do $(BIN)/python benchmarks/$$work.py || exit 1; done
 
 .venv/base: requirements/base.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "narrows needs Python 3.11 or newer: make PYTHON=python3.12 ...")'

@@ -202,18 +202,17 @@ def sail(
         return int(kernel.fleet(*given, constants(rows), limits, *out))
 
     workers = workers or _cores()
-    slices = _slices(len(task.pace), workers)
-    if workers == 1 or len(slices) <= 1:
-        return _fleet(task, sum(map(run, slices)))
-    pool = ThreadPoolExecutor(min(workers, len(slices)))
+    pool = ThreadPoolExecutor(workers)
     try:
-        return _fleet(task, sum(pool.map(run, slices)))
+        return _fleet(task, sum(pool.map(run, _slices(len(task.pace), workers))))
     finally:
         pool.shutdown(cancel_futures=True)  # an interrupt does not wait for the whole queue
 
 
 def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def limits_of(limits: Limits, width: Number, precision: Precision) -> np.ndarray:
