@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.verdict import VIF_LIMIT, VIF_LIMIT_ONE_SPEED
+from narrows.identification.verdict import CONFOUNDED_VIF, VIF_LIMIT
 from tables import many_runs, short_twin
 
 
@@ -67,7 +67,7 @@ def test_inflation_over_the_limits_is_weak(kcs_fits: dict[int, nw.Fit]) -> None:
                 reasons = " ".join(fit.verdicts[term.name].reasons)
                 assert ("over all rows" in reasons) == (fit.diagnostics()[force].vif[term.name] > VIF_LIMIT)
                 single = [found[force].vif[term.name] for found in fit.by_speed().values()]
-                lost = np.nanmin(single) > VIF_LIMIT_ONE_SPEED
+                lost = np.nanmin(single) > CONFOUNDED_VIF
                 assert ("only mixing speeds" in reasons) == lost
 
 

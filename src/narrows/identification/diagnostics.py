@@ -11,6 +11,8 @@ from narrows.terms import Term, TermTable
 
 INVOLVED = 1e-3
 """A column takes part in a direction of unit length where its share is larger than this."""
+PARTNER_SHARE, MOST_PARTNERS = 0.5, 2
+"""Of the columns that stand in for another: those with at least this part of the largest share, and how many."""
 SPEED_GAP = 1.15
 """Tests whose speeds differ by less than this factor count as one speed."""
 
@@ -62,6 +64,22 @@ class Diagnosis:
         row[own] = 0.0
         most = int(np.abs(row).argmax())
         return self.names[most], float(row[most])
+
+    def partners(self, name: str) -> tuple[str, ...]:
+        """Return the coefficients whose columns between them stand in for this one's, the largest share first.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient.
+        """
+        live = [i for i, own in enumerate(self.names) if own not in self.empty]
+        place = live.index(self.names.index(name))
+        inverse = np.linalg.pinv(self.alignment[np.ix_(live, live)], rcond=RANK_TOLERANCE**2, hermitian=True)
+        share = np.abs(inverse[place])
+        share[place] = 0.0
+        order = [i for i in np.argsort(-share) if share[i] >= PARTNER_SHARE * share.max() > 0]
+        return tuple(self.names[live[i]] for i in order[:MOST_PARTNERS])
 
 
 def diagnose(moments: Moments, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
@@ -134,7 +152,7 @@ def by_test(moments: Moments, terms: TermTable) -> dict[str, dict[str, Diagnosis
     terms : TermTable
         The terms.
     """
-    return {name: _all_forces(moments, moments.of_test(name), terms) for name in moments.names}
+    return {name: all_forces(moments, moments.of_test(name), terms) for name in moments.names}
 
 
 def by_speed(moments: Moments, terms: TermTable) -> dict[float, dict[str, Diagnosis]]:
@@ -151,10 +169,21 @@ def by_speed(moments: Moments, terms: TermTable) -> dict[float, dict[str, Diagno
     size = np.maximum(np.abs(moments.speeds[order]), 1e-9)
     groups = np.split(order, np.flatnonzero(size[1:] > SPEED_GAP * size[:-1]) + 1)
     return {
-        float(np.mean(moments.speeds[group])): _all_forces(moments, moments.sums[group].sum(axis=0), terms)
+        float(np.mean(moments.speeds[group])): all_forces(moments, moments.sums[group].sum(axis=0), terms)
         for group in groups
     }
 
 
-def _all_forces(moments: Moments, sums: np.ndarray, terms: TermTable) -> dict[str, Diagnosis]:
+def all_forces(moments: Moments, sums: np.ndarray, terms: TermTable) -> dict[str, Diagnosis]:
+    """Diagnose each force that has terms over the rows behind some sums (ours).
+
+    Parameters
+    ----------
+    moments : Moments
+        For its columns.
+    sums : array (m, m)
+        The rows.
+    terms : TermTable
+        The terms.
+    """
     return {force: diagnose(moments, sums, own) for force, own in terms.forces.items() if own}

@@ -9,17 +9,23 @@ import numpy as np
 
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.errors import InputError
-from narrows.identification import diagnostics, shapley
+from narrows.errors import InputError, did_you_mean
+from narrows.identification import diagnostics, evidence, shapley
+from narrows.identification.bootstrap import Bootstrap, resampled
 from narrows.identification.diagnostics import Diagnosis
+from narrows.identification.influence import Influence, influence
+from narrows.identification.interval import bounded_interval
 from narrows.identification.moments import Moments, accumulate, design_rows
 from narrows.identification.problem import Problem, reduced
+from narrows.identification.profile import Profile, profile
+from narrows.identification.robust import Robust, assess
 from narrows.identification.score import Score, left_out_coefficients, left_out_score, score
 from narrows.identification.solve import Kkt, solve
-from narrows.identification.uncertainty import Clusters, clustered, interval_factor, jackknife, pieces_for
-from narrows.identification.verdict import WEAK, Evidence, Verdict, judge
+from narrows.identification.tradeoff import Tradeoff, tradeoffs
+from narrows.identification.uncertainty import Clusters, clustered, pieces_for
+from narrows.identification.verdict import Verdict
 from narrows.model import Envelope, Model
-from narrows.terms import PAPER, Term, TermTable
+from narrows.terms import PAPER, TermTable
 
 SPLITS = ("test", "random")
 
@@ -36,8 +42,8 @@ class Fit:
         The terms.
     coefficients : mapping of str to float
         In each term's SI unit.
-    covariance : array (n, n)
-        Of the coefficients, in the order of ``terms.names``.
+    robust : Robust
+        Estimates that do not know the bounds, and their cluster-robust standard errors.
     scores : mapping of str to Score
         R2 and RMSE of each force on the rows of the fit.
     left_out : mapping of str to Score
@@ -48,12 +54,12 @@ class Fit:
         Check of optimality.
     at_bound : tuple of str
         Coefficients at a bound.
+    problem : Problem
+        What was solved.
     moments : Moments
         Sums over the rows.
     clusters : Clusters
         What the standard errors take as independent.
-    without : array (clusters, n)
-        Coefficients without each cluster.
     envelope : Envelope
         What the rows cover.
     """
@@ -61,15 +67,15 @@ class Fit:
     tests: Tests
     terms: TermTable
     coefficients: Mapping[str, float]
-    covariance: np.ndarray
+    robust: Robust
     scores: Mapping[str, Score]
     left_out: Mapping[str, Score]
     split: str
     kkt: Kkt
     at_bound: tuple[str, ...]
+    problem: Problem
     moments: Moments
     clusters: Clusters
-    without: np.ndarray
     envelope: Envelope
 
     @property
@@ -84,25 +90,86 @@ class Fit:
             self.tests.source,
         )
 
+    @property
+    def covariance(self) -> np.ndarray:
+        """Cluster-robust covariance (n, n) in the order of ``terms.names``; zero where a bound is rejected and held."""
+        return self.robust.covariance
+
     @cached_property
     def std(self) -> dict[str, float]:
-        """Standard error of each coefficient; NaN where it is not identifiable."""
-        sizes = np.sqrt(np.diag(self.covariance))
+        """Cluster-robust standard error of each coefficient; NaN where it is not identifiable."""
         return {
-            name: float(size) if self._determined(name) else float("nan")
-            for name, size in zip(self.terms.names, sizes, strict=True)
+            name: float(size) if self.determined(name) else float("nan")
+            for name, size in zip(self.terms.names, self.robust.std, strict=True)
         }
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 % confidence interval of each coefficient, cut at its bounds; the bounds where it is not identifiable."""
-        reach = interval_factor(len(self.clusters.labels))
-        return {term.name: self._interval(term.name, term.bound, reach) for term in self.terms.terms}
+        """95 % confidence interval of each coefficient within its bounds; the bounds where it is not identifiable."""
+        seen = zip(self.terms.terms, self.robust.values, self.robust.counts, strict=True)
+        return {
+            term.name: bounded_interval(float(value), self.std[term.name], term.bound, float(count))
+            for term, value, count in seen
+        }
 
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """How far each coefficient can be trusted."""
-        return {term.name: self._verdict(force, term) for force, own in self.terms.forces.items() for term in own}
+        return evidence.verdicts(self)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the reader of the tests had to say, and what was taken as independent."""
+        few = [name for name, own in zip(self.terms.names, self.robust.few, strict=True) if own]
+        said = (f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",)
+        return (*self.tests.notes, self.clusters.sentence, *said * bool(few))
+
+    @cached_property
+    def tradeoffs(self) -> tuple[Tradeoff, ...]:
+        """Pairs of coefficients that stand in for one another, the closest first."""
+        return tradeoffs(self.problem, self.moments.total)
+
+    @cached_property
+    def influence(self) -> Influence:
+        """What each test tells of each coefficient, and how far it moves it."""
+        return influence(self.problem, self.moments)
+
+    def bootstrap(self, resamples: int = 10_000, kind: str = "scores", seed: int = 0) -> Bootstrap:
+        """Fit resamples of the tests, each under the constraints.
+
+        Parameters
+        ----------
+        resamples : int
+            How many.
+        kind : str
+            ``scores``: the tests stay, each one's pull on the fit is multiplied by a random number; ``tests``: whole
+            tests are drawn with replacement, stretches of them where there are fewer than ten.
+        seed : int
+            Of the draws.
+
+        Raises
+        ------
+        InputError
+            Where the kind is unknown, or there are fewer than 2 resamples.
+        """
+        return resampled(self.problem, self.clusters, resamples, kind, seed)
+
+    def profile(self, name: str) -> Profile | None:
+        """Profile the likelihood of a coefficient under the constraints; None where it is not identifiable.
+
+        Parameters
+        ----------
+        name : str
+            The coefficient.
+
+        Raises
+        ------
+        InputError
+            Where there is no such coefficient.
+        """
+        if name not in self.terms.names:
+            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
+        return profile(self.problem, self.moments.total, self.robust, name) if self.determined(name) else None
 
     def diagnostics(self) -> dict[str, Diagnosis]:
         """Rank, condition, VIF and correlations of each force's columns over all rows."""
@@ -129,9 +196,7 @@ class Fit:
         InputError
             Where the kind is none of these.
         """
-        if kind not in shapley.KINDS:
-            raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(shapley.KINDS)}")
-        return {force: self._shares(kind, force) for force, own in self.terms.forces.items() if own}
+        return shapley.shares(kind, self.moments, self.terms, self.coefficients, lambda: self._deviations)
 
     def summary(self) -> dict[str, Any]:
         """Everything as plain numbers and words: what ``identify --json`` prints."""
@@ -139,24 +204,27 @@ class Fit:
 
         return as_json(self)
 
+    def determined(self, name: str, among: Mapping[str, Diagnosis] | None = None) -> bool:
+        """Whether the data determine a coefficient, through its own force or through one that it is tied to.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient.
+        among : mapping of str to Diagnosis, optional
+            Of each force; over all rows unless given.
+        """
+        tied = {name, *(other for tie in self.terms.ties if name in tie for other in tie)}
+        found = (among or self._overall).values()
+        return any(np.isfinite(d.vif[own]) for d in found for own in tied if own in d.names)
+
     @cached_property
     def _overall(self) -> dict[str, Diagnosis]:
-        total = self.moments.total
-        return {
-            force: diagnostics.diagnose(self.moments, total, own) for force, own in self.terms.forces.items() if own
-        }
+        return diagnostics.all_forces(self.moments, self.moments.total, self.terms)
 
     @cached_property
     def _by_speed(self) -> dict[float, dict[str, Diagnosis]]:
         return diagnostics.by_speed(self.moments, self.terms)
-
-    @cached_property
-    def _without_cluster(self) -> list[dict[str, Diagnosis]]:
-        forces = {force: own for force, own in self.terms.forces.items() if own}
-        return [
-            {force: diagnostics.diagnose(self.moments, rest, own) for force, own in forces.items()}
-            for rest in self.clusters.without
-        ]
 
     @cached_property
     def _deviations(self) -> dict[str, float]:
@@ -165,51 +233,6 @@ class Fit:
         mean = self.moments.total[:, -1] / rows
         sums = sum(np.abs(d - mean[:, None]).sum(axis=1) for _, d in design_rows(self.tests, self.terms))
         return {name: float(np.asarray(sums)[self.moments.columns[name]] / rows) for name in self.terms.names}
-
-    def _shares(self, kind: str, force: str) -> dict[str, float]:
-        names = [term.name for term in self.terms.forces[force]]
-        values = np.array([self.coefficients[name] for name in names])
-        total = self.moments.total
-        gram, cross = self.moments.pick(total, names), self.moments.pick(total, names, [force])[:, 0]
-        if kind == "mse":
-            shares = shapley.mse_shares(gram, cross, values)
-        elif kind == "lmg":
-            shares = shapley.lmg_shares(gram, cross)
-        else:
-            shares = shapley.mean_abs_shares(np.array([self._deviations[name] for name in names]), values)
-        return dict(zip(names, shares.tolist(), strict=True))
-
-    def _determined(self, name: str, among: dict[str, Diagnosis] | None = None) -> bool:
-        """Whether the data determine a coefficient, through its own force or through one it is tied to."""
-        tied = {name, *(other for tie in self.terms.ties if name in tie for other in tie)}
-        found = (among or self._overall).values()
-        return any(np.isfinite(d.vif[own]) for d in found for own in tied if own in d.names)
-
-    def _interval(self, name: str, bound: tuple[float, float], reach: float) -> tuple[float, float]:
-        value, half = self.coefficients[name], reach * self.std[name]
-        if not np.isfinite(half):
-            return bound
-        return max(bound[0], value - half), min(bound[1], value + half)
-
-    def _verdict(self, force: str, term: Term) -> Verdict:
-        own = judge(term, self._evidence(force, term.name))
-        if own.identifiable or not self._determined(term.name):
-            return own
-        return Verdict(WEAK, (f"{own.reasons[0]}, so that only its tie determines it",))
-
-    def _evidence(self, force: str, name: str) -> Evidence:
-        pinned = [
-            label
-            for label, without in zip(self.clusters.labels, self._without_cluster, strict=True)
-            if not self._determined(name, without)
-        ]
-        return Evidence(
-            self._overall[force],
-            {speed: found[force] for speed, found in self._by_speed.items()},
-            self.intervals[name],
-            name in self.at_bound,
-            tuple(pinned) if self._determined(name) else (),
-        )
 
 
 def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", split: str = "test", seed: int = 0) -> Fit:
@@ -235,7 +258,7 @@ def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", spl
     Returns
     -------
     Fit
-        With ``coefficients``, ``std``, ``verdicts``, ``scores``, ``left_out`` and ``model``.
+        With ``coefficients``, ``std``, ``intervals``, ``verdicts``, ``scores``, ``left_out`` and ``model``.
 
     Raises
     ------
@@ -244,16 +267,15 @@ def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", spl
     """
     if split not in SPLITS:
         raise InputError(f"split {split!r} is unknown; choose {' or '.join(SPLITS)}")
-    _check_one_condition(tests)
+    check_one_condition(tests, terms)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
     moments, envelope = accumulate(fitted, terms, pieces_for(len(tests.names)))
     problem = reduced(moments, terms, weights)
     solution = solve(*problem.normal(moments.total), problem.lower, problem.upper)
-    best = problem.coefficients(solution.z)
+    values = dict(zip(terms.names, problem.coefficients(solution.z).tolist(), strict=True))
     clusters = clustered(moments)
-    without = left_out_coefficients(problem, clusters.without)
-    values = dict(zip(terms.names, best.tolist(), strict=True))
     if checked is None:
+        without = left_out_coefficients(problem, clusters.without)
         left_out = left_out_score(moments, terms, clusters.sums, without)
     else:
         rest, _ = accumulate(checked, terms)
@@ -262,15 +284,15 @@ def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", spl
         tests=fitted,
         terms=terms,
         coefficients=values,
-        covariance=jackknife(best, without),
+        robust=assess(problem, moments),
         scores=score(moments, moments.total, terms, values),
         left_out=left_out,
         split=split,
         kkt=solution.kkt,
         at_bound=_at_bound(problem, solution.at_bound),
+        problem=problem,
         moments=moments,
         clusters=clusters,
-        without=without,
         envelope=envelope,
     )
 
@@ -279,10 +301,24 @@ def _at_bound(problem: Problem, at_bound: np.ndarray) -> tuple[str, ...]:
     return tuple(name for name in problem.terms.names if at_bound[problem.slot[name]])
 
 
-def _check_one_condition(tests: Tests) -> None:
-    if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1:
+def check_one_condition(tests: Tests, terms: TermTable) -> None:
+    """Raise where tests at several depths are to share coefficients that do not know the depth (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        The rows.
+    terms : TermTable
+        The terms.
+
+    Raises
+    ------
+    InputError
+        Names the conditions.
+    """
+    if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and "depth" not in terms.inputs:
         labels = ", ".join(dict.fromkeys(tests.conditions))
         raise InputError(
-            f"the tests are of several conditions ({labels}), which no one model fits; "
-            "identify each of tests.by_condition()"
+            f"the tests are of several conditions ({labels}), which no one model fits unless its terms ask for the "
+            "depth; identify each of tests.by_condition()"
         )

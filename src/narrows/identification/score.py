@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.identification.batch import solve_many
 from narrows.identification.moments import ONE, Moments
 from narrows.identification.problem import Problem
-from narrows.identification.solve import solve
 from narrows.terms import Term, TermTable
 
 
@@ -91,8 +91,7 @@ def left_out_coefficients(problem: Problem, without: np.ndarray) -> np.ndarray:
     without : array (clusters, m, m)
         Sums over all but each cluster.
     """
-    systems = zip(*problem.normal(without), strict=True)
-    return problem.coefficients(np.array([solve(h, g, problem.lower, problem.upper).z for h, g in systems]))
+    return problem.coefficients(solve_many(*problem.normal(without), problem.lower, problem.upper))
 
 
 def left_out_score(moments: Moments, terms: TermTable, clusters: np.ndarray, without: np.ndarray) -> dict[str, Score]:

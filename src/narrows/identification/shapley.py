@@ -1,10 +1,14 @@
 """Shapley shares of the terms of a force, exact, under three value functions (the paper names none)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import combinations
 from math import factorial
 
 import numpy as np
+
+from narrows.errors import InputError
+from narrows.identification.moments import Moments
+from narrows.terms import TermTable
 
 KINDS = ("mse", "mean_abs", "lmg")
 
@@ -92,3 +96,49 @@ def _explained(gram: np.ndarray, cross: np.ndarray, subset: tuple[int, ...]) -> 
 def _normalised(phi: np.ndarray) -> np.ndarray:
     total = float(np.abs(phi).sum())
     return phi / total if total > 0 else phi
+
+
+def shares(
+    kind: str,
+    moments: Moments,
+    terms: TermTable,
+    coefficients: Mapping[str, float],
+    deviations: Callable[[], Mapping[str, float]],
+) -> dict[str, dict[str, float]]:
+    """Share out each force among its terms: force -> coefficient -> share (ours).
+
+    Parameters
+    ----------
+    kind : str
+        ``mse``, ``mean_abs`` or ``lmg``.
+    moments : Moments
+        Sums over the rows.
+    terms : TermTable
+        The terms.
+    coefficients : mapping of str to float
+        Their values.
+    deviations : callable
+        Gives the mean absolute deviation of each column, which sums of products cannot.
+
+    Raises
+    ------
+    InputError
+        Where the kind is none of these.
+    """
+    if kind not in KINDS:
+        raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
+    found, total = {}, moments.total
+    for force, own in terms.forces.items():
+        names = [term.name for term in own]
+        values = np.array([coefficients[name] for name in names])
+        if not names:
+            continue
+        gram, cross = moments.pick(total, names), moments.pick(total, names, [force])[:, 0]
+        if kind == "mse":
+            part = mse_shares(gram, cross, values)
+        elif kind == "lmg":
+            part = lmg_shares(gram, cross)
+        else:
+            part = mean_abs_shares(np.array([deviations()[name] for name in names]), values)
+        found[force] = dict(zip(names, part.tolist(), strict=True))
+    return found

@@ -56,7 +56,7 @@ def as_json(fit: "Fit") -> dict[str, Any]:
             "multiplier": fit.kkt.multiplier,
         },
         "split": fit.split,
-        "notes": [*fit.tests.notes, fit.clusters.sentence],
+        "notes": list(fit.notes),
     }
 
 

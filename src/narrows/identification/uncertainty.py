@@ -10,8 +10,8 @@ from narrows.identification.moments import Moments
 
 MIN_TESTS = 10
 """With fewer tests than this, stretches of each test are the clusters."""
-PIECES = 30
-"""How many clusters to cut few tests into, at least."""
+PIECES, FEWEST_PIECES = 30, 3
+"""How many stretches to cut tests into, at least: together, and each."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def pieces_for(tests: int) -> int:
     tests : int
         How many there are.
     """
-    return 1 if tests >= MIN_TESTS else -(-PIECES // tests)
+    return max(FEWEST_PIECES, -(-PIECES // tests))
 
 
 def clustered(moments: Moments) -> Clusters:
@@ -78,8 +78,28 @@ def clustered(moments: Moments) -> Clusters:
     """
     if len(moments.tests) < 2:
         raise InputError(f"one row of test {moments.tests[0]} is all there is; standard errors need two or more")
-    if len(moments.names) >= MIN_TESTS:
-        return Clusters(moments.by_test(), moments.names, True)
+    return by_tests(moments) if len(moments.names) >= MIN_TESTS else by_stretches(moments)
+
+
+def by_tests(moments: Moments) -> Clusters:
+    """Take each test as a cluster (ours).
+
+    Parameters
+    ----------
+    moments : Moments
+        The sums.
+    """
+    return Clusters(moments.by_test(), moments.names, True)
+
+
+def by_stretches(moments: Moments) -> Clusters:
+    """Take each consecutive stretch of a test as a cluster (ours).
+
+    Parameters
+    ----------
+    moments : Moments
+        The sums.
+    """
     labels = [f"{test}/{moments.tests[:i].count(test) + 1}" for i, test in enumerate(moments.tests)]
     return Clusters(moments.sums, tuple(labels), False)
 
@@ -104,18 +124,3 @@ def jackknife(best: np.ndarray, without: np.ndarray) -> np.ndarray:
     moved = without - best
     count = len(without)
     return np.asarray((count - 1) / count * moved.T @ moved)
-
-
-def interval_factor(clusters: int, level: float = 0.95) -> float:
-    """Return how many standard errors a two-sided interval reaches, Student's t with K - 1 degrees (ours).
-
-    Parameters
-    ----------
-    clusters : int
-        K.
-    level : float [1]
-        Of confidence.
-    """
-    from scipy.special import stdtrit
-
-    return float(stdtrit(max(clusters - 1, 1), 0.5 + level / 2))

@@ -10,11 +10,12 @@ from narrows.terms import Term
 
 VIF_LIMIT = 10.0
 """Over all rows: beyond this the other columns leave a coefficient under a tenth of its own information."""
-VIF_LIMIT_ONE_SPEED = 30.0
-"""Within every single speed: beyond this only mixing speeds separates a coefficient from the others."""
+CONFOUNDED_VIF = 30.0
+"""Over all rows, or within every single speed: beyond this a small error of the model's form, shared by the columns
+that align, lands on the coefficient magnified; no standard error knows that."""
 
 NOT_EXCITED, NOT_IDENTIFIABLE = "not excited", "not identifiable"
-AT_BOUND, WEAK, IDENTIFIED = "at its bound", "weakly identified", "identified"
+AT_BOUND, CONFOUNDED, WEAK, IDENTIFIED = "at its bound", "confounded", "weakly identified", "identified"
 
 
 @dataclass(frozen=True)
@@ -24,13 +25,17 @@ class Verdict:
     Parameters
     ----------
     status : str
-        ``identified``, ``weakly identified``, ``at its bound``, ``not identifiable`` or ``not excited``.
+        ``identified``, ``weakly identified``, ``confounded``, ``at its bound``, ``not identifiable`` or
+        ``not excited``.
     reasons : tuple of str
         Why, each a clause.
+    partners : tuple of str
+        With which coefficients it is confounded.
     """
 
     status: str
     reasons: tuple[str, ...] = ()
+    partners: tuple[str, ...] = ()
 
     @property
     def identifiable(self) -> bool:
@@ -46,6 +51,8 @@ class Verdict:
             The coefficient.
         """
         word = "not identifiable" if self.status == NOT_EXCITED else self.status
+        if self.partners:
+            word += f" with {' and '.join(self.partners)}"
         return f"{name} is {word}" + (f": {'; '.join(self.reasons)}." if self.reasons else ".")
 
 
@@ -94,7 +101,25 @@ def judge(term: Term, evidence: Evidence) -> Verdict:
     reasons = tuple(reason for reason in _doubts(term, evidence) if reason)
     if evidence.at_bound:
         return Verdict(AT_BOUND, ("the data alone would put it beyond", *reasons))
+    if partners := _confounders(term.name, evidence):
+        return Verdict(CONFOUNDED, reasons, partners)
     return Verdict(WEAK, reasons) if reasons else Verdict(IDENTIFIED)
+
+
+def _confounders(name: str, evidence: Evidence) -> tuple[str, ...]:
+    """The coefficients that take a coefficient's place, over all rows or at each single speed."""
+    if evidence.overall.vif[name] > CONFOUNDED_VIF:
+        return evidence.overall.partners(name)
+    worst = _worst_speed(name, evidence.speeds)
+    return worst.partners(name) if worst else ()
+
+
+def _worst_speed(name: str, speeds: Mapping[float, Diagnosis]) -> Diagnosis | None:
+    """The speed with the largest inflation, if at each one the coefficient is lost among the others."""
+    seen = [d for d in speeds.values() if name not in d.empty]
+    inflation = [d.vif[name] for d in seen]
+    lost = len(speeds) > 1 and seen and min(inflation) > CONFOUNDED_VIF
+    return seen[int(np.argmax(inflation))] if lost else None
 
 
 def _doubts(term: Term, evidence: Evidence) -> tuple[str, ...]:
@@ -125,14 +150,13 @@ def _inflated(name: str, overall: Diagnosis) -> str:
 
 
 def _one_speed(name: str, speeds: Mapping[float, Diagnosis]) -> str:
-    """Whether the coefficient is lost among the others at each speed where it is excited at all."""
-    seen = [d for d in speeds.values() if name not in d.empty]
-    inflation = [d.vif[name] for d in seen]
-    if len(speeds) < 2 or not seen or not min(inflation) > VIF_LIMIT_ONE_SPEED:
+    worst = _worst_speed(name, speeds)
+    if not worst:
         return ""
-    partner, alignment = seen[int(np.argmax(inflation))].partner(name)
+    least = min(d.vif[name] for d in speeds.values() if name not in d.empty)
+    partner, alignment = worst.partner(name)
     return (
-        f"only mixing speeds separates it: at each single speed its VIF is {min(inflation):.0f} or more "
+        f"only mixing speeds separates it: at each single speed its VIF is {least:.0f} or more "
         f"(its column aligns {alignment:+.4f} with {partner}'s)"
     )
 

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from narrows.identification import Fit
 from narrows.identification.diagnostics import Diagnosis
-from narrows.identification.verdict import VIF_LIMIT, VIF_LIMIT_ONE_SPEED
+from narrows.identification.verdict import CONFOUNDED_VIF, VIF_LIMIT
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 from narrows.terms import TermTable
 
@@ -81,7 +81,7 @@ def inflation_figure(fit: Fit) -> Figure:
         own = {n: d.vif[n] for d in found.values() for n in d.names}
         style = {"color": COLOURS[i % 6], "marker": MARKERS[i % 6], "linestyle": "none", "markersize": 5}
         panel.plot(range(len(names)), [_finite(own[n]) for n in names], label=f"{speed:.2f} m/s alone", **style)
-    for limit, dashes in ((VIF_LIMIT, "--"), (VIF_LIMIT_ONE_SPEED, ":")):
+    for limit, dashes in ((VIF_LIMIT, "--"), (CONFOUNDED_VIF, ":")):
         panel.axhline(limit, color=GREY, linestyle=dashes, linewidth=0.9)
     panel.set(yscale="log", ylabel="variance inflation [1]", xlabel="coefficient [-]")
     panel.set_xticks(range(len(names)), symbols(fit.terms, names))

@@ -99,7 +99,7 @@ def _section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         "by_test": _by_test(fit),
         "shapley": [(name, [fit.shapley(kind)[force][name] for kind in KINDS])
                     for force in fit.scores for name in fit.shapley("mse")[force]],
-        "notes": [*fit.tests.notes, fit.clusters.sentence, kkt_sentence(fit)],
+        "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": _figures(fit),
     }  # fmt: skip
 

@@ -32,7 +32,7 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None
             console.print(f"- {verdict.sentence(name)}")
     console.print(_scores(fit))
     console.print(_shares(fit))
-    for note in (*fit.tests.notes, fit.clusters.sentence, kkt_sentence(fit)):
+    for note in (*fit.notes, kkt_sentence(fit)):
         console.print(f"[dim]{note}[/dim]")
 
 

@@ -1,0 +1,98 @@
+"""Confidence intervals of bounded coefficients: never empty, never outside, and as sure at a bound as elsewhere."""
+
+from functools import cache
+
+import numpy as np
+
+from narrows.vocabulary import Number
+
+LEVEL = 0.95
+GRID = 401
+
+
+def reach(clusters: Number, level: float = LEVEL) -> Number:
+    """Return how many standard errors a two-sided interval reaches, Student's t with K - 1 degrees (ours).
+
+    Parameters
+    ----------
+    clusters : number [1]
+        K; an effective number need not be whole.
+    level : float [1]
+        Of confidence.
+    """
+    from scipy.special import stdtrit
+
+    return stdtrit(np.maximum(clusters - 1, 1), 0.5 + level / 2)
+
+
+def bounded_interval(
+    value: float, std: float, bound: tuple[float, float], clusters: float, level: float = LEVEL
+) -> tuple[float, float]:
+    """Return the interval of a coefficient that is known to lie within bounds.
+
+    Away from the bounds it is ``value`` and Student's t on either side. Near one it is the unified interval: the
+    values whose likelihood ratio, to the best value within the bounds, is not surprising. Cutting the plain
+    interval at the bound would cover a coefficient at its bound too often, and could leave nothing.
+
+    Parameters
+    ----------
+    value : float
+        Estimate that does not know the bounds, in the coefficient's unit.
+    std : float
+        Its standard error.
+    bound : pair of float
+        Lowest and highest value.
+    clusters : float [1]
+        Behind the standard error, as many as count.
+    level : float [1]
+        Of confidence.
+
+    References
+    ----------
+    Feldman, Cousins (1998), Unified approach to the classical statistical analysis of small signals.
+    """
+    if not np.isfinite(std):
+        return bound
+    if std == 0:
+        return (value, value)
+    clusters = round(clusters, 1)  # a table is kept for each
+    ends = np.array([-1, 1]) * reach(clusters, level) * std + value
+    low, high = bound
+    if np.isfinite(low):
+        ends = low + std * np.array(_above_zero((value - low) / std, clusters, level))
+    elif np.isfinite(high):
+        ends = high - std * np.array(_above_zero((high - value) / std, clusters, level))[::-1]
+    return max(low, float(ends[0])), min(high, float(ends[1]))
+
+
+def _above_zero(x: float, clusters: float, level: float) -> tuple[float, float]:
+    """Interval of a mean that is not negative, seen as x, in standard errors."""
+    plain = float(reach(clusters, level))
+    if x > 2 * plain:
+        return x - plain, x + plain
+    truths, least, most = _accepted(clusters, level)
+    low = float(np.interp(x, most, truths)) if x > most[0] else 0.0
+    if x >= least[-1]:
+        return low, x + plain
+    return low, float(np.interp(x, least, truths))
+
+
+@cache
+def _accepted(clusters: float, level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """For truths from 0 to the reach: the lowest and the highest sight that is not surprising."""
+    from scipy.special import stdtr
+
+    plain, degrees = reach(clusters, level), max(clusters - 1, 1)
+    truths = np.linspace(1e-3, 1, GRID) * plain
+    low, high = np.zeros(GRID), np.full(GRID, plain)  # of the square root of the critical ratio
+    for _ in range(60):
+        root = (low + high) / 2
+        inside = stdtr(degrees, root) - stdtr(degrees, _least(truths, root) - truths)
+        low, high = np.where(inside < level, root, low), np.where(inside < level, high, root)
+    root = (low + high) / 2
+    return truths, _least(truths, root), truths + root
+
+
+def _least(truths: np.ndarray, root: np.ndarray) -> np.ndarray:
+    """Where the likelihood ratio to the best truth that is not negative reaches ``root`` squared, on the low side."""
+    return np.asarray(np.where(root <= truths, truths - root, (truths**2 - root**2) / (2 * truths)))

@@ -1,0 +1,80 @@
+"""Profile likelihood: how much worse the best fit gets as one coefficient is held elsewhere."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from narrows.identification.batch import solve_many
+
+if TYPE_CHECKING:
+    from narrows.identification.problem import Problem
+    from narrows.identification.robust import Robust
+
+POINTS = 61
+REACH = 4.0
+"""Standard errors on either side."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The best fit under the constraints with one coefficient held, over a range of its values.
+
+    Parameters
+    ----------
+    name : str
+        The coefficient.
+    values : array (points,)
+        Where it is held, in its unit.
+    deviance : array (points,) [1]
+        Twice the loss of log-likelihood, scaled so that, away from bounds, it is the squared distance from the best
+        value in cluster-robust standard errors.
+    others : array (points, n)
+        All coefficients along the way, each in its own unit.
+    """
+
+    name: str
+    values: np.ndarray
+    deviance: np.ndarray
+    others: np.ndarray
+
+
+def profile(problem: "Problem", total: np.ndarray, robust: "Robust", name: str) -> Profile | None:
+    """Hold one coefficient at a range of values and fit the others (ours).
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint problem.
+    total : array (m, m)
+        Sums over all rows.
+    robust : Robust
+        Says how far to go, and scales the deviance.
+    name : str
+        The coefficient.
+
+    Returns
+    -------
+    Profile or None
+        None where the coefficient has no standard error.
+    """
+    index, slot = problem.terms.names.index(name), problem.slot[name]
+    std = robust.std[index] * problem.scale[slot]
+    h, g = problem.normal(total)
+    if not std > 0 or h[slot, slot] == 0:
+        return None
+    free = np.arange(len(h)) != slot
+    lower, upper = problem.lower[free], problem.upper[free]
+    reduced = h[np.ix_(free, free)]
+    middle = robust.values[index] * problem.scale[slot]
+    held = np.unique(np.clip(middle + np.linspace(-REACH, REACH, POINTS) * std, *_bounds(problem, slot)))
+    rest = solve_many(reduced, g[free] - held[:, None] * h[free, slot], lower, upper)
+    z = np.insert(rest, slot, held, axis=1)
+    loss = 0.5 * np.einsum("ni,ij,nj->n", z, h, z) - z @ g
+    stiffness = h[slot, slot] - h[slot, free] @ np.linalg.lstsq(reduced, h[free, slot], rcond=None)[0]
+    deviance = 2 * (loss - loss.min()) / max(stiffness, 1e-300) / std**2
+    return Profile(name, held / problem.scale[slot], deviance, problem.coefficients(z))
+
+
+def _bounds(problem: "Problem", slot: int) -> tuple[float, float]:
+    return float(problem.lower[slot]), float(problem.upper[slot])

@@ -1,0 +1,74 @@
+"""Which coefficients stand in for one another: where an error of one is made good by another."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identification.batch import RIDGE
+from narrows.identification.problem import Problem
+
+STRONG = 0.9
+"""Correlation of two estimates beyond which they are named as a pair."""
+
+
+@dataclass(frozen=True)
+class Tradeoff:
+    """Two coefficients that the tests tell apart badly.
+
+    Parameters
+    ----------
+    first, second : str
+        Coefficients.
+    correlation : float [1]
+        Of their estimates, as the columns alone determine it.
+    slope : float
+        How far ``second`` moves when ``first`` is moved by one, the fit staying as good as it can, in the unit of
+        ``second`` over that of ``first``.
+    """
+
+    first: str
+    second: str
+    correlation: float
+    slope: float
+
+    @property
+    def sentence(self) -> str:
+        """Say it."""
+        return (
+            f"{self.first} and {self.second} trade against each other (correlation {self.correlation:+.3f}): "
+            f"{self.first} up by 1 moves {self.second} by {self.slope:+.3g}"
+        )
+
+
+def tradeoffs(problem: Problem, total: np.ndarray) -> tuple[Tradeoff, ...]:
+    """Find the pairs, the closest first (ours).
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint problem.
+    total : array (m, m)
+        Sums over all rows.
+    """
+    inverse = np.linalg.inv(_ridged(problem.normal(total)[0]))
+    size = np.sqrt(np.diag(inverse))
+    correlation = inverse / np.outer(size, size)
+    names = {slot: name for name, slot in reversed(list(problem.slot.items()))}
+    known = [slot for slot in names if size[slot] < 1 / np.sqrt(np.sqrt(RIDGE))]
+    pairs = [
+        Tradeoff(
+            names[i],
+            names[j],
+            float(correlation[i, j]),
+            float(inverse[i, j] / inverse[i, i] * problem.scale[i] / problem.scale[j]),
+        )
+        for i in known
+        for j in known
+        if i < j and abs(correlation[i, j]) > STRONG
+    ]
+    return tuple(sorted(pairs, key=lambda pair: -abs(pair.correlation)))
+
+
+def _ridged(h: np.ndarray) -> np.ndarray:
+    empty = np.diag(h) == 0
+    return np.asarray(h + np.diag(np.where(empty, 1.0, RIDGE)))
