@@ -5,6 +5,10 @@ from .captive import stream_captive as stream_captive
 from .captive import twin as twin
 from .dimension import Dimension as Dimension
 from .errors import InputError as InputError
+from .forms import FORMS as FORMS
+from .forms import BankForm as BankForm
+from .forms import bank_only as bank_only
+from .forms import with_bank as with_bank
 from .identification import Fit as Fit
 from .identification import identify as identify
 from .identification import identify_each as identify_each
@@ -21,6 +25,7 @@ from .particulars import Setting as Setting
 from .particulars import Ship as Ship
 from .particulars import Water as Water
 from .particulars import read_ship as read_ship
+from .section import equivalent_wall as equivalent_wall
 from .simulation import Outcome as Outcome
 from .simulation import Voyage as Voyage
 from .simulation import bank_stiffness as bank_stiffness
@@ -30,10 +35,13 @@ from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
 from .simulation import simulate as simulate
 from .simulation import stability as stability
+from .tables import CROSSFLOW as CROSSFLOW
+from .tables import MIXED as MIXED
+from .tables import PAPER as PAPER
+from .tables import SPEED as SPEED
+from .tables import TAPERED as TAPERED
 from .terms import FREE as FREE
 from .terms import NONNEGATIVE as NONNEGATIVE
-from .terms import PAPER as PAPER
-from .terms import TAPERED as TAPERED
 from .terms import Term as Term
 from .terms import TermTable as TermTable
 

@@ -58,7 +58,7 @@ def identify(
     """
     from narrows.captive import read_captive, stream_captive
     from narrows.identification.conditions import identify_each
-    from narrows.terms import table_named
+    from narrows.tables import table_named
 
     chosen = table_named(terms)
     if stream and report:

@@ -11,7 +11,8 @@ from narrows.errors import InputError, did_you_mean
 from narrows.files import write_whole
 from narrows.model import Envelope, Model, Range, Source
 from narrows.particulars import check_table, load_toml, setting_from
-from narrows.terms import TermTable, table_named
+from narrows.tables import table_named
+from narrows.terms import TermTable
 
 PARTS = ("ship", "canal", "water")
 REQUIRED = (*PARTS, "terms", "coefficients")

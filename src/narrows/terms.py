@@ -1,14 +1,12 @@
-"""The model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
+"""A model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from narrows import dimension as dim
 from narrows.dimension import Dimension
 from narrows.errors import InputError, did_you_mean
-from narrows.physics import bank, damping, inertia
 from narrows.vocabulary import FORCES, REGRESSOR_INPUTS, Number
 
 Bound = tuple[float, float]
@@ -161,60 +159,3 @@ class TermTable:
 
 def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
     return tuple({term.name: term for term in (*old, *new)}.values())
-
-
-SURGE = (
-    Term("a_udot", r"a_{\dot u}", inertia.surge_inertia, dim.KG, NONNEGATIVE),
-    Term("a_u", r"a_u", damping.linear_surge, dim.KG_PER_S, NONNEGATIVE),
-    Term("a_uu", r"a_{|u|u}", damping.quadratic_surge, dim.KG_PER_M, NONNEGATIVE),
-)
-SWAY = (
-    Term("b_vdot", r"b_{\dot v}", inertia.sway_inertia, dim.KG, NONNEGATIVE),
-    Term("b_rdot", r"b_{\dot r}", inertia.yaw_inertia, dim.KG_M),
-    Term("b_v", r"b_v", damping.linear_sway, dim.KG_PER_S, NONNEGATIVE),
-    Term("b_r", r"b_r", damping.linear_yaw, dim.KG_M_PER_S),
-    Term("b_vv", r"b_{|v|v}", damping.quadratic_sway, dim.KG_PER_M, NONNEGATIVE),
-    Term("b_rr", r"b_{|r|r}", damping.quadratic_yaw, dim.KG_M),
-    Term("b_bank", r"b_{bank}", bank.suction, dim.NUMBER),
-)
-YAW = (
-    Term("c_vdot", r"c_{\dot v}", inertia.sway_inertia, dim.KG_M),
-    Term("c_rdot", r"c_{\dot r}", inertia.yaw_inertia, dim.KG_M2, NONNEGATIVE),
-    Term("c_v", r"c_v", damping.linear_sway, dim.KG_M_PER_S),
-    Term("c_r", r"c_r", damping.linear_yaw, dim.KG_M2_PER_S, NONNEGATIVE),
-    Term("c_vv", r"c_{|v|v}", damping.quadratic_sway, dim.KG),
-    Term("c_rr", r"c_{|r|r}", damping.quadratic_yaw, dim.KG_M2, NONNEGATIVE),
-    Term("c_bank", r"c_{bank}", bank.cushion, dim.NUMBER),
-)
-# The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
-# they are masses and inertias, so the table has them.
-PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
-"""The terms of Mikkelsen et al. (2025)."""
-
-TAPERED = PAPER.with_terms(
-    "tapered",
-    sway=[replace(PAPER["b_bank"], regressor=bank.tapered_suction)],
-    yaw=[replace(PAPER["c_bank"], regressor=bank.tapered_cushion)],
-)
-"""The paper's terms with its boundary-layer taper on the bank."""
-
-TABLES = {table.name: table for table in (PAPER, TAPERED)}
-"""The tables that a model file may name."""
-
-
-def table_named(name: str) -> TermTable:
-    """Return a table of terms that comes with the package.
-
-    Parameters
-    ----------
-    name : str
-        ``paper`` or ``tapered``.
-
-    Raises
-    ------
-    InputError
-        Where there is no such table.
-    """
-    if name not in TABLES:
-        raise InputError(f"unknown table of terms {name!r}{did_you_mean(name, TABLES)}")
-    return TABLES[name]

@@ -1,7 +1,7 @@
 """Every quantity that physics, tables and files speak of: one name, one unit, one meaning."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, TypeVar
 
 Number = Any
@@ -67,9 +67,22 @@ def documented(function: FunctionType) -> FunctionType:
     function : callable
         Its arguments are names of the vocabulary.
     """
+    function.__doc__ = described(function.__doc__ or "", inspect.signature(function).parameters)
+    return function
+
+
+def described(text: str, names: Iterable[str]) -> str:
+    """Return a docstring with a Parameters section from the vocabulary (ours).
+
+    Parameters
+    ----------
+    text : str
+        What comes before it.
+    names : iterable of str
+        Quantities of the vocabulary.
+    """
     lines = ["Parameters", "----------"]
-    for name in inspect.signature(function).parameters:
+    for name in names:
         quantity = REGRESSOR_INPUTS[name]
         lines += [f"{name} : number [{quantity.unit}]", f"    {quantity.meaning}."]
-    function.__doc__ = inspect.cleandoc(function.__doc__ or "") + "\n\n" + "\n".join(lines) + "\n"
-    return function
+    return inspect.cleandoc(text) + "\n\n" + "\n".join(lines) + "\n"

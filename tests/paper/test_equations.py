@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.physics.bank import cushion, suction, tapered_cushion, tapered_suction
-from narrows.physics.clearance import delta, port_clearance, starboard_clearance, taper
+from narrows.physics.bank import Cushion, Suction, cushion, suction
+from narrows.physics.clearance import delta, port_clearance, starboard_clearance, taper, tapered_delta
 
 W, B = 7.0, 0.572
 """The tank and the beam of the paper's experiments [m]."""
@@ -91,8 +91,8 @@ def test_taper_is_the_red_curve_in_the_papers_tank(y: float) -> None:
     red = 0.5 - 0.5 * math.tanh(5 * (abs(y) - 2.5))
     assert taper(y, W) == pytest.approx(red, rel=1e-9, abs=1e-15)
     state = (y, 1.0, 1.0, 0.0, 3.984, B, 0.163, 0.661, W, 1000.0)
-    assert tapered_suction(*state) == pytest.approx(red * suction(*state), rel=1e-9, abs=1e-12)
-    assert tapered_cushion(*state) == pytest.approx(red * cushion(*state), rel=1e-9, abs=1e-12)
+    assert Suction(tapered_delta)(*state) == pytest.approx(red * suction(*state), rel=1e-9, abs=1e-12)
+    assert Cushion(tapered_delta)(*state) == pytest.approx(red * cushion(*state), rel=1e-9, abs=1e-12)
 
 
 def test_taper_falls_at_the_same_relative_place_in_another_canal() -> None:

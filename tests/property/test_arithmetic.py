@@ -10,21 +10,22 @@ from hypothesis import given, settings
 from strategies import STATES
 
 import narrows as nw
-from narrows.physics import bank, clearance, damping, inertia
+from narrows.physics import clearance, damping, inertia
 
 PHYSICS = [
     function
-    for room in (bank, clearance, damping, inertia)
-    for name, function in vars(room).items()
+    for room in (clearance, damping, inertia)
+    for function in vars(room).values()
     if callable(function) and getattr(function, "__module__", "") == room.__name__
-]
+] + [term.regressor for form in nw.FORMS.values() for term in (*form.sway, *form.yaw)]
+DEPTH = 0.4
 FORCES = ("X", "Y", "N")
 
 
 def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> dict[str, float]:
     from inspect import signature
 
-    values = dtc.setting.values() | nw.Motion.at(**state).values()
+    values = dtc.setting.values() | nw.Motion.at(**state).values() | {"depth": DEPTH}
     return {name: values[name] for name in signature(function).parameters}
 
 

@@ -14,7 +14,8 @@ from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.model import Source
 from narrows.particulars import Setting, read_ship
-from narrows.terms import PAPER, TermTable
+from narrows.tables import PAPER
+from narrows.terms import TermTable
 from narrows.vocabulary import MOTION
 
 

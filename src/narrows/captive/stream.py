@@ -16,7 +16,8 @@ from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError
 from narrows.model import Source
 from narrows.particulars import Setting, read_ship
-from narrows.terms import PAPER, TermTable
+from narrows.tables import PAPER
+from narrows.terms import TermTable
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from narrows.identification.tradeoff import Tradeoff, tradeoffs
 from narrows.identification.uncertainty import Clusters, clustered, pieces_for
 from narrows.identification.verdict import Verdict
 from narrows.model import Envelope, Model
-from narrows.terms import PAPER, TermTable
+from narrows.tables import PAPER
+from narrows.terms import TermTable
 
 SPLITS = ("test", "random")
 

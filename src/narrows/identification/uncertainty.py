@@ -78,7 +78,8 @@ def clustered(moments: Moments) -> Clusters:
     """
     if len(moments.tests) < 2:
         raise InputError(f"one row of test {moments.tests[0]} is all there is; standard errors need two or more")
-    return by_tests(moments) if len(moments.names) >= MIN_TESTS else by_stretches(moments)
+    enough = len(moments.names) >= MIN_TESTS or len(moments.names) == len(moments.tests)
+    return by_tests(moments) if enough else by_stretches(moments)
 
 
 def by_tests(moments: Moments) -> Clusters:

@@ -1,8 +1,11 @@
-"""Where the banks are, seen from a ship with heading psi, and what that does to the pressure."""
+"""Where the banks are, seen from a ship with heading psi, and what that does to the pressure on her sides."""
 
 import math
 
 from narrows.vocabulary import Number, documented
+
+GRAVITY = 9.81
+"""Of the earth [m/s2]."""
 
 
 @documented
@@ -50,3 +53,67 @@ def taper(y: Number, width: Number) -> Number:
     """
     steepness, midpoint = 5 * 7 / width, 2.5 / 7 * width
     return 1 / (1 + math.e ** (2 * steepness * (abs(y) - midpoint)))
+
+
+@documented
+def tapered_delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
+    """Pressure difference delta [1], fading in the boundary layer of a wall.
+
+    Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
+    """
+    return taper(y, width) * delta(y, cos_psi, width, beam)
+
+
+@documented
+def bank_distance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
+    """Bank parameter y_B [1], B/2 (1/a - 1/p), with a and p from midship to the starboard and port bank.
+
+    Half of delta where the ship is far from the banks: delta closes it nonlinearly.
+
+    Source: form of Ch'ng (1993) and Vantorre et al. (2003); over one denominator and with the heading (ours).
+    """
+    half = width / 2
+    return beam * cos_psi * y / (half * half - y * y)
+
+
+@documented
+def shallow_bank_distance(
+    y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number
+) -> Number:
+    """Bank parameter y_B times T/(h - T), draft over under-keel clearance [1].
+
+    Source: form of Vantorre et al. (2003).
+    """
+    return bank_distance(y, cos_psi, width, beam) * draft / (depth - draft)
+
+
+@documented
+def critical_bank_distance(y: Number, cos_psi: Number, u: Number, width: Number, beam: Number, depth: Number) -> Number:
+    """Bank parameter y_B over (1 - F^2)^(1/2), growing towards the critical depth Froude number F = u/(g h)^(1/2) [1].
+
+    Tuck's number F^2/(1 - F^2)^(1/2) times y_B, once the force's own u^2 has taken the F^2. It means nothing at
+    F = 1 and beyond.
+
+    Source: form of Tuck (1966) as Lataire (2014) uses it.
+    """
+    return bank_distance(y, cos_psi, width, beam) / abs(1 - u * u / (GRAVITY * depth)) ** 0.5
+
+
+@documented
+def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number) -> Number:
+    """Pressure difference delta [1] of a hull as wide as blocks the same share of the depth, B -> B T/h.
+
+    The paper lets all water pass beside the hull; this lets it pass below too, and is the paper's at T = h.
+
+    Source: ours.
+    """
+    return delta(y, cos_psi, width, beam * draft / depth)
+
+
+@documented
+def shallow_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number) -> Number:
+    """Pressure difference delta times T/(h - T), draft over under-keel clearance [1].
+
+    Source: ours, after the depth factor of Vantorre et al. (2003).
+    """
+    return delta(y, cos_psi, width, beam) * draft / (depth - draft)

@@ -55,3 +55,66 @@ def quadratic_yaw(r: Number) -> Number:
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
     """
     return -abs(r) * r
+
+
+@documented
+def sway_lift(u: Number, v: Number) -> Number:
+    """Regressor [m2/s2] of the hull's lift from drift and of the Munk moment, -u v.
+
+    Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
+    """
+    return -u * v
+
+
+@documented
+def yaw_lift(u: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of the hull's lift from turning and of the centripetal force, -u r.
+
+    Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
+    """
+    return -u * r
+
+
+@documented
+def yaw_in_crossflow(v: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of crossflow drag, -abs(v) r.
+
+    Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
+    """
+    return -abs(v) * r
+
+
+@documented
+def sway_in_crossflow(v: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of crossflow drag, -abs(r) v.
+
+    Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
+    """
+    return -abs(r) * v
+
+
+@documented
+def sway_squared(v: Number) -> Number:
+    """Regressor [m2/s2] of the surge force of drift, -v v.
+
+    Source: the usual 3-DOF models.
+    """
+    return -v * v
+
+
+@documented
+def sway_yaw(v: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of the surge force of drift and turning together, -v r.
+
+    Source: the usual 3-DOF models.
+    """
+    return -v * r
+
+
+@documented
+def yaw_squared(r: Number) -> Number:
+    """Regressor [rad2/s2] of the surge force of turning, -r r.
+
+    Source: the usual 3-DOF models.
+    """
+    return -r * r

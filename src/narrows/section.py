@@ -1,0 +1,50 @@
+"""Banks that are no walls: slopes and platforms, and the wall that leaves the water the same section."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from narrows.errors import InputError
+
+Point = tuple[float, float]
+
+
+def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
+    """Return how far from the origin a vertical wall leaves the same cross-section of water [m] (ours).
+
+    The water between the origin and the last point is as wide as it is; what the bank takes from its section is taken
+    from its width.
+
+    Parameters
+    ----------
+    profile : sequence of (m, m)
+        Points of the bank: distance from the origin and height above the bottom, outward from the toe. The last
+        point stands for a wall or for where the slope leaves the water.
+    depth : float [m]
+        Of the water.
+
+    Raises
+    ------
+    InputError
+        Where the points do not go outward, or the bank leaves no water.
+    """
+    if not depth > 0:
+        raise InputError(f"a depth of {depth} m is no water; give it in metres")
+    if any(after[0] < before[0] for before, after in pairwise(profile)):
+        raise InputError(f"the bank {list(profile)} turns back; give its points outward from the toe")
+    taken = sum(_below(before, after, depth) for before, after in pairwise(profile))
+    wall = profile[-1][0] - taken / depth
+    if not wall > 0:
+        raise InputError(f"the bank {list(profile)} leaves no water {depth} m deep; check both")
+    return wall
+
+
+def _below(before: Point, after: Point, depth: float) -> float:
+    """Area of a straight piece of bank below the water level [m2]."""
+    (start, low), (stop, high) = before, after
+    if max(low, high) <= depth or high == low:
+        return (stop - start) * min((low + high) / 2, depth)
+    if min(low, high) >= depth:
+        return (stop - start) * depth
+    crossing = start + (stop - start) * (depth - low) / (high - low)
+    wet = crossing - start if low < high else stop - crossing
+    return wet * (min(low, high) + depth) / 2 + (stop - start - wet) * depth

@@ -1,0 +1,105 @@
+"""The tables of terms that come with the package: the paper's, and others that data have asked for."""
+
+from dataclasses import replace
+
+from narrows import dimension as dim
+from narrows.errors import InputError, did_you_mean
+from narrows.forms import FORMS, with_bank
+from narrows.physics import bank, damping, inertia
+from narrows.terms import NONNEGATIVE, Term, TermTable
+
+SURGE = (
+    Term("a_udot", r"a_{\dot u}", inertia.surge_inertia, dim.KG, NONNEGATIVE),
+    Term("a_u", r"a_u", damping.linear_surge, dim.KG_PER_S, NONNEGATIVE),
+    Term("a_uu", r"a_{|u|u}", damping.quadratic_surge, dim.KG_PER_M, NONNEGATIVE),
+)
+SWAY = (
+    Term("b_vdot", r"b_{\dot v}", inertia.sway_inertia, dim.KG, NONNEGATIVE),
+    Term("b_rdot", r"b_{\dot r}", inertia.yaw_inertia, dim.KG_M),
+    Term("b_v", r"b_v", damping.linear_sway, dim.KG_PER_S, NONNEGATIVE),
+    Term("b_r", r"b_r", damping.linear_yaw, dim.KG_M_PER_S),
+    Term("b_vv", r"b_{|v|v}", damping.quadratic_sway, dim.KG_PER_M, NONNEGATIVE),
+    Term("b_rr", r"b_{|r|r}", damping.quadratic_yaw, dim.KG_M),
+    Term("b_bank", r"b_{bank}", bank.suction, dim.NUMBER),
+)
+YAW = (
+    Term("c_vdot", r"c_{\dot v}", inertia.sway_inertia, dim.KG_M),
+    Term("c_rdot", r"c_{\dot r}", inertia.yaw_inertia, dim.KG_M2, NONNEGATIVE),
+    Term("c_v", r"c_v", damping.linear_sway, dim.KG_M_PER_S),
+    Term("c_r", r"c_r", damping.linear_yaw, dim.KG_M2_PER_S, NONNEGATIVE),
+    Term("c_vv", r"c_{|v|v}", damping.quadratic_sway, dim.KG),
+    Term("c_rr", r"c_{|r|r}", damping.quadratic_yaw, dim.KG_M2, NONNEGATIVE),
+    Term("c_bank", r"c_{bank}", bank.cushion, dim.NUMBER),
+)
+# The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
+# they are masses and inertias, so the table has them.
+PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
+"""The terms of Mikkelsen et al. (2025)."""
+
+MIXED = PAPER.with_terms(
+    "mixed",
+    sway=[
+        Term("b_uv", r"b_{uv}", damping.sway_lift, dim.KG_PER_M),
+        Term("b_ur", r"b_{ur}", damping.yaw_lift, dim.KG),
+    ],
+    yaw=[
+        Term("c_uv", r"c_{uv}", damping.sway_lift, dim.KG),
+        Term("c_ur", r"c_{ur}", damping.yaw_lift, dim.KG_M),
+    ],
+)
+"""The paper's terms and, beside its linear damping, the parts that grow with the speed: u v and u r."""
+
+SPEED = replace(
+    MIXED,
+    name="speed",
+    sway=tuple(term for term in MIXED.sway if term.name not in ("b_v", "b_r")),
+    yaw=tuple(term for term in MIXED.yaw if term.name not in ("c_v", "c_r")),
+)
+"""The paper's terms with u v and u r in place of v and r: at one speed the same, at several the hull's lift."""
+
+CROSSFLOW = SPEED.with_terms(
+    "crossflow",
+    surge=[
+        Term("a_vv", r"a_{vv}", damping.sway_squared, dim.KG_PER_M),
+        Term("a_vr", r"a_{vr}", damping.sway_yaw, dim.KG),
+        Term("a_rr", r"a_{rr}", damping.yaw_squared, dim.KG_M),
+    ],
+    sway=[
+        Term("b_vr", r"b_{|v|r}", damping.yaw_in_crossflow, dim.KG),
+        Term("b_rv", r"b_{|r|v}", damping.sway_in_crossflow, dim.KG),
+    ],
+    yaw=[
+        Term("c_vr", r"c_{|v|r}", damping.yaw_in_crossflow, dim.KG_M),
+        Term("c_rv", r"c_{|r|v}", damping.sway_in_crossflow, dim.KG_M),
+    ],
+)
+"""Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge."""
+
+TAPERED = with_bank(PAPER, "tapered", name="tapered")
+"""The paper's terms with its boundary-layer taper on the bank."""
+
+BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
+"""The tables whose bank term is the paper's, for other forms of it to take its place."""
+TABLES = {**BARE, "tapered": TAPERED}
+"""The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term."""
+
+
+def table_named(name: str) -> TermTable:
+    """Return a table of terms that comes with the package.
+
+    Parameters
+    ----------
+    name : str
+        Of a table, or ``table+form`` for one with another form of the bank term.
+
+    Raises
+    ------
+    InputError
+        Where there is no such table or form.
+    """
+    base, plus, form = name.partition("+")
+    if base not in (BARE if plus else TABLES):
+        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, BARE if plus else TABLES)}")
+    if plus and form not in FORMS:
+        raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
+    return with_bank(BARE[base], form) if plus else TABLES[base]
