@@ -1,5 +1,6 @@
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
+from .captive import StraightRun as StraightRun
 from .captive import read_captive as read_captive
 from .captive import stream_captive as stream_captive
 from .captive import twin as twin
@@ -25,6 +26,9 @@ from .particulars import Setting as Setting
 from .particulars import Ship as Ship
 from .particulars import Water as Water
 from .particulars import read_ship as read_ship
+from .planning import Plan as Plan
+from .planning import Tank as Tank
+from .planning import plan_tests as plan_tests
 from .section import equivalent_wall as equivalent_wall
 from .simulation import Outcome as Outcome
 from .simulation import Voyage as Voyage

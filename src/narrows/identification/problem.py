@@ -94,7 +94,7 @@ def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Probl
     """
     if weights not in WEIGHTS:
         raise InputError(f"weights {weights!r} are unknown; choose {' or '.join(WEIGHTS)}")
-    slot = _slots(terms)
+    slot = slots(terms)
     total = moments.total
     by_force = {f: _weight(moments, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
     size = max(slot.values()) + 1
@@ -111,7 +111,14 @@ def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Probl
     return Problem(slot, scale, lower * scale, upper * scale, by_force, terms, moments.columns)
 
 
-def _slots(terms: TermTable) -> dict[str, int]:
+def slots(terms: TermTable) -> dict[str, int]:
+    """Return the parameter of each coefficient; tied coefficients share one (ours).
+
+    Parameters
+    ----------
+    terms : TermTable
+        The terms.
+    """
     leader = {name: name for name in terms.names}
     for first, second in terms.ties:
         old, new = leader[second], leader[first]

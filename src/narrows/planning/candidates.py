@@ -1,0 +1,123 @@
+"""Every run that a tank could make: harmonic sway and yaw, about the centreline and off it, and straight runs."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from narrows.captive.runs import HarmonicRun, Run, StraightRun
+from narrows.errors import InputError
+from narrows.particulars import Setting
+
+FROUDE = (0.08, 0.12, 0.16)
+"""Speeds over the root of g L where none are asked for: slow ships, as in canals."""
+OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
+"""Of the room between hull and wall that a run may use."""
+CYCLES = (2, 3, 5)
+STRAIGHT_DRIFTS = (0.0, 6.0)
+SAMPLES = 100
+
+
+@dataclass(frozen=True)
+class Tank:
+    """What a towing tank can do.
+
+    Parameters
+    ----------
+    run_length : float [m]
+        Of steady motion in one run.
+    clearance : float [1]
+        Least distance from the hull's side to a wall, over the beam: nearer, every form of the bank term is in doubt.
+    heading : float [deg]
+        Largest in a yaw test.
+    speeds : sequence of float [m/s]
+        To run at; three slow ones by the ship's length unless given.
+    depths : sequence of float [m]
+        To run at; the canal's own unless given.
+
+    Raises
+    ------
+    InputError
+        Where a number is not positive.
+    """
+
+    run_length: float = 40.0
+    clearance: float = 1.5
+    heading: float = 25.0
+    speeds: Sequence[float] = ()
+    depths: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        for name, value in (("run_length", self.run_length), ("clearance", self.clearance), ("heading", self.heading)):
+            if not value > 0:
+                raise InputError(f"tank: {name} = {value} must be positive")
+        for value in (*self.speeds, *self.depths):
+            if not value > 0:
+                raise InputError(f"tank: {value} among its speeds and depths must be positive")
+
+
+def candidates(setting: Setting, tank: Tank) -> list[Run]:
+    """List the runs that fit between the walls and into the length of a tank (ours).
+
+    Parameters
+    ----------
+    setting : Setting
+        Ship and canal.
+    tank : Tank
+        What it can do.
+
+    Raises
+    ------
+    InputError
+        Where none fits, or a depth leaves no water under the keel.
+    """
+    for depth in tank.depths:
+        if depth <= setting.ship.draft:
+            raise InputError(f"a depth of {depth} m leaves no water under a draft of {setting.ship.draft} m; raise it")
+    speeds = tank.speeds or [round(f * float(np.sqrt(9.81 * setting.ship.length)), 3) for f in FROUDE]
+    runs = [
+        run
+        for speed, depth in product(speeds, tank.depths or (None,))
+        for run in (*_straight(setting, tank, speed, depth), *_harmonic(setting, tank, speed, depth))
+        if _fits(run, setting, tank)
+    ]
+    if not runs:
+        raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
+    return runs
+
+
+def _room(setting: Setting, tank: Tank) -> float:
+    return setting.canal.width / 2 - setting.ship.beam * (0.5 + tank.clearance)
+
+
+def _straight(setting: Setting, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
+    shares = (0.0, 0.25, 0.5, 0.75, 1.0)
+    for share, drift in product(shares, STRAIGHT_DRIFTS):
+        offset = round(share * _room(setting, tank), 3)
+        if share or drift:
+            name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
+            yield StraightRun(name, offset, speed, tank.run_length / speed, float(np.radians(drift)), depth)
+
+
+def _harmonic(setting: Setting, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
+    for kind, offset_share, share, cycles in product(("yaw", "sway"), OFFSETS, AMPLITUDES, CYCLES):
+        room = _room(setting, tank)
+        offset = round(offset_share * room, 3)
+        amplitude, period = round(share * (room - offset), 3), round(tank.run_length / speed / cycles, 2)
+        if kind == "yaw" and amplitude * 2 * np.pi / period >= speed * np.sin(np.radians(tank.heading)):
+            continue
+        name = f"{kind} A={amplitude:g} y={offset:g} T={period:g} u={speed:g}{_at(depth)}"
+        yield HarmonicRun(name, kind, amplitude, period, speed, cycles, offset, depth)
+
+
+def _at(depth: float | None) -> str:
+    return "" if depth is None else f" h={depth:g}"
+
+
+def _fits(run: Run, setting: Setting, tank: Tank) -> bool:
+    """Whether the corners of the hull stay clear of the walls all along."""
+    columns = run.columns(SAMPLES / run.duration)
+    ship, psi = setting.ship, columns["psi"]
+    reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi)
+    return bool((reach <= setting.canal.width / 2 - tank.clearance * ship.beam + 1e-9).all())

@@ -1,0 +1,84 @@
+"""The best few of many runs for some of the coefficients: greedy choice, then exchanges while they help."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+CRITERIA = ("c", "d")
+ROUNDS = 20
+RIDGE = 1e-9
+"""Over the largest information of each parameter: stands for what is known of it before any test, next to nothing."""
+
+
+def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
+    """Return what is to be made small, for each of a stack of information matrices.
+
+    Parameters
+    ----------
+    information : array (..., p, p)
+        Scaled to a unit diagonal or thereabouts.
+    targets : sequence of int
+        The parameters that matter.
+    criterion : str
+        ``c``: the sum of their variances; ``d``: the log of the determinant of their covariance.
+    """
+    covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
+    if criterion == "c":
+        return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
+    return np.asarray(np.linalg.slogdet(covariance)[1])
+
+
+def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int], criterion: str = "c") -> list[int]:
+    """Choose runs, each at most once: the order is that of their use.
+
+    Parameters
+    ----------
+    runs : array (n, p, p)
+        Information that each would add.
+    known : array (p, p)
+        Information that there is.
+    count : int
+        How many to choose.
+    targets : sequence of int
+        The parameters that matter.
+    criterion : str
+        ``c`` or ``d``.
+
+    References
+    ----------
+    Fedorov (1972), Theory of optimal experiments: the exchange.
+    """
+    scale = np.sqrt(np.diagonal(runs, axis1=1, axis2=2).max(axis=0))
+    scale[scale == 0] = 1.0
+    runs, known = runs / np.outer(scale, scale), known / np.outer(scale, scale)
+    base = known + RIDGE * np.eye(len(known))
+    chosen: list[int] = []
+    for _ in range(min(count, len(runs))):
+        chosen.append(_best(runs, base + runs[chosen].sum(axis=0), chosen, targets, criterion))
+    for _ in range(ROUNDS):
+        before = list(chosen)
+        for i in range(len(chosen)):
+            rest = chosen[:i] + chosen[i + 1 :]
+            best = _best(runs, base + runs[rest].sum(axis=0), rest, targets, criterion)
+            chosen = [*chosen[:i], best, *chosen[i + 1 :]]
+        if chosen == before:
+            break
+    return _in_order(runs, base, chosen, targets, criterion)
+
+
+def _best(runs: np.ndarray, so_far: np.ndarray, taken: list[int], targets: Sequence[int], criterion: str) -> int:
+    worth = spread(so_far + runs, targets, criterion)
+    worth[taken] = np.inf
+    return int(worth.argmin())
+
+
+def _in_order(
+    runs: np.ndarray, base: np.ndarray, chosen: list[int], targets: Sequence[int], criterion: str
+) -> list[int]:
+    """Put first what helps most by itself."""
+    left = list(chosen)
+    order: list[int] = []
+    while left:
+        so_far = base + runs[order].sum(axis=0)
+        order.append(left.pop(int(spread(so_far + runs[left], targets, criterion).argmin())))
+    return order

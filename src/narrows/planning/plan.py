@@ -1,0 +1,156 @@
+"""``plan_tests``: a ship, a tank and a budget of runs in; the runs and what they would tell out."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from narrows.captive.runs import HarmonicRun, Run, StraightRun
+from narrows.captive.tests import Tests
+from narrows.captive.twin import NOISE
+from narrows.errors import InputError
+from narrows.identification.moments import accumulate
+from narrows.identification.problem import reduced, slots
+from narrows.particulars import Setting
+from narrows.planning.candidates import Tank, candidates
+from narrows.planning.information import run_information
+from narrows.planning.optimal import CRITERIA, RIDGE, choose
+from narrows.tables import PAPER
+from narrows.terms import TermTable
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Runs to make, and what they would tell.
+
+    Parameters
+    ----------
+    runs : tuple of Run
+        In the order in which they help.
+    targets : tuple of str
+        The coefficients that they are chosen for.
+    std : mapping of str to array (runs,)
+        Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is known.
+    inflation : mapping of str to float [1]
+        Variance inflation of each target's column under all runs.
+    usual : mapping of str to float
+        Predicted standard errors of the best plan of as many harmonic runs about the centreline.
+    usual_inflation : mapping of str to float [1]
+        Variance inflation under that plan.
+    considered : int
+        How many runs there were to choose from.
+    """
+
+    runs: tuple[Run, ...]
+    targets: tuple[str, ...]
+    std: Mapping[str, np.ndarray]
+    inflation: Mapping[str, float]
+    usual: Mapping[str, float]
+    usual_inflation: Mapping[str, float]
+    considered: int
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is gained, for each target."""
+        return tuple(
+            f"{name}: standard error {self.std[name][-1]:.2g} (VIF {self.inflation[name]:.3g}) with these runs, "
+            f"{self.usual[name]:.2g} (VIF {self.usual_inflation[name]:.3g}) with as many of the best harmonic runs "
+            "about the centreline."
+            for name in self.targets
+        )
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row a run, with the standard errors once it is made."""
+        errors = [{f"std {name}": float(self.std[name][i]) for name in self.targets} for i in range(len(self.runs))]
+        return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
+
+
+def _row(run: Run) -> dict[str, Any]:
+    given = asdict(run) if isinstance(run, HarmonicRun | StraightRun) else {"name": run.name}
+    drift = {"drift_deg": float(np.degrees(given.pop("drift")))} if "drift" in given else {}
+    return {"kind": "straight", **given, **drift, "duration": run.duration}
+
+
+def plan_tests(
+    setting: Setting, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
+    targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = NOISE,
+    correlation_time: float = 0.5, after: Tests | None = None,
+) -> Plan:  # fmt: skip
+    """Choose the runs that make some coefficients best known, all others being unknown too.
+
+    Parameters
+    ----------
+    setting : Setting
+        Ship, canal and water.
+    runs : int
+        How many.
+    tank : Tank, optional
+        What the tank can do.
+    terms : TermTable
+        The terms that are to be identified.
+    targets : sequence of str
+        The coefficients that matter; those of the bank unless given.
+    criterion : str
+        ``c``: the sum of their variances, each over the square of its unit; ``d``: the determinant of their covariance.
+    noise : mapping of str to float [N, N, N m]
+        Standard deviation of each force.
+    correlation_time : float [s]
+        Of the noise.
+    after : CaptiveTests, optional
+        Tests that were made already.
+
+    Returns
+    -------
+    Plan
+        The runs and their gain.
+
+    Raises
+    ------
+    InputError
+        Where there is no run to choose, a target is unknown, or the terms ask for what the ship file lacks.
+    """
+    if runs < 1:
+        raise InputError(f"{runs} runs are no plan; ask for one or more")
+    if criterion not in CRITERIA:
+        raise InputError(f"criterion {criterion!r} is unknown; choose {' or '.join(CRITERIA)}")
+    targets = tuple(targets) or tuple(term.name for term in terms.terms if term.from_bank)
+    for name in targets:
+        if name not in terms.names:
+            raise InputError(f"the terms have no {name!r}; targets are {', '.join(terms.names)}")
+    offered = candidates(setting, tank or Tank())
+    told = np.array([run_information(run, setting, terms, noise, correlation_time) for run in offered])
+    known = _known(after, terms, noise, correlation_time) if after is not None else np.zeros(told.shape[1:])
+    index = [slots(terms)[name] for name in targets]
+    best = choose(told, known, runs, index, criterion)
+    usual = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
+    ours = _said(known + np.cumsum(told[best], axis=0), index)
+    theirs = _said(known + told[usual][choose(told[usual], known, runs, index, criterion)].sum(axis=0)[None], index)
+    return Plan(
+        tuple(offered[i] for i in best),
+        targets,
+        {name: ours[0][:, j] for j, name in enumerate(targets)},
+        {name: float(ours[1][-1, j]) for j, name in enumerate(targets)},
+        {name: float(theirs[0][-1, j]) for j, name in enumerate(targets)},
+        {name: float(theirs[1][-1, j]) for j, name in enumerate(targets)},
+        len(offered),
+    )
+
+
+def _said(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Standard errors and variance inflations of some parameters, (steps, targets); infinite while unknown."""
+    diagonal = np.diagonal(information, axis1=1, axis2=2)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    scaled = information / (size[:, :, None] * size[:, None, :]) + RIDGE * np.eye(information.shape[-1])
+    inflation = np.diagonal(np.linalg.inv(scaled), axis1=1, axis2=2)[:, index]
+    inflation = np.where(inflation > 1e-2 / RIDGE, np.inf, inflation)
+    return np.sqrt(inflation) / size[:, index], inflation
+
+
+def _known(tests: Tests, terms: TermTable, noise: Mapping[str, float], correlation_time: float) -> np.ndarray:
+    """Information of tests that were made, each row as independent as those of a plan of the same duration."""
+    moments, _ = accumulate(tests, terms)
+    problem = reduced(moments, terms)
+    weighed = {force: 1 / noise[force] ** 2 for force, own in terms.forces.items() if own}
+    h, _ = type(problem)(**{**vars(problem), "weights": weighed}).normal(moments.total)
+    return np.asarray(h * np.outer(problem.scale, problem.scale))
