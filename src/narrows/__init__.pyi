@@ -10,7 +10,11 @@ from .forms import FORMS as FORMS
 from .forms import BankForm as BankForm
 from .forms import bank_only as bank_only
 from .forms import with_bank as with_bank
+from .identification import Comparison as Comparison
+from .identification import Explanation as Explanation
 from .identification import Fit as Fit
+from .identification import compare as compare
+from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_each as identify_each
 from .measured import measured_tests as measured_tests

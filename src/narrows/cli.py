@@ -29,6 +29,10 @@ Surge = Annotated[str, typer.Option(help="'held': the speed stays; 'free': it is
 SurgeInertia = Annotated[float | None, typer.Option(help="Mass in surge with its added mass [kg], for 'free'.")]
 Coriolis = Annotated[bool, typer.Option("--coriolis", help="Add the rigid body's Coriolis force.")]
 ContactKind = Annotated[str, typer.Option(help="What meets the bank: hull 'corners' or 'midship' clearance.")]
+TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'speed', 'crossflow', 'paper+keel_gap', ...")]
+Where = Annotated[str | None, typer.Option(help="Rows to take, as in 'u > 0.3', on the table's headers.")]
+Condition = Annotated[str | None, typer.Option(help="Take this condition of the table alone.")]
+Report = Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 
 
@@ -42,13 +46,13 @@ def identify(
     table: Table,
     ship: ShipFile,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Model file to write.")] = None,
-    report: Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.")] = None,
+    report: Report = None,
     split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test",
     seed: Annotated[int, typer.Option(help="Of the random split.")] = 0,
     weights: Annotated[str, typer.Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper",
-    terms: Annotated[str, typer.Option(help="Table of terms: 'paper' or 'tapered'.")] = "paper",
-    where: Annotated[str | None, typer.Option(help="Rows to take, as in 'u > 0.3', on the table's headers.")] = None,
-    condition: Annotated[str | None, typer.Option(help="Take this condition of the table alone.")] = None,
+    terms: TermsName = "paper",
+    where: Where = None,
+    condition: Condition = None,
     stream: Annotated[bool, typer.Option(help="Read block by block: for tables larger than memory.")] = False,
     json: AsJson = False,
 ) -> None:
@@ -66,6 +70,104 @@ def identify(
     tests = (stream_captive if stream else read_captive)(table, ship, chosen, where)
     fits = identify_each(tests, condition, terms=chosen, weights=weights, split=split, seed=seed)
     publish(fits, table.stem, output, report, json)
+
+
+@app.command(
+    epilog="Example: narrows explain out/kcs-C0101A01.toml kcs.csv --condition C0101A01 --report explained.html"
+)
+def explain(
+    model: ModelFile,
+    table: Table,
+    ship: Annotated[
+        Path | None, typer.Option("--ship", help="Ship file of the tests; the model's own ship unless given.")
+    ] = None,
+    compare: Annotated[str, typer.Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
+    where: Where = None,
+    condition: Condition = None,
+    report: Report = None,
+    json: AsJson = False,
+) -> None:
+    """Put a model on any table of tests: its errors, what those tests can say of it, and which terms they prefer.
+
+    MODEL is a model file, or the name of a published model.
+    """
+    from narrows.captive import read_captive
+    from narrows.identification import explain as explained
+    from narrows.identification.conditions import the_condition
+    from narrows.model_file import model_named
+    from narrows.report.explanation import print_explanation, write_explanation
+
+    chosen = model_named(model)
+    tests = the_condition(read_captive(table, ship or chosen.setting, chosen.terms, where), condition)
+    found = explained(chosen, tests, tuple(filter(None, compare.split(","))))
+    if report:
+        write_explanation(found, report, f"{model} on {table.name}")
+    if json:
+        _print_json(found.summary())
+        return
+    print_explanation(found, condition or "")
+    if report:
+        typer.echo(f"wrote {report}")
+
+
+@app.command(epilog="Example: narrows design ship.toml --runs 12 --speeds 0.6,0.9 -o runs.csv")
+def design(
+    ship: Annotated[Path, typer.Argument(help="Ship file: TOML with [ship], [canal], [water].", show_default=False)],
+    runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12,
+    run_length: Annotated[float, typer.Option(help="Of steady motion in one run [m].")] = 40.0,
+    clearance: Annotated[float, typer.Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5,
+    speeds: Annotated[str, typer.Option(help="To run at [m/s], a,b,c; three slow ones unless given.")] = "",
+    depths: Annotated[str, typer.Option(help="To run at [m], a,b,c; for terms that know the depth.")] = "",
+    terms: TermsName = "paper",
+    targets: Annotated[str, typer.Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = "",
+    criterion: Annotated[str, typer.Option(help="'c': sum of the variances; 'd': determinant.")] = "c",
+    after: Annotated[Path | None, typer.Option(help="Captive tests that were made already.")] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="CSV file of the runs to write.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Propose the captive tests that make the bank's coefficients best known."""
+    from narrows.captive import read_captive
+    from narrows.particulars import read_ship
+    from narrows.planning import Tank, plan_tests
+    from narrows.report.plans import print_plan, write_plan
+    from narrows.tables import table_named
+
+    chosen = table_named(terms)
+    tank = Tank(run_length, clearance, speeds=numbers(speeds, "--speeds"), depths=numbers(depths, "--depths"))
+    made = read_captive(after, ship, chosen) if after else None
+    plan = plan_tests(
+        read_ship(ship), runs, tank=tank, terms=chosen, targets=tuple(filter(None, targets.split(","))),
+        criterion=criterion, after=made,
+    )  # fmt: skip
+    if output:
+        write_plan(plan, output)
+    if json:
+        _print_json(plan.summary())
+        return
+    print_plan(plan)
+    if output:
+        typer.echo(f"wrote {output}")
+
+
+def numbers(text: str, option: str) -> tuple[float, ...]:
+    """Read numbers between commas (ours).
+
+    Parameters
+    ----------
+    text : str
+        As given.
+    option : str
+        What they were given for.
+
+    Raises
+    ------
+    InputError
+        Where one is no number.
+    """
+    try:
+        return tuple(float(word) for word in text.split(",") if word)
+    except ValueError:
+        raise InputError(f"{option} {text!r} is not numbers between commas; write 0.6,0.9") from None
 
 
 @app.command(epilog="Example: narrows demo --out out")

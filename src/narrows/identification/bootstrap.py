@@ -1,39 +1,44 @@
-"""The constrained fit over and over: whole tests drawn anew, or each test's error given a random sign and size."""
+"""The constrained fit over and over: whole tests drawn anew, or each test's pull on the fit given a random size."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.identification.batch import solve_many
-from narrows.identification.interval import LEVEL
+from narrows.identification.interval import LEVEL, bounded_interval
+from narrows.identification.problem import Problem
+from narrows.identification.robust import Robust, leverage
+from narrows.identification.uncertainty import Clusters
+from narrows.terms import TermTable
 
-if TYPE_CHECKING:
-    from narrows.identification.problem import Problem
-    from narrows.identification.uncertainty import Clusters
-
-BOOTSTRAPS = ("scores", "tests")
+BOOTSTRAPS = ("tests", "scores")
 CHUNK = 2048
 
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Coefficients of many resamples, each fitted under the constraints.
+    """Coefficients of many resamples of the tests.
 
     Parameters
     ----------
-    names : tuple of str
-        The coefficients.
+    terms : TermTable
+        The terms.
     draws : array (resamples, n)
-        Their values, each in its own unit.
+        Coefficients of each resample fitted under the constraints, each in its own unit.
+    std : array (n,)
+        Standard deviation of the coefficients of resamples fitted without bounds.
+    robust : Robust
+        Of the tests themselves: the middle of the intervals, and how many clusters count behind each.
     kind : str
-        ``scores`` or ``tests``.
+        ``tests`` or ``scores``.
     """
 
-    names: tuple[str, ...]
+    terms: TermTable
     draws: np.ndarray
+    std: np.ndarray
+    robust: Robust
     kind: str
 
     @property
@@ -42,32 +47,33 @@ class Bootstrap:
         return np.atleast_2d(np.cov(self.draws.T))
 
     def intervals(self, level: float = LEVEL) -> Mapping[str, tuple[float, float]]:
-        """Return the shortest interval that holds a share of the draws, for each coefficient in its unit.
+        """Return a confidence interval for each coefficient, in its unit and within its bounds.
 
-        The shortest one starts at a bound where many draws sit there, which is what lets it cover a coefficient at
-        its bound as often as it says.
+        They rest on the spread of fits that do not know the bounds: percentiles of constrained ones miss the truth
+        where a coefficient, or one that it trades against, is near a bound.
 
         Parameters
         ----------
         level : float [1]
-            The share.
+            Of confidence.
+
+        References
+        ----------
+        Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
         """
-        ordered = np.sort(self.draws, axis=0)
-        kept = min(int(np.ceil(level * len(ordered))), len(ordered))
-        widths = ordered[kept - 1 :] - ordered[: len(ordered) - kept + 1]
-        first = widths.argmin(axis=0)
-        columns = np.arange(len(self.names))
-        ends = zip(ordered[first, columns].tolist(), ordered[first + kept - 1, columns].tolist(), strict=True)
-        return dict(zip(self.names, ends, strict=True))
+        seen = zip(self.terms.terms, self.robust.values, self.std, self.robust.counts, strict=True)
+        return {
+            term.name: bounded_interval(float(value), float(std), term.bound, float(count), level)
+            for term, value, std, count in seen
+        }
 
 
-def resampled(problem: "Problem", clusters: "Clusters", resamples: int, kind: str, seed: int) -> Bootstrap:
-    """Fit resamples of the tests under the constraints.
+def resampled(problem: Problem, clusters: Clusters, robust: Robust, resamples: int, kind: str, seed: int) -> Bootstrap:
+    """Fit resamples of the tests, with the constraints and without.
 
     ``tests`` draws as many tests as there are, with replacement, and adds up their sums. ``scores`` leaves the tests
     as they are and perturbs their forces: the pull of each test on the fit, as leaving it out shows it, is multiplied
-    by a random number that the whole test shares; all of them are divided by one draw of chi over the root of its
-    degrees, so that few tests widen the spread as they do in Student's t.
+    by a random number that the whole test shares.
 
     Parameters
     ----------
@@ -75,10 +81,12 @@ def resampled(problem: "Problem", clusters: "Clusters", resamples: int, kind: st
         The joint problem.
     clusters : Clusters
         The tests.
+    robust : Robust
+        What is known of the coefficients without resampling.
     resamples : int
         How many.
     kind : str
-        ``scores`` or ``tests``.
+        ``tests`` or ``scores``.
     seed : int
         Of the draws.
 
@@ -95,28 +103,39 @@ def resampled(problem: "Problem", clusters: "Clusters", resamples: int, kind: st
         raise InputError(f"bootstrap kind {kind!r} is unknown; choose {' or '.join(BOOTSTRAPS)}")
     if resamples < 2:
         raise InputError(f"{resamples} resamples give no spread; ask for 1000 or more")
-    draw = np.random.default_rng(seed)
     make = _by_tests if kind == "tests" else _by_scores
-    z = make(problem, clusters, resamples, draw)
-    return Bootstrap(problem.terms.names, problem.coefficients(z), kind)
+    bounded, free = make(problem, clusters, resamples, np.random.default_rng(seed))
+    std = problem.coefficients(free).std(axis=0, ddof=1)
+    return Bootstrap(problem.terms, problem.coefficients(bounded), std, robust, kind)
 
 
-def _by_tests(problem: "Problem", clusters: "Clusters", resamples: int, draw: np.random.Generator) -> np.ndarray:
+def _both(problem: Problem, h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Solve a stack of problems with the bounds and without."""
+    everywhere = np.full(len(problem.scale), np.inf)
+    return solve_many(h, g, problem.lower, problem.upper), solve_many(h, g, -everywhere, everywhere)
+
+
+def _by_tests(
+    problem: Problem, clusters: Clusters, resamples: int, draw: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
     count = len(clusters.sums)
     times = draw.multinomial(count, np.full(count, 1 / count), size=resamples).astype(float)
-    parts = []
-    for start in range(0, resamples, CHUNK):
-        sums = np.tensordot(times[start : start + CHUNK], clusters.sums, axes=1)
-        parts.append(solve_many(*problem.normal(sums), problem.lower, problem.upper))
-    return np.concatenate(parts)
+    parts = [
+        _both(problem, *problem.normal(np.tensordot(times[start : start + CHUNK], clusters.sums, axes=1)))
+        for start in range(0, resamples, CHUNK)
+    ]
+    bounded, free = zip(*parts, strict=True)
+    return np.concatenate(bounded), np.concatenate(free)
 
 
-def _by_scores(problem: "Problem", clusters: "Clusters", resamples: int, draw: np.random.Generator) -> np.ndarray:
-    count, free = len(clusters.sums), np.full(len(problem.scale), np.inf)
-    h, g = problem.normal(clusters.sums.sum(axis=0))
-    # the pull of a test: what moves the fit without bounds from its place without the test to its place with it
-    without_z = solve_many(*problem.normal(clusters.without), -free, free)
-    pulls = (solve_many(h, g[None], -free, free) - without_z) @ h
+def _by_scores(
+    problem: Problem, clusters: Clusters, resamples: int, draw: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    count, everywhere = len(clusters.sums), np.full(len(problem.scale), np.inf)
+    total = clusters.sums.sum(axis=0)
+    h, g = problem.normal(np.concatenate([total[None], clusters.without]))
+    z = solve_many(h, g, -everywhere, everywhere)
+    _, excess = leverage(h, problem.normal(clusters.sums)[0])
+    pulls = ((z[0] - z[1:]) / np.sqrt(excess)) @ h[0]
     multipliers = draw.standard_normal((resamples, count)) * np.sqrt((count - 1) / count)
-    multipliers /= np.sqrt(draw.chisquare(count - 1, (resamples, 1)) / (count - 1))
-    return solve_many(h, g + multipliers @ pulls, problem.lower, problem.upper)
+    return _both(problem, h[0], g[0] + multipliers @ pulls)

@@ -29,11 +29,34 @@ def identify_each(tests: Tests, condition: str | None = None, **options: Any) ->
     InputError
         Where there is no such condition.
     """
-    parts = tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}
     if condition is not None:
-        if condition not in parts:
-            known = [label for label in parts if label]
-            hint = did_you_mean(condition, known) if known else "; it names none, select rows instead"
-            raise InputError(f"the table has no condition {condition!r}{hint}")
-        parts = {condition: parts[condition]}
+        return {condition: identify(the_condition(tests, condition), **options)}
+    parts = tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}
     return {label: identify(part, **options) for label, part in parts.items()}
+
+
+def the_condition(tests: Tests, condition: str | None) -> Tests:
+    """Return the tests of one condition (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        Of one or several conditions.
+    condition : str, optional
+        Which; may be left out where there is one.
+
+    Raises
+    ------
+    InputError
+        Where there is no such condition, or several and none was chosen.
+    """
+    parts = tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}
+    known = [label for label in parts if label]
+    if condition is None:
+        if len(parts) > 1:
+            raise InputError(f"the table holds several conditions: choose one with --condition {known[0]}")
+        return next(iter(parts.values()))
+    if condition not in parts:
+        hint = did_you_mean(condition, known) if known else "; it names none, select rows instead"
+        raise InputError(f"the table has no condition {condition!r}{hint}")
+    return parts[condition]

@@ -13,8 +13,6 @@ INVOLVED = 1e-3
 """A column takes part in a direction of unit length where its share is larger than this."""
 PARTNER_SHARE, MOST_PARTNERS = 0.5, 2
 """Of the columns that stand in for another: those with at least this part of the largest share, and how many."""
-SPEED_GAP = 1.15
-"""Tests whose speeds differ by less than this factor count as one speed."""
 
 
 @dataclass(frozen=True)
@@ -165,12 +163,9 @@ def by_speed(moments: Moments, terms: TermTable) -> dict[float, dict[str, Diagno
     terms : TermTable
         The terms.
     """
-    order = np.argsort(np.abs(moments.speeds))
-    size = np.maximum(np.abs(moments.speeds[order]), 1e-9)
-    groups = np.split(order, np.flatnonzero(size[1:] > SPEED_GAP * size[:-1]) + 1)
     return {
         float(np.mean(moments.speeds[group])): all_forces(moments, moments.sums[group].sum(axis=0), terms)
-        for group in groups
+        for group in moments.speed_groups
     }
 
 

@@ -19,7 +19,13 @@ from narrows.identification.moments import Moments, accumulate, design_rows
 from narrows.identification.problem import Problem, reduced
 from narrows.identification.profile import Profile, profile
 from narrows.identification.robust import Robust, assess
-from narrows.identification.score import Score, left_out_coefficients, left_out_score, score
+from narrows.identification.score import (
+    Score,
+    left_out_by_speed,
+    left_out_coefficients,
+    left_out_score,
+    score,
+)
 from narrows.identification.solve import Kkt, solve
 from narrows.identification.tradeoff import Tradeoff, tradeoffs
 from narrows.identification.uncertainty import Clusters, clustered, pieces_for
@@ -131,11 +137,16 @@ class Fit:
         return tradeoffs(self.problem, self.moments.total)
 
     @cached_property
+    def left_out_speeds(self) -> dict[str, Score]:
+        """Scores at each speed of a fit to the other speeds; empty where there is one speed."""
+        return left_out_by_speed(self.problem, self.moments)
+
+    @cached_property
     def influence(self) -> Influence:
         """What each test tells of each coefficient, and how far it moves it."""
         return influence(self.problem, self.moments)
 
-    def bootstrap(self, resamples: int = 10_000, kind: str = "scores", seed: int = 0) -> Bootstrap:
+    def bootstrap(self, resamples: int = 10_000, kind: str = "tests", seed: int = 0) -> Bootstrap:
         """Fit resamples of the tests, each under the constraints.
 
         Parameters
@@ -143,8 +154,8 @@ class Fit:
         resamples : int
             How many.
         kind : str
-            ``scores``: the tests stay, each one's pull on the fit is multiplied by a random number; ``tests``: whole
-            tests are drawn with replacement, stretches of them where there are fewer than ten.
+            ``tests``: whole tests are drawn with replacement, stretches of them where there are fewer than ten;
+            ``scores``: the tests stay, each one's pull on the fit is multiplied by a random number.
         seed : int
             Of the draws.
 
@@ -153,7 +164,7 @@ class Fit:
         InputError
             Where the kind is unknown, or there are fewer than 2 resamples.
         """
-        return resampled(self.problem, self.clusters, resamples, kind, seed)
+        return resampled(self.problem, self.clusters, self.robust, resamples, kind, seed)
 
     def profile(self, name: str) -> Profile | None:
         """Profile the likelihood of a coefficient under the constraints; None where it is not identifiable.
@@ -197,7 +208,7 @@ class Fit:
         InputError
             Where the kind is none of these.
         """
-        return shapley.shares(kind, self.moments, self.terms, self.coefficients, lambda: self._deviations)
+        return shapley.shares(kind, self.moments, self.terms, self.coefficients, lambda: self.deviations)
 
     def summary(self) -> dict[str, Any]:
         """Everything as plain numbers and words: what ``identify --json`` prints."""
@@ -228,7 +239,7 @@ class Fit:
         return diagnostics.by_speed(self.moments, self.terms)
 
     @cached_property
-    def _deviations(self) -> dict[str, float]:
+    def deviations(self) -> dict[str, float]:
         """Mean absolute deviation of each column, by one more pass over the rows."""
         rows = self.moments.total[-1, -1]
         mean = self.moments.total[:, -1] / rows

@@ -18,6 +18,8 @@ from narrows.terms import TermTable
 from narrows.vocabulary import FORCES, Number
 
 ONE = "1"
+SPEED_GAP = 1.15
+"""Tests whose speeds differ by less than this factor count as one speed."""
 STRIP_ROWS = 3000
 PARTS, PART_ROWS = 8, 12_000
 
@@ -53,6 +55,13 @@ class Moments:
     def names(self) -> tuple[str, ...]:
         """The tests, once each."""
         return tuple(dict.fromkeys(self.tests))
+
+    @property
+    def speed_groups(self) -> list[np.ndarray]:
+        """The pieces of each speed, slowest first."""
+        order = np.argsort(np.abs(self.speeds))
+        size = np.maximum(np.abs(self.speeds[order]), 1e-9)
+        return np.split(order, np.flatnonzero(size[1:] > SPEED_GAP * size[:-1]) + 1)
 
     def of_test(self, name: str) -> np.ndarray:
         """Return the sums over one test, (m, m).

@@ -118,3 +118,20 @@ def left_out_score(moments: Moments, terms: TermTable, clusters: np.ndarray, wit
         if own
     }
     return _scores(moments, clusters.sum(axis=0), errors)
+
+
+def left_out_by_speed(problem: Problem, moments: Moments) -> dict[str, Score]:
+    """Score each speed with the coefficients that were fitted to the others: force -> score (ours).
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint problem.
+    moments : Moments
+        The sums.
+    """
+    groups = np.stack([moments.sums[group].sum(axis=0) for group in moments.speed_groups])
+    if len(groups) < 2:
+        return {}
+    without = left_out_coefficients(problem, groups.sum(axis=0) - groups)
+    return left_out_score(moments, problem.terms, groups, without)

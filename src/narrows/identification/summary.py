@@ -55,6 +55,11 @@ def as_json(fit: "Fit") -> dict[str, Any]:
             "stationarity": fit.kkt.stationarity,
             "multiplier": fit.kkt.multiplier,
         },
+        "tradeoffs": [
+            {"first": p.first, "second": p.second, "correlation": p.correlation, "slope": p.slope}
+            for p in fit.tradeoffs
+        ],
+        "influence": {name: _influence(fit, name) for name in fit.terms.names},
         "split": fit.split,
         "notes": list(fit.notes),
     }
@@ -69,8 +74,15 @@ def _coefficient(fit: "Fit", name: str) -> dict[str, Any]:
         "unit": fit.terms[name].dimension.unit,
         "identifiable": verdict.identifiable,
         "verdict": verdict.status,
+        "confounded_with": list(verdict.partners),
         "reasons": list(verdict.reasons),
     }
+
+
+def _influence(fit: "Fit", name: str) -> dict[str, Any]:
+    """The test that a coefficient would miss most, and the one that moves it most."""
+    (informing, share), (moving, by) = fit.influence.most_informing(name), fit.influence.most_moving(name)
+    return {"most_informing": informing, "share": finite(share), "most_moving": moving, "moved_by": finite(by)}
 
 
 def _diagnosis(found: Diagnosis) -> dict[str, Any]:

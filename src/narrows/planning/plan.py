@@ -60,10 +60,38 @@ class Plan:
             for name in self.targets
         )
 
+    def summary(self) -> dict[str, Any]:
+        """Everything as plain numbers and words: what ``design --json`` prints."""
+        return {
+            "runs": [{name: plain(value) for name, value in row.items()} for row in self.rows()],
+            "targets": {
+                name: {
+                    "std": plain(float(self.std[name][-1])),
+                    "vif": plain(self.inflation[name]),
+                    "usual_std": plain(self.usual[name]),
+                    "usual_vif": plain(self.usual_inflation[name]),
+                }
+                for name in self.targets
+            },
+            "considered": self.considered,
+            "says": list(self.sentences),
+        }
+
     def rows(self) -> list[dict[str, Any]]:
         """One row a run, with the standard errors once it is made."""
         errors = [{f"std {name}": float(self.std[name][i]) for name in self.targets} for i in range(len(self.runs))]
         return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON can hold it: None for infinity (ours).
+
+    Parameters
+    ----------
+    value : Any
+        A number, a word or None.
+    """
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def _row(run: Run) -> dict[str, Any]:

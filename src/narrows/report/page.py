@@ -12,7 +12,7 @@ from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
-from narrows.report import banks, columns, motions, outcomes
+from narrows.report import banks, columns, motions, outcomes, trust
 from narrows.report.numbers import interval, readable
 from narrows.report.style import svg
 from narrows.report.terminal import heading, kkt_sentence
@@ -43,7 +43,7 @@ def write_report(fits: Mapping[str, Fit], path: str | Path, title: str = "narrow
     InputError
         Where the file cannot be written.
     """
-    sections = [_section(label, fit, number) for number, (label, fit) in enumerate(fits.items())]
+    sections = [section(label, fit, number) for number, (label, fit) in enumerate(fits.items())]
     write_whole(path, render("fits.html.j2", title=title, sections=sections, comparison=_comparison(fits)))
 
 
@@ -77,7 +77,18 @@ def figure(picture: Any, caption: str) -> dict[str, str]:
     return {"svg": svg(picture), "caption": caption}
 
 
-def _section(label: str, fit: Fit, number: int) -> dict[str, Any]:
+def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
+    """Gather what the page says of a fit (ours).
+
+    Parameters
+    ----------
+    label : str
+        The condition.
+    fit : Fit
+        The fit.
+    number : int
+        Of the section.
+    """
     source, envelope = fit.tests.source, asdict(fit.envelope)
     return {
         "id": f"fit-{number}",
@@ -97,11 +108,19 @@ def _section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         "scores": [(force, own, fit.left_out[force]) for force, own in fit.scores.items()],
         "split": fit.split,
         "by_test": _by_test(fit),
+        "tradeoffs": fit.tradeoffs,
+        "influence": [_influence(fit, name) for name in fit.terms.names if fit.verdicts[name].identifiable],
         "shapley": [(name, [fit.shapley(kind)[force][name] for kind in KINDS])
                     for force in fit.scores for name in fit.shapley("mse")[force]],
         "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": _figures(fit),
     }  # fmt: skip
+
+
+def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:
+    (informing, share), (moving, by) = fit.influence.most_informing(name), fit.influence.most_moving(name)
+    unit = fit.terms[name].dimension.unit
+    return name, informing, f"{share:.2f}", moving, f"{by:+.3g}", unit
 
 
 def equations(fit: Fit) -> list[str]:
@@ -165,10 +184,14 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
         figure(columns.inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
                "dotted: the limits over all rows and within one speed."),
         figure(columns.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
+        figure(trust.influence_figure(fit), "Share of what is known of each coefficient that goes with each test."),
         figure(outcomes.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
         figure(banks.delta_figure(setting, covered), "Pressure difference delta across the canal at zero heading."),
         figure(banks.delta_surface_figure(setting), "Pressure difference delta over offset and heading."),
     ]  # fmt: skip
+    if profiles := trust.profiles_figure(fit):
+        said = "Profile likelihood under the constraints; dashed: the estimate, dotted: the limit of 95 %."
+        pictures.insert(1, figure(profiles, said))
     tests = fit.tests
     if isinstance(tests, CaptiveTests):
         measured = figure(outcomes.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")

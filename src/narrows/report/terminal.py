@@ -8,6 +8,7 @@ from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.report.numbers import interval, readable
 
+MOST_PAIRS = 5
 COLOURS = {"identified": "green", "weakly identified": "yellow", "at its bound": "yellow"}
 
 
@@ -30,6 +31,8 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
+    for pair in fit.tradeoffs[:MOST_PAIRS]:
+        console.print(f"- {pair.sentence}")
     console.print(_scores(fit))
     console.print(_shares(fit))
     for note in (*fit.notes, kkt_sentence(fit)):

@@ -1,0 +1,122 @@
+"""Tables of terms side by side on the same tests: judged by tests and speeds that were left out, not by the fit."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from narrows.captive.tests import Tests
+from narrows.errors import InputError
+from narrows.forms import FORMS
+from narrows.identification.fit import Fit, identify
+from narrows.identification.summary import finite
+from narrows.identification.verdict import CONFOUNDED
+from narrows.tables import BARE, table_named
+from narrows.terms import TermTable
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Fits of several tables of terms to the same tests.
+
+    Parameters
+    ----------
+    fits : mapping of str to Fit
+        By the table's name.
+    left_out : mapping of str to str
+        Tables that were not fitted, and why.
+    """
+
+    fits: Mapping[str, Fit]
+    left_out: Mapping[str, str]
+
+    def best(self, force: str) -> str:
+        """Return the table with the smallest error on tests left out.
+
+        Parameters
+        ----------
+        force : str
+            ``X``, ``Y`` or ``N``.
+        """
+        judged = {name: fit.left_out[force].rmse for name, fit in self.fits.items() if force in fit.left_out}
+        return min(judged, key=lambda name: judged[name])
+
+    @property
+    def forces(self) -> tuple[str, ...]:
+        """The forces that some table has terms for."""
+        return tuple(dict.fromkeys(force for fit in self.fits.values() for force in fit.scores))
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """For each force: which table errs least on tests left out, against the first table."""
+        first = next(iter(self.fits))
+        unit = {"X": "N", "Y": "N", "N": "N m"}
+        said = []
+        for force in self.forces:
+            best = self.best(force)
+            errors = {n: fit.left_out[force].rmse for n, fit in self.fits.items() if force in fit.left_out}
+            against = f", {first} by {errors[first]:.3g}" if best != first and first in errors else ""
+            said.append(
+                f"{force}: {best} errs least on what was left out, by {errors[best]:.3g} {unit[force]}{against}."
+            )
+        return tuple(said)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row for each table and force, as plain numbers and words."""
+        return [_row(name, fit, force) for name, fit in self.fits.items() for force in fit.scores]
+
+
+def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
+    own = [term.name for term in fit.terms.forces[force]]
+    bank = [term.name for term in fit.terms.forces[force] if term.from_bank]
+    speeds = fit.left_out_speeds.get(force)
+    return {
+        "table": name,
+        "force": force,
+        "coefficients": len(own),
+        "confounded": sum(fit.verdicts[own_name].status == CONFOUNDED for own_name in own),
+        "rmse": fit.scores[force].rmse,
+        "rmse_left_out": fit.left_out[force].rmse,
+        "rmse_other_speeds": finite(speeds.rmse) if speeds else None,
+        "bank": {
+            name: {
+                "value": fit.coefficients[name],
+                "ci95": [finite(end) for end in fit.intervals[name]],
+                "verdict": fit.verdicts[name].status,
+            }
+            for name in bank
+        },
+    }
+
+
+def ready_tables() -> tuple[str, ...]:
+    """Return the names of the tables to compare where none are asked for (ours)."""
+    return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"))
+
+
+def compare(tests: Tests, tables: Sequence[str | TermTable] = (), weights: str = "paper") -> Comparison:
+    """Fit several tables of terms to the same tests.
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        Of one condition, or of several for tables that ask for the depth.
+    tables : sequence of str or TermTable
+        Tables, or names of them; all that come with the package unless given.
+    weights : str
+        As in ``identify``.
+
+    Raises
+    ------
+    InputError
+        Where no table could be fitted.
+    """
+    fits, left_out = {}, {}
+    for table in tables or ready_tables():
+        chosen = table_named(table) if isinstance(table, str) else table
+        try:
+            fits[chosen.name] = identify(tests, chosen, weights)
+        except InputError as error:
+            left_out[chosen.name] = str(error)
+    if not fits:
+        raise InputError(f"none of the tables could be fitted: {next(iter(left_out.values()))}")
+    return Comparison(fits, left_out)

@@ -1,0 +1,165 @@
+"""``explain``: what a model says on a table of tests, and what that table can say of the model."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from narrows.captive.tests import Tests
+from narrows.identification import shapley
+from narrows.identification.comparison import Comparison, compare
+from narrows.identification.fit import Fit, identify
+from narrows.identification.score import Score, score
+from narrows.identification.summary import finite
+from narrows.model import Envelope, Model
+
+SLACK = 0.01
+"""Of a range of the model's data, by which tests may exceed it before that is said."""
+UNLIKELY = 3.0
+"""Joint standard errors between the model's coefficient and the table's beyond which they disagree."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A model on a table of tests, that it was fitted on or not.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    fit : Fit
+        The same terms fitted to these tests: what the tests say by themselves.
+    scores : mapping of str to Score
+        Of the model's own coefficients on these tests.
+    by_test : mapping of str to mapping of str to Score
+        The same by test: test -> force -> score.
+    comparison : Comparison
+        Other tables of terms on these tests.
+    """
+
+    model: Model
+    fit: Fit
+    scores: Mapping[str, Score]
+    by_test: Mapping[str, Mapping[str, Score]]
+    comparison: Comparison
+
+    @cached_property
+    def shares(self) -> dict[str, dict[str, dict[str, float]]]:
+        """Shapley shares of the model's own coefficients on these tests: kind -> force -> coefficient -> share."""
+        fit = self.fit
+        return {
+            kind: shapley.shares(kind, fit.moments, fit.terms, self.model.coefficients, lambda: fit.deviations)
+            for kind in shapley.KINDS
+        }
+
+    @cached_property
+    def distance(self) -> dict[str, float]:
+        """How far the model's coefficients are from those of these tests, in joint standard errors; NaN if unknown."""
+        covariance = self.model.covariance
+        own = np.zeros(len(self.fit.terms.names)) if covariance is None else np.diag(covariance)
+        return {
+            name: self._distance(name, float(variance))
+            for name, variance in zip(self.fit.terms.names, own, strict=True)
+        }
+
+    def _distance(self, name: str, variance: float) -> float:
+        joint = np.sqrt(self.fit.std[name] ** 2 + variance)
+        return float((self.model.coefficients[name] - self.fit.coefficients[name]) / joint) if joint > 0 else np.nan
+
+    @property
+    def fitted_on_these(self) -> bool:
+        """Whether the model came of this very table, at this depth."""
+        own, tests = self.model, self.fit.tests
+        same_canal = own.setting.canal == tests.setting.canal
+        return bool(own.source.sha256) and own.source.sha256 == tests.source.sha256 and same_canal
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What there is to say first."""
+        said = ["The model was fitted on this table."] if self.fitted_on_these else []
+        for force, own in self.scores.items():
+            worst = max(self.by_test, key=lambda test: self.by_test[test][force].rmse)
+            said.append(
+                f"{force}: the model errs by {own.rmse:.3g} (R2 {own.r2:.3f}), a fit to these tests by "
+                f"{self.fit.scores[force].rmse:.3g}; it errs most on {worst}, by {self.by_test[worst][force].rmse:.3g}."
+            )
+        apart = [name for name, far in self.distance.items() if abs(far) > UNLIKELY]
+        if apart and not self.fitted_on_these:
+            said.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
+        return (*said, *outside(self.model.envelope, self.fit.envelope))
+
+    def summary(self) -> dict[str, Any]:
+        """Everything as plain numbers and words: what ``explain --json`` prints."""
+        return {
+            "fitted_on_this_table": self.fitted_on_these,
+            "says": list(self.sentences),
+            "model": {force: {"r2": finite(own.r2), "rmse": finite(own.rmse)} for force, own in self.scores.items()},
+            "by_test": {
+                test: {force: finite(own.rmse) for force, own in found.items()} for test, found in self.by_test.items()
+            },
+            "distance": {name: finite(far) for name, far in self.distance.items()},
+            "shapley": self.shares,
+            "these_tests": self.fit.summary(),
+            "profiles": {
+                name: {"value": found.values.tolist(), "deviance": found.deviance.tolist()}
+                for name in self.fit.terms.names
+                if (found := self.fit.profile(name))
+            },
+            "tables": self.comparison.rows(),
+            "tables_left_out": dict(self.comparison.left_out),
+        }
+
+
+def outside(known: Envelope, rows: Envelope) -> tuple[str, ...]:
+    """Say where tests lie outside of what a model's data covered (ours).
+
+    Parameters
+    ----------
+    known, rows : Envelope
+        Of the model, and of the tests.
+    """
+    said = []
+    for name, (low, high) in ((n, pair) for n, pair in vars(known).items() if pair is not None):
+        covered = getattr(rows, name)
+        slack = SLACK * max(abs(low), abs(high))
+        if covered is not None and (covered[0] < low - slack or covered[1] > high + slack):
+            said.append(
+                f"Outside the model's data: {name.replace('_', ' ')} from {covered[0]:.3g} to {covered[1]:.3g}, "
+                f"its data {low:.3g} to {high:.3g}."
+            )
+    return tuple(said)
+
+
+def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanation:
+    """Put a model and a table of tests beside each other.
+
+    Parameters
+    ----------
+    model : Model
+        The model; its terms are fitted to the tests too.
+    tests : CaptiveTests or StreamedTests
+        Of one condition.
+    tables : sequence of str
+        Tables of terms to compare by what they say of tests left out; all that come with the package unless given.
+
+    Returns
+    -------
+    Explanation
+        Errors of the model, the fit to these tests with all that is known of it, Shapley shares, other tables.
+
+    Raises
+    ------
+    InputError
+        Where the tests lack what the model's terms need, or are of several conditions.
+    """
+    fit = identify(tests, model.terms)
+    moments = fit.moments
+    return Explanation(
+        model,
+        fit,
+        score(moments, moments.total, model.terms, model.coefficients),
+        {name: score(moments, moments.of_test(name), model.terms, model.coefficients) for name in moments.names},
+        compare(tests, tuple(dict.fromkeys((model.terms.name, *tables))) if tables else ()),
+    )

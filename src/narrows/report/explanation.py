@@ -1,0 +1,134 @@
+"""A model on a table of tests, in the terminal and as one self-contained page."""
+
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from narrows.files import write_whole
+from narrows.identification import Comparison, Explanation
+from narrows.identification.shapley import KINDS
+from narrows.report import trust
+from narrows.report.numbers import interval, readable
+from narrows.report.page import figure, render, section
+from narrows.report.terminal import heading, print_fit
+
+
+def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
+    """Write one HTML file with everything that is known of a model on a table of tests.
+
+    Parameters
+    ----------
+    found : Explanation
+        What was found.
+    path : str or Path
+        Where to.
+    title : str
+        Of the page.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be written.
+    """
+    rows = found.comparison.rows()
+    shares = found.shares
+    page = render(
+        "explanation.html.j2",
+        title=title,
+        says=found.sentences,
+        forces=tuple(found.scores),
+        scores=found.scores,
+        by_test=found.by_test,
+        coefficients=[_row(found, name) for name in found.fit.terms.names],
+        kinds=KINDS,
+        shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in found.scores for n in shares[KINDS[0]][f]],
+        compared=found.comparison.sentences,
+        left_out=found.comparison.left_out,
+        comparison=figure(
+            trust.comparison_figure(rows), "Errors of tables of terms, of the fit and on what was left out."
+        ),
+        rows=[row | {"said": bank_said(row)} for row in rows],
+        s=section("", found.fit, 0) | {"heading": f"A fit to these tests: {heading(found.fit, '')}"},
+    )
+    write_whole(path, page)
+
+
+def _row(found: Explanation, name: str) -> dict[str, str]:
+    verdict, std, far = found.fit.verdicts[name], found.fit.std[name], found.distance[name]
+    known = verdict.identifiable
+    return {
+        "name": name,
+        "model": f"{found.model.coefficients[name]:.4g}",
+        "value": readable(found.fit.coefficients[name], std) if known else "-",
+        "interval": interval(found.fit.intervals[name], std) if known else "-",
+        "apart": f"{far:+.1f}" if far == far else "-",
+        "unit": found.fit.terms[name].dimension.unit,
+        "verdict": verdict.status,
+        "kind": verdict.status.replace(" ", "-"),
+    }
+
+
+def bank_said(row: dict[str, Any]) -> str:
+    """Write the bank's coefficients of a row of a comparison (ours).
+
+    Parameters
+    ----------
+    row : dict
+        Of ``Comparison.rows``.
+    """
+    return "; ".join(
+        f"{name} {own['ci95'][0]:.3g} to {own['ci95'][1]:.3g} ({own['verdict']})"
+        if None not in own["ci95"]
+        else f"{name} ({own['verdict']})"
+        for name, own in row["bank"].items()
+    )
+
+
+def print_explanation(found: Explanation, label: str = "") -> None:
+    """Print a model on a table of tests.
+
+    Parameters
+    ----------
+    found : Explanation
+        What was found.
+    label : str
+        The condition, as a heading.
+    """
+    console = Console(highlight=False)
+    for sentence in found.sentences:
+        console.print(f"- {sentence}")
+    table = Table(box=None, pad_edge=False, title="The model beside these tests", title_justify="left")
+    for header in ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"):
+        table.add_column(header, justify="left" if header in ("", "unit") else "right", no_wrap=True)
+    for name in found.fit.terms.names:
+        row = _row(found, name)
+        table.add_row(*(row[key] for key in ("name", "model", "value", "interval", "apart", "unit")))
+    console.print(table)
+    print_fit(found.fit, label)
+    print_comparison(found.comparison, console)
+
+
+def print_comparison(found: Comparison, console: Console | None = None) -> None:
+    """Print tables of terms side by side.
+
+    Parameters
+    ----------
+    found : Comparison
+        What was fitted.
+    console : Console, optional
+        Standard output unless given.
+    """
+    console = console or Console(highlight=False)
+    title = "Tables of terms by their error (RMSE) on what was left out"
+    table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
+    for header in ("terms", "force", "fit", "tests left out", "speeds left out", "confounded"):
+        table.add_column(header, justify="left" if header in ("terms", "force") else "right")
+    for row in found.rows():
+        speeds = row["rmse_other_speeds"]
+        errors = (f"{row['rmse']:.3g}", f"{row['rmse_left_out']:.3g}", "-" if speeds is None else f"{speeds:.3g}")
+        table.add_row(row["table"], row["force"], *errors, f"{row['confounded']} of {row['coefficients']}")
+    console.print(table)
+    for sentence in found.sentences:
+        console.print(f"- {sentence}")

@@ -1,0 +1,93 @@
+"""Pictures of how far coefficients can be trusted: profiles of the likelihood, and which test tells of which."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from narrows.identification import Fit
+from narrows.identification.interval import reach
+from narrows.report.columns import symbols
+from narrows.report.style import BLUE, GREY, ORANGE, panels
+
+COLUMNS, ROW_HEIGHT = 4, 1.45
+MOST_TESTS = 60
+
+
+def profiles_figure(fit: Fit) -> Figure | None:
+    """Draw the profile likelihood of each coefficient; None where none is identifiable.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    """
+    found = [found for name in fit.terms.names if (found := fit.profile(name))]
+    if not found:
+        return None
+    rows = -(-len(found) // COLUMNS)
+    figure, axes = panels(rows, COLUMNS, ROW_HEIGHT * rows + 0.4)
+    for panel in axes.flat[len(found) :]:
+        panel.set_visible(False)
+    for panel, own in zip(axes.flat, found, strict=False):
+        index = fit.terms.names.index(own.name)
+        limit = float(reach(fit.robust.counts[index])) ** 2
+        panel.plot(own.values, own.deviance, color=BLUE, linewidth=1.2)
+        panel.axhline(limit, color=GREY, linestyle=":", linewidth=0.9)
+        panel.axvline(fit.coefficients[own.name], color=ORANGE, linestyle="--", linewidth=0.9)
+        panel.set_ylim(0, max(3 * limit, 1.0))
+        panel.set_title(f"${fit.terms[own.name].symbol}$ [{fit.terms[own.name].dimension.unit}]", fontsize=8)
+        panel.tick_params(labelsize=6)
+        panel.locator_params(axis="x", nbins=3)
+    figure.supylabel("deviance [1]", fontsize=8)
+    return figure
+
+
+def influence_figure(fit: Fit) -> Figure:
+    """Draw what share of what is known of each coefficient goes with each test.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    """
+    told = fit.influence
+    shown = np.argsort(-told.information.max(axis=1))[:MOST_TESTS]
+    shown = np.sort(shown)
+    figure, axes = panels(1, 1, 1.6 + 0.13 * len(shown))
+    panel = axes[0, 0]
+    image = panel.imshow(told.information[shown], cmap="Blues", vmin=0, vmax=1, aspect="auto")
+    panel.set_xticks(range(len(told.names)), symbols(fit.terms, told.names))
+    panel.set_yticks(range(len(shown)), [told.tests[i] for i in shown], fontsize=5.5)
+    panel.set(xlabel="coefficient [-]", ylabel="test [-]")
+    figure.colorbar(image, ax=panel, label="share of what is known that goes with the test [1]", shrink=0.8)
+    return figure
+
+
+def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) -> Figure:  # type: ignore[type-arg]
+    """Draw the error of each table of terms on what was left out, and of the fit.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Of ``Comparison.rows``.
+    forces : tuple of str
+        Which to draw.
+    """
+    names = list(dict.fromkeys(row["table"] for row in rows))
+    figure, axes = panels(1, len(forces), 0.9 + 0.22 * len(names), sharey=True)
+    for panel, force in zip(axes[0], forces, strict=True):
+        own = {row["table"]: row for row in rows if row["force"] == force}
+        for kind, marker, colour, label in (
+            ("rmse", "|", GREY, "of the fit"),
+            ("rmse_left_out", "o", BLUE, "on tests left out"),
+            ("rmse_other_speeds", "x", ORANGE, "on speeds left out"),
+        ):
+            known = [(own[n][kind], i) for i, n in enumerate(names) if n in own and own[n][kind] is not None]
+            if known:
+                panel.plot(*zip(*known, strict=True), marker, color=colour, label=label, markersize=5)
+        panel.set_xscale("log")
+        panel.set(xlabel=f"RMSE of {force} [{'N m' if force == 'N' else 'N'}]")
+        panel.set_yticks(range(len(names)), names)
+        panel.grid(alpha=0.3)
+    axes[0, 0].invert_yaxis()
+    axes[0, -1].legend(frameon=False, fontsize=7, loc="lower center", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    return figure
