@@ -1,23 +1,20 @@
 """How often the 95 % intervals hold the truth, on synthetic tests whose truth is known.
 
-    python design/coverage.py [TWINS]
+    python design/coverage.py [--write]
 
 Two sets of tests (the paper's three, and sixteen runs with both kinds at several speeds), white noise and noise that
 is correlated over a second, and a truth with two coefficients on their bounds: b_v = c_r = 0. A cell is the share of
 twins whose interval holds the coefficient of its column; with 3000 twins it is sure to 0.8 either way.
 """
 
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from pages import markdown, publish
 
 import narrows as nw
 from narrows.captive.twin import PAPER_RUNS
-from narrows.identification.interval import LEVEL
 
 PUBLISHED = nw.published("mikkelsen2025_dtc")
 TRUTHS = {"inside": PUBLISHED, "two at a bound": PUBLISHED.with_coefficients(b_v=0.0, c_r=0.0)}
@@ -30,7 +27,7 @@ MANY_RUNS = tuple(
 )
 RUNS = {"3 runs": PAPER_RUNS, "16 runs": MANY_RUNS}
 COLUMNS = tuple(term.name for term in (*nw.PAPER.sway, *nw.PAPER.yaw))
-RESAMPLES = 500
+TWINS, RESAMPLES = 3000, 500
 
 
 def covered(truth: str, runs: str, correlation: float, kind: str, seed: int) -> list[bool]:
@@ -41,22 +38,22 @@ def covered(truth: str, runs: str, correlation: float, kind: str, seed: int) -> 
     return [intervals[n][0] <= TRUTHS[truth].coefficients[n] <= intervals[n][1] for n in COLUMNS]
 
 
-def main(twins: int) -> None:
-    """Count, and print a row for each setting."""
-    table = Table(title=f"coverage of {LEVEL:.0%} intervals over {twins} twins [%]")
-    for header in ("truth", "tests", "correlation [s]", "intervals", *COLUMNS):
-        table.add_column(header, justify="right", no_wrap=True)
+def text() -> str:
+    """Count, and write a row for each setting."""
     settings = [(t, r, c, "identify") for t in TRUTHS for r in RUNS for c in (0.0, 1.0)]
     settings += [(t, "16 runs", 1.0, kind) for t in TRUTHS for kind in ("scores", "tests")]
+    rows = []
     with ProcessPoolExecutor() as pool:
         for setting in settings:
-            count = twins if setting[-1] == "identify" else max(twins // 3, 1)
+            count = TWINS if setting[-1] == "identify" else TWINS // 3
             held = np.array(list(pool.map(partial(covered, *setting), range(count), chunksize=25)))
             truth, runs, correlation, kind = setting
             said = "identify" if kind == "identify" else f"bootstrap, {kind}"
-            table.add_row(truth, runs, f"{correlation:g}", said, *(f"{100 * share:.1f}" for share in held.mean(axis=0)))
-    Console(width=200).print(table)
+            rows.append(
+                (truth, runs, f"{correlation:g} s", said, *(f"{100 * share:.1f}" for share in held.mean(axis=0)))
+            )
+    return markdown(("truth", "tests", "correlation", "intervals", *COLUMNS), rows)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 3000)
+    publish(__file__, "trust.md", text())

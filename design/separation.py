@@ -1,20 +1,19 @@
 """What tells the bank from the yaw rate: sets of synthetic tests, their inflation, intervals, verdicts and power.
 
-    python design/separation.py [TWINS]
+    python design/separation.py [--write]
 
 Power is the share of twins, with b_bank a tenth of the published one, whose interval does not hold 0.
 """
 
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
-from rich.console import Console
-from rich.table import Table
+from pages import markdown, publish
 
 import narrows as nw
 
 PUBLISHED = nw.published("mikkelsen2025_dtc")
+TWINS = 300
 FAINT = PUBLISHED.with_coefficients(b_bank=0.107, c_bank=0.013)
 YAW = nw.HarmonicRun("yaw 0.9 m 25 s", "yaw", 0.9, 25.0)
 SMALLER = nw.HarmonicRun("yaw 0.5 m 25 s", "yaw", 0.5, 25.0)
@@ -41,21 +40,19 @@ def seen(name: str, seed: int) -> bool:
     return not low <= 0 <= high
 
 
-def main(twins: int) -> None:
-    """Print a row for each set of tests."""
-    table = Table(title="b_bank, in truth 1.07, from sets of tests; the published model, correlated noise")
-    for header in ("tests", "VIF", "b_bank", "95 % interval", "verdict", "power [%]"):
-        table.add_column(header, justify="left" if header in ("tests", "verdict") else "right", no_wrap=True)
+def text() -> str:
+    """Write a row for each set of tests."""
+    rows = []
     with ProcessPoolExecutor() as pool:
         for name in SETS:
             fit = fitted(name, PUBLISHED)
             (low, high), verdict = fit.intervals["b_bank"], fit.verdicts["b_bank"]
-            word = " ".join((verdict.status, *(("with", *verdict.partners) if verdict.partners else ())))
-            power = 100 * sum(pool.map(partial(seen, name), range(twins), chunksize=10)) / twins
-            figures = (f"{fit.diagnostics()['Y'].vif['b_bank']:.0f}", f"{fit.coefficients['b_bank']:.3f}")
-            table.add_row(name, *figures, f"{low:.3f} to {high:.3f}", word, f"{power:.0f}")
-    Console(width=140).print(table)
+            word = verdict.status + (f" with {' and '.join(verdict.partners)}" if verdict.partners else "")
+            power = 100 * sum(pool.map(partial(seen, name), range(TWINS), chunksize=10)) / TWINS
+            figures = (f"{fit.diagnostics()['Y'].vif['b_bank']:.3g}", f"{fit.coefficients['b_bank']:.3f}")
+            rows.append((name, *figures, f"{low:.3f} to {high:.3f}", word, f"{power:.0f} %"))
+    return markdown(("tests", "VIF", "b_bank", "95 % interval", "verdict", "power"), rows)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 300)
+    publish(__file__, "trust.md", text())

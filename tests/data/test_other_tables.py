@@ -112,7 +112,8 @@ def test_kcs_through_the_command_line(kcs_fits: dict[int, nw.Fit], cli) -> None:
         fit, shown = kcs_fits[clearance], conditions[label]
         assert {name: own["value"] for name, own in shown["coefficients"].items()} == dict(fit.coefficients)
         assert shown["coefficients"]["a_udot"]["verdict"] == "not excited"
-        assert shown["coefficients"]["b_bank"]["verdict"] == "weakly identified"
+        assert shown["coefficients"]["b_bank"]["verdict"] == "confounded"
+        assert shown["coefficients"]["b_bank"]["confounded_with"] == ["b_r"]
         assert any("only mixing speeds" in reason for reason in shown["coefficients"]["b_bank"]["reasons"])
         top = max(shown["by_speed"], key=lambda own: own["speed"])
         assert 219 <= top["diagnostics"]["Y"]["vif"]["b_bank"] <= 329

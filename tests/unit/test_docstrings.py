@@ -88,7 +88,9 @@ def test_exported_numbers_state_their_unit(name: str) -> None:
             assert "[" in said[word], f"{word} states no unit"
 
 
-@pytest.mark.parametrize("place", sorted(place for place in SPOKEN if ".physics." in place))
+@pytest.mark.parametrize(
+    "place", sorted(p for p, thing in SPOKEN.items() if ".physics." in p and not inspect.isclass(thing))
+)
 def test_physics_states_units_and_source(place: str) -> None:
     said = documented(SPOKEN[place])
     assert said

@@ -66,11 +66,21 @@ def test_lataire_columns_are_those_of_the_table() -> None:
     ahead = raw[raw.psi.abs() < 90]
     tests = nw.measured_tests("lataire2009")
     for name, header in (
-        ("y", "lateral position"), ("u", "forward component of speed vector"), ("X", "longitudinal force"),
+        ("u", "forward component of speed vector"), ("X", "longitudinal force"),
         ("v", "transversal component of speed vector"), ("Y", "transversal force"), ("N", "yaw moment"),
         ("draft", "draught"), ("depth", "water depth"),
     ):  # fmt: skip
         np.testing.assert_allclose(tests.columns[name], ahead[header], rtol=1e-12)
+    y = ahead["lateral position"].to_numpy()
+    to_port, to_starboard = (
+        tests.columns["width"] / 2 + tests.columns["y"],
+        tests.columns["width"] / 2 - tests.columns["y"],
+    )
+    np.testing.assert_allclose(to_port, 3.5 + y, rtol=1e-12, err_msg="the port wall is the tank's")
+    toe = np.where(ahead["bank name"] == "I", 2.83, np.where(ahead["bank name"] == "VII", 2.23, 0.53))
+    assert (to_starboard >= toe - y - 1e-12).all(), "an equivalent wall is not nearer than the toe"
+    vertical = (ahead["bank name"] == "I").to_numpy()
+    np.testing.assert_allclose(to_starboard[vertical], 2.83 - y[vertical], rtol=1e-12)
     assert tests.notes[0] == "1 of 10 tests left out: sailed backwards"
     for name in ("r", "udot", "vdot", "rdot"):
         assert not tests.columns[name].any()

@@ -23,7 +23,7 @@ def page(kcs_fits: dict[int, nw.Fit], tmp_path_factory: pytest.TempPathFactory) 
 def test_page_needs_nothing_else(page: str) -> None:
     assert not re.findall(r"(?:src|href)=\"(?!#)", page.replace("xlink:href", "").replace('href="#', ""))
     assert "<script" not in page
-    assert page.count("<figure") == 16
+    assert page.count("<figure") == 20
     assert len(page) < 4_000_000
 
 
@@ -69,7 +69,7 @@ def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_f
 
     fit = nw.identify(nw.stream_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file))
     write_report({"": fit}, tmp_path / "r.html")
-    assert (tmp_path / "r.html").read_text().count("<figure") == 6
+    assert (tmp_path / "r.html").read_text().count("<figure") == 8
 
 
 def test_a_random_split_has_a_report(short: nw.CaptiveTests, tmp_path: Path) -> None:

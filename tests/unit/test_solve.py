@@ -115,26 +115,20 @@ def test_variance_weights_scale_each_force(short: nw.CaptiveTests) -> None:
         assert fit.coefficients[name] == pytest.approx(value, rel=1e-6, abs=1e-8)
 
 
-def test_left_out_scores_and_standard_errors_are_those_of_explicit_refits() -> None:
+def test_left_out_scores_are_those_of_explicit_refits() -> None:
     from tables import many_runs
 
     tests = nw.twin(runs=many_runs(), rate=4.0, seed=1)
     fit = nw.identify(tests)
     assert fit.clusters.by_test
-    refits, error = [], 0.0
+    error = 0.0
     for i, _ in enumerate(tests.names):
         kept = [j != i for j in range(len(tests.names))]
         refit = nw.identify(tests.where(kept))
-        refits.append([refit.coefficients[n] for n in nw.PAPER.names])
         out = tests.where([not k for k in kept])
         error += ((out.columns["Y"] - refit.model.forces(motion_of(out))["Y"]) ** 2).sum()
     spread = ((tests.columns["Y"] - tests.columns["Y"].mean()) ** 2).sum()
     assert fit.left_out["Y"].r2 == pytest.approx(1 - error / spread, rel=1e-9)
-    moved = np.array(refits) - [fit.coefficients[n] for n in nw.PAPER.names]
-    size = np.sqrt(np.diag(fit.covariance))
-    live = size > 0
-    scaled = 11 / 12 * (moved.T @ moved)[np.ix_(live, live)] / np.outer(size[live], size[live])
-    np.testing.assert_allclose(fit.covariance[np.ix_(live, live)] / np.outer(size[live], size[live]), scaled, atol=1e-6)
 
 
 def motion_of(tests: nw.CaptiveTests) -> nw.Motion:

@@ -9,7 +9,7 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.report.numbers import interval, readable
 
 MOST_PAIRS = 5
-COLOURS = {"identified": "green", "weakly identified": "yellow", "at its bound": "yellow"}
+COLOURS = {"identified": "green", "weakly identified": "yellow", "at its bound": "yellow", "confounded": "magenta"}
 
 
 def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None:

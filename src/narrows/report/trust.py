@@ -1,14 +1,17 @@
 """Pictures of how far coefficients can be trusted: profiles of the likelihood, and which test tells of which."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
-from narrows.identification import Fit
+from narrows.identification import Comparison, Fit
 from narrows.identification.interval import reach
-from narrows.report.columns import symbols
+from narrows.report.columns import COLOURS, MARKERS, symbols
 from narrows.report.style import BLUE, GREY, ORANGE, panels
 
-COLUMNS, ROW_HEIGHT = 4, 1.45
+PANELS_A_ROW, ROW_HEIGHT = 4, 1.45
 MOST_TESTS = 60
 
 
@@ -23,8 +26,8 @@ def profiles_figure(fit: Fit) -> Figure | None:
     found = [found for name in fit.terms.names if (found := fit.profile(name))]
     if not found:
         return None
-    rows = -(-len(found) // COLUMNS)
-    figure, axes = panels(rows, COLUMNS, ROW_HEIGHT * rows + 0.4)
+    rows = -(-len(found) // PANELS_A_ROW)
+    figure, axes = panels(rows, PANELS_A_ROW, ROW_HEIGHT * rows + 0.4)
     for panel in axes.flat[len(found) :]:
         panel.set_visible(False)
     for panel, own in zip(axes.flat, found, strict=False):
@@ -85,9 +88,36 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
             if known:
                 panel.plot(*zip(*known, strict=True), marker, color=colour, label=label, markersize=5)
         panel.set_xscale("log")
+        panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.xaxis.set_minor_formatter(NullFormatter())
         panel.set(xlabel=f"RMSE of {force} [{'N m' if force == 'N' else 'N'}]")
         panel.set_yticks(range(len(names)), names)
         panel.grid(alpha=0.3)
     axes[0, 0].invert_yaxis()
-    axes[0, -1].legend(frameon=False, fontsize=7, loc="lower center", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, fontsize=7, loc="outside upper center", ncols=3)
+    return figure
+
+
+def forms_figure(found: Mapping[str, Comparison]) -> Figure:
+    """Draw the error of each form of the bank term on what was left out, over that of the best, for sets of tests.
+
+    Parameters
+    ----------
+    found : mapping of str to Comparison
+        Forms fitted to each set of tests, in one order.
+    """
+    names = [name.removeprefix("bank only: ") for name in next(iter(found.values())).fits]
+    figure, axes = panels(2, 1, 5.6, sharex=True)
+    for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
+        for i, (label, comparison) in enumerate(found.items()):
+            errors = np.array([fit.left_out[force].rmse for fit in comparison.fits.values()])
+            style = {"marker": MARKERS[i % 6], "color": COLOURS[i % 6], "linestyle": "none", "markersize": 5}
+            panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
+        panel.set(yscale="log", ylabel=f"RMSE of {force} left out,\nover the best form's [1]")
+        panel.grid(alpha=0.3, axis="y")
+    axes[1, 0].set_xticks(range(len(names)), names)
+    axes[1, 0].set_xlabel("form of the bank term [-]")
+    axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
     return figure
