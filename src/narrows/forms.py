@@ -132,7 +132,8 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
             raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
         form = FORMS[form]
     sway, yaw = (tuple(term for term in own if not term.from_bank) for own in (table.sway, table.yaw))
-    kept = TermTable(name or f"{table.name}+{form.name}", table.surge, sway, yaw, table.ties)
+    base = table.name.partition("+")[0]
+    kept = TermTable(name or f"{base}+{form.name}", table.surge, sway, yaw, table.ties)
     return kept.with_terms(kept.name, sway=form.sway, yaw=form.yaw)
 
 

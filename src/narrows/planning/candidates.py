@@ -72,19 +72,18 @@ def candidates(setting: Setting, tank: Tank) -> list[Run]:
     InputError
         Where none fits, or a depth leaves no water under the keel.
     """
+    if _room(setting, tank) <= 0:
+        raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
     for depth in tank.depths:
         if depth <= setting.ship.draft:
             raise InputError(f"a depth of {depth} m leaves no water under a draft of {setting.ship.draft} m; raise it")
     speeds = tank.speeds or [round(f * float(np.sqrt(9.81 * setting.ship.length)), 3) for f in FROUDE]
-    runs = [
+    return [
         run
         for speed, depth in product(speeds, tank.depths or (None,))
         for run in (*_straight(setting, tank, speed, depth), *_harmonic(setting, tank, speed, depth))
         if _fits(run, setting, tank)
     ]
-    if not runs:
-        raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
-    return runs
 
 
 def _room(setting: Setting, tank: Tank) -> float:

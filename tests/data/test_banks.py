@@ -1,0 +1,67 @@
+"""The measured banks: signs on the clean cases, and the tables of the docs as their scripts compute them now."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import narrows as nw
+
+ROOT = Path(__file__).parent.parent.parent
+NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
+
+
+@pytest.fixture
+def scripts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "design")
+    for name in ("bank_forms", "term_tables", "pages"):
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize("form", nw.FORMS)
+@pytest.mark.parametrize("clean", ["D", "F", "H"])
+def test_the_bow_turns_away_from_the_bank(form: str, clean: str) -> None:
+    """As measured, and as every form predicts from the other tests."""
+    tests = nw.measured_tests("lataire2009")
+    others = tests.where([name in "BCDFHIJ" and name != clean for name in tests.names])
+    row = tests.where([name == clean for name in tests.names])
+    fit = nw.identify(others, nw.bank_only(form))
+    values = {**row.setting.values(), **row.columns}
+    predicted = sum(fit.coefficients[term.name] * term.column(values) for term in fit.terms.yaw)
+    assert row.columns["y"][0] > 0
+    assert row.columns["N"][0] < 0
+    assert predicted[0] < 0
+
+
+def test_seven_tests_do_not_establish_a_change_of_sign() -> None:
+    tests = nw.measured_tests("lataire2009")
+    fit = nw.identify(tests.where([name in "BCDFHIJ" for name in tests.names]), nw.bank_only("distance_depth"))
+    low, high = fit.intervals["b_bank_depth"]
+    assert low < 0 < high
+    assert fit.coefficients["b_bank_depth"] < 0 < fit.coefficients["b_bank"]
+
+
+def test_terms_of_the_hull_take_the_bank_away(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
+    for tests in kcs_tests.values():
+        paper, crossflow = (nw.identify(tests, terms) for terms in (nw.PAPER, nw.CROSSFLOW))
+        for force in ("Y", "N"):
+            assert crossflow.left_out[force].rmse < paper.left_out[force].rmse
+            assert crossflow.left_out_speeds[force].rmse < paper.left_out_speeds[force].rmse
+        for name in ("b_bank", "c_bank"):
+            low, high = crossflow.intervals[name]
+            assert low < 0 < high
+
+
+@pytest.mark.parametrize(("script", "page"), [("bank_forms", "banks.md"), ("term_tables", "trust.md")])
+@pytest.mark.usefixtures("scripts")
+def test_the_docs_say_what_is_computed(script: str, page: str) -> None:
+    import importlib
+
+    made = importlib.import_module(script).text()
+    kept = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    kept = kept.partition(f"<!-- made by design/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
+    assert NUMBER.sub("#", kept) == NUMBER.sub("#", made)
+    numbers = [np.array([float(n) for n in NUMBER.findall(text)]) for text in (kept, made)]
+    np.testing.assert_allclose(numbers[0], numbers[1], rtol=0.02, atol=0.002)

@@ -1,0 +1,123 @@
+"""Models on other tests, and tables of terms side by side: every number against its definition."""
+
+import json
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.measured import measured_files
+from tables import frame_of, many_runs, short_twin, written
+
+
+@pytest.fixture(scope="module")
+def found() -> nw.Explanation:
+    return nw.explain(nw.published("mikkelsen2025_dtc"), short_twin(3, many_runs(12)), ("speed", "paper+distance"))
+
+
+def test_the_models_errors_are_its_own(found: nw.Explanation) -> None:
+    tests = found.fit.tests
+    motion = nw.Motion(**{name: tests.columns[name] for name in nw.Motion().values()})
+    for force, told in found.model.forces(motion).items():
+        error = tests.columns[force] - told
+        assert found.scores[force].rmse == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-6)
+        first = slice(int(tests.starts[0]), int(tests.starts[1]))
+        assert found.by_test["T00"][force].rmse == pytest.approx(np.sqrt(np.mean(error[first] ** 2)), rel=1e-5)
+
+
+def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
+    far = [abs(own) for own in found.distance.values() if np.isfinite(own)]
+    assert max(far) < 4.5
+    assert np.sqrt(np.mean(np.square(far))) < 2
+    assert not found.fitted_on_these
+
+
+def test_a_wrong_model_does_not(found: nw.Explanation) -> None:
+    wrong = nw.explain(found.model.with_coefficients(b_bank=1.5), found.fit.tests, ("speed",))
+    assert wrong.distance["b_bank"] > 10
+    assert any("Beyond 3 standard errors" in said and "b_bank" in said for said in wrong.sentences)
+
+
+def test_shares_are_those_of_the_model(found: nw.Explanation) -> None:
+    """A fit has the same shares as an explanation of it on its own tests."""
+    again = nw.explain(found.fit.model, found.fit.tests, ("speed",))
+    for kind in ("mse", "mean_abs", "lmg"):
+        for force, shares in found.fit.shapley(kind).items():
+            assert again.shares[kind][force] == pytest.approx(shares, nan_ok=True)
+
+
+def test_tables_are_compared_by_what_was_left_out(found: nw.Explanation) -> None:
+    assert list(found.comparison.fits) == ["paper", "speed", "paper+distance"]
+    rows = {(row["table"], row["force"]): row for row in found.comparison.rows()}
+    for (name, force), row in rows.items():
+        fit = nw.identify(found.fit.tests, found.comparison.fits[name].terms)
+        assert row["rmse_left_out"] == fit.left_out[force].rmse
+        assert row["rmse"] <= row["rmse_left_out"]
+    assert found.comparison.best("Y") == "paper"  # the truth's own terms
+
+
+def test_a_speed_left_out_is_that_of_a_refit(found: nw.Explanation) -> None:
+    fit, error, rows = found.fit, 0.0, 0
+    groups = {round(float(fit.tests.test(name)["u"].mean()), 1) for name in fit.tests.names}
+    speed_of = {name: round(float(fit.tests.test(name)["u"].mean()), 1) for name in fit.tests.names}
+    near = {0.7: (0.7,), 1.0: (1.0, 1.1), 1.1: (1.0, 1.1)}  # less than 15 % apart counts as one speed
+    for group in {near[s] for s in groups}:
+        inside = [speed_of[name] in group for name in fit.tests.names]
+        refit = nw.identify(fit.tests.where([not own for own in inside]))
+        out = fit.tests.where(inside)
+        motion = nw.Motion(**{name: out.columns[name] for name in nw.Motion().values()})
+        error += ((out.columns["N"] - refit.model.forces(motion)["N"]) ** 2).sum()
+        rows += out.rows
+    assert fit.left_out_speeds["N"].rmse == pytest.approx(np.sqrt(error / rows), rel=1e-5)
+
+
+def test_tables_that_cannot_be_fitted_say_why() -> None:
+    found = nw.compare(short_twin(), ["paper", "paper+tuck"])
+    assert list(found.fits) == ["paper"]
+    assert "depth" in found.left_out["paper+tuck"]
+    with pytest.raises(nw.InputError, match="none of the tables"):
+        nw.compare(short_twin(), ["paper+tuck"])
+
+
+def test_depths_together_need_terms_that_know_them() -> None:
+    tests = nw.measured_tests("kcs")
+    with pytest.raises(nw.InputError, match="ask for the depth"):
+        nw.identify(tests)
+    assert nw.identify(tests, nw.with_bank(nw.CROSSFLOW, "delta_depth")).scores["Y"].r2 > 0.5
+
+
+def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
+    table = written(frame_of(short_twin(3, many_runs(12))), tmp_path / "t.csv")
+    model = tmp_path / "m.toml"
+    cli("identify", table, "--ship", ship_file, "-o", model)
+    code, out, err = cli("explain", model, table, "--compare", "speed,crossflow", "--report", tmp_path / "e.html")
+    assert (code, err) == (0, "")
+    assert "The model was fitted on this table." in out
+    page = (tmp_path / "e.html").read_text()
+    assert "<script" not in page
+    assert page.count("<figure") == 11
+    code, out, _ = cli("explain", "mikkelsen2025_dtc", table, "--compare", "speed", "--json")
+    told = json.loads(out)
+    assert code == 0
+    assert not told["fitted_on_this_table"]
+    assert set(told["tables"][0]) >= {"table", "force", "rmse_left_out", "rmse_other_speeds", "bank"}
+    assert set(told["profiles"]["b_bank"]) == {"value", "deviance"}
+    assert told["these_tests"]["coefficients"]["b_bank"]["confounded_with"] == []
+    assert {"tradeoffs", "influence"} <= set(told["these_tests"])
+
+
+def test_explain_asks_for_a_condition_and_tells_the_depth(cli, tmp_path) -> None:
+    table, ship = measured_files("kcs")
+    model = tmp_path / "m.toml"
+    cli("identify", table, "--ship", ship, "--condition", "C0101A01", "-o", model)
+    code, _, err = cli("explain", model, table, "--ship", ship)
+    assert code == 2
+    assert "choose one with --condition C0101A01" in err
+    code, out, _ = cli(
+        "explain", model, table, "--ship", ship, "--condition", "C0101A03", "--compare", "paper", "--json"
+    )
+    assert code == 0
+    told = json.loads(out)
+    assert not told["fitted_on_this_table"]
+    assert any("depth to draft" in said for said in told["says"])
+    assert not any("abs r" in said for said in told["says"])

@@ -1,0 +1,127 @@
+"""Forms of the bank term: limits that tie them together, symmetries, and the tables that take them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import narrows as nw
+from narrows.physics import clearance
+from narrows.section import equivalent_wall
+from narrows.tables import table_named
+
+PLACE = {"cos_psi": 1.0, "width": 7.0, "beam": 0.572, "draft": 0.163, "depth": 0.4, "u": 1.0}
+OFFSETS = st.floats(-2.8, 2.8)
+
+
+def parameter(function, **changed: float) -> float:
+    from inspect import signature
+
+    return function(**{name: {**PLACE, **changed}[name] for name in signature(function).parameters})
+
+
+@pytest.mark.parametrize("form", nw.FORMS.values(), ids=lambda form: form.name)
+@given(y=OFFSETS)
+def test_every_form_is_odd_and_leans_to_the_near_bank(form: nw.BankForm, y: float) -> None:
+    for function in form.parameters.values():
+        own, mirrored = parameter(function, y=y), parameter(function, y=-y)
+        assert own == -mirrored
+        assert own * y >= 0
+
+
+def test_delta_is_twice_the_bank_distance_far_from_the_banks() -> None:
+    """They part by 3 B/W of themselves, to first order."""
+    for width in (70.0, 700.0, 7000.0):
+        ratio = parameter(clearance.delta, y=1.0, width=width) / parameter(clearance.bank_distance, y=1.0, width=width)
+        assert ratio / 2 - 1 == pytest.approx(3 * 0.572 / width, rel=3 / width)
+
+
+@pytest.mark.parametrize(("y", "apart"), [(1.0, 0.24), (2.0, 0.33)])
+def test_delta_and_twice_the_bank_distance_part_near_the_bank(y: float, apart: float) -> None:
+    bridged = 2 * parameter(clearance.bank_distance, y=y) / parameter(clearance.delta, y=y)
+    assert 1 - bridged == pytest.approx(apart, abs=0.01)
+
+
+def test_the_bank_distance_is_that_of_its_definition() -> None:
+    a, p = 3.5 - 1.2, 3.5 + 1.2
+    assert parameter(clearance.bank_distance, y=1.2) == pytest.approx(0.572 / 2 * (1 / a - 1 / p), rel=1e-14)
+
+
+@given(y=OFFSETS)
+def test_the_keel_gap_closes_to_the_papers(y: float) -> None:
+    assert parameter(clearance.keel_gap_delta, y=y, depth=0.163) == pytest.approx(parameter(clearance.delta, y=y))
+    assert abs(parameter(clearance.keel_gap_delta, y=y)) <= abs(parameter(clearance.delta, y=y))
+
+
+def test_tucks_form_is_the_bank_distance_at_low_speed_and_grows_to_the_critical() -> None:
+    plain = parameter(clearance.bank_distance, y=1.0)
+    growth = [parameter(clearance.critical_bank_distance, y=1.0, u=u) / plain for u in (1e-6, 1.0, 1.5, 1.9)]
+    assert growth[0] == pytest.approx(1)
+    assert np.all(np.diff(growth) > 0)
+    assert growth[1] == pytest.approx(1 / np.sqrt(1 - 1 / (9.81 * 0.4)), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["paper+tuck", "speed+distance_depth", "crossflow+keel_gap", "mixed", "tapered"])
+def test_named_tables_go_into_model_files_and_back(name: str, dtc: nw.Model, tmp_path) -> None:
+    table = table_named(name)
+    setting = nw.Setting(dtc.setting.ship, nw.Canal(7.0, 0.4))
+    model = nw.Model(setting, table, {own: 0.1 + i for i, own in enumerate(table.names)})
+    nw.save_model(model, tmp_path / "m.toml")
+    again = nw.load_model(tmp_path / "m.toml")
+    assert again.terms == table
+    motion = nw.Motion.at(y=1.0, psi=0.1, u=1.0, v=0.1, r=0.02)
+    assert again.forces(motion) == model.forces(motion)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("paper+tcuk", "did you mean 'tuck'"), ("papr", "did you mean 'paper'"), ("tapered+tuck", "'tapered'")],
+)
+def test_unknown_tables_are_refused(name: str, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        table_named(name)
+
+
+def test_a_form_of_ones_own() -> None:
+    def gap(y, width):
+        return y / width
+
+    mine = nw.BankForm("gap", {"bank": gap}, "mine", "anywhere", "ours")
+    table = nw.with_bank(nw.PAPER, mine)
+    assert table.name == "paper+gap"
+    assert table["b_bank"].inputs == ("y", "u", "heave", "length", "draft", "block_coefficient", "width", "density")
+    assert nw.with_bank(table, "delta") == nw.with_bank(nw.PAPER, "delta")
+    with pytest.raises(nw.InputError, match="did you mean 'distance'"):
+        nw.with_bank(nw.PAPER, "distanc")
+
+
+@given(toe=st.floats(0.1, 5), run=st.floats(0, 10), depth=st.floats(0.1, 1.0))
+def test_an_equivalent_wall_leaves_the_same_section(toe: float, run: float, depth: float) -> None:
+    """Against the area under the water by fine trapezia."""
+    profile = ((toe, 0.0), (toe + run, 1.0))
+    y = np.linspace(0, toe + run, 200_001)
+    height = np.interp(y, [0, toe, toe + run], [0, 0, 1.0]) if run else np.zeros_like(y)
+    area = np.trapezoid(np.maximum(depth - height, 0), y)
+    assert equivalent_wall(profile, depth) == pytest.approx(area / depth, rel=1e-5)
+
+
+def test_equivalent_walls_by_hand() -> None:
+    assert equivalent_wall(((2.83, 0.0), (2.83, 0.5)), 0.2) == 2.83
+    assert equivalent_wall(((0.53, 0.0), (3.03, 0.5)), 0.2) == pytest.approx(0.53 + 5 * 0.2 / 2)
+    platform = ((0.53, 0.0), (1.13, 0.12), (3.5, 0.12))
+    assert equivalent_wall(platform, 0.24) == pytest.approx(3.5 - (0.6 * 0.06 + 2.37 * 0.12) / 0.24)
+    drawn_down = ((1.0, 0.4), (2.0, 0.0), (3.0, 0.0))
+    assert equivalent_wall(drawn_down, 0.2) == pytest.approx(3.0 - (0.5 + 0.5 * 0.5))
+
+
+@pytest.mark.parametrize(
+    ("profile", "depth", "said"),
+    [
+        (((1.0, 0.0), (0.5, 1.0)), 0.2, "turns back"),
+        (((0.0, 1.0), (1.0, 1.0)), 0.2, "leaves no water"),
+        (((1.0, 0.0), (2.0, 1.0)), 0.0, "no water"),
+    ],
+)
+def test_walls_that_are_none_are_refused(profile, depth: float, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        equivalent_wall(profile, depth)

@@ -1,0 +1,148 @@
+"""Plans of tests against brute force, and against fits to twins of the runs that they propose."""
+
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import narrows as nw
+from narrows.planning.candidates import candidates
+from narrows.planning.information import run_information
+from narrows.planning.optimal import choose, spread
+
+SETTING = nw.published("mikkelsen2025_dtc").setting
+TANK = nw.Tank(speeds=(0.7, 1.0))
+
+
+def hull_reach(run, setting: nw.Setting) -> float:
+    """How far to a side the hull's corners come."""
+    columns = run.columns(10.0)
+    ship, psi = setting.ship, columns["psi"]
+    corners = np.abs(columns["y"]) + ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi)
+    return float(corners.max())
+
+
+def test_candidates_fit_the_tank() -> None:
+    runs = candidates(SETTING, TANK)
+    assert len({run.name for run in runs}) == len(runs) > 50
+    for run in runs:
+        assert run.length <= 40.0 * 1.001
+        assert hull_reach(run, SETTING) <= 3.5 - 1.5 * 0.572 + 1e-3
+        assert np.abs(run.columns(5.0)["psi"]).max() <= np.radians(25.0)
+
+
+def test_information_is_the_inverse_variance_of_a_fit() -> None:
+    """White noise, a row of it each two correlation times: the covariance of least squares."""
+    runs = candidates(SETTING, TANK)[::6]
+    told = sum(run_information(run, SETTING, nw.PAPER, correlation_time=0.1) for run in runs)
+    tests = nw.twin(runs=runs, rate=5.0)
+    values = {**tests.setting.values(), **tests.columns}
+    names = [name for name in nw.PAPER.names if name != "c_vdot"]
+    gram = np.zeros((len(names), len(names)))
+    for force, own in nw.PAPER.forces.items():
+        block = np.zeros((tests.rows, len(names)))
+        for term in own:
+            block[:, names.index({"c_vdot": "b_rdot"}.get(term.name, term.name))] += term.column(values)
+        gram += block.T @ block / {"X": 0.35, "Y": 0.5, "N": 0.65}[force] ** 2
+    np.testing.assert_allclose(told, gram, rtol=1e-9, atol=1e-9 * np.abs(gram).max())
+
+
+@pytest.mark.parametrize("criterion", ["c", "d"])
+def test_the_choice_is_near_the_best_of_all(criterion: str) -> None:
+    draw = np.random.default_rng(5)
+    columns = draw.normal(size=(10, 6, 4))
+    runs = np.einsum("nri,nrj->nij", columns, columns)
+    found = choose(runs, np.zeros((4, 4)), 3, [1, 2], criterion)
+    scale = np.sqrt(np.diagonal(runs, axis1=1, axis2=2).max(axis=0))
+
+    def worth(chosen) -> float:
+        return float(spread((runs / np.outer(scale, scale))[list(chosen)].sum(axis=0), [1, 2], criterion))
+
+    best = min(worth(chosen) for chosen in combinations(range(10), 3))
+    assert len(set(found)) == 3
+    assert worth(found) <= best + 0.05 * abs(best)
+
+
+@pytest.fixture(scope="module")
+def plan() -> nw.Plan:
+    return nw.plan_tests(SETTING, 8, tank=TANK)
+
+
+def test_a_twin_of_the_plan_has_the_errors_that_were_predicted(plan: nw.Plan) -> None:
+    found = {name: [] for name in plan.targets}
+    for seed in range(60):
+        fit = nw.identify(nw.twin(runs=plan.runs, correlation_time=0.5, rate=5.0, seed=seed))
+        for name in plan.targets:
+            found[name].append(fit.coefficients[name])
+    for name in plan.targets:
+        assert np.std(found[name]) == pytest.approx(plan.std[name][-1], rel=0.35)
+        assert fit.verdicts[name].status == "identified"
+
+
+def test_a_plan_beats_harmonic_runs_about_the_centreline(plan: nw.Plan) -> None:
+    for name in ("b_bank", "c_bank"):
+        assert plan.std[name][-1] < plan.usual[name]
+        assert np.all(np.diff(plan.std[name]) <= 0)
+        assert plan.inflation[name] < 5
+    assert "standard error" in plan.sentences[0]
+
+
+def test_what_was_made_already_counts(plan: nw.Plan) -> None:
+    after = nw.plan_tests(SETTING, 2, tank=TANK, after=nw.twin(runs=plan.runs, rate=5.0))
+    assert after.std["b_bank"][-1] < nw.plan_tests(SETTING, 2, tank=TANK).std["b_bank"][-1]
+
+
+def test_depths_are_proposed_where_terms_know_them() -> None:
+    tank = nw.Tank(speeds=(0.7,), depths=(0.2, 0.4))
+    terms = nw.with_bank(nw.PAPER, "distance_depth")
+    found = nw.plan_tests(SETTING, 8, tank=tank, terms=terms)
+    assert {run.depth for run in found.runs} == {0.2, 0.4}
+    assert set(found.targets) == {"b_bank", "b_bank_depth", "c_bank", "c_bank_depth"}
+    fit = nw.identify(nw.twin(nw.Model(SETTING, terms, dict.fromkeys(terms.names, 1.0)), found.runs), terms)
+    assert fit.coefficients["b_bank_depth"] == pytest.approx(1.0, abs=5 * found.std["b_bank_depth"][-1])
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"runs": 0}, "no plan"),
+        ({"criterion": "a"}, "c or d"),
+        ({"targets": ("b_bnk",)}, "targets are"),
+        ({"terms": nw.with_bank(nw.PAPER, "tuck")}, "need depth"),
+        ({"tank": nw.Tank(clearance=6.0)}, "no run fits"),
+        ({"tank": nw.Tank(depths=(0.1,))}, "no water under"),
+    ],
+)
+def test_plans_that_cannot_be_made(options: dict, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        nw.plan_tests(SETTING, **options)
+
+
+@pytest.mark.parametrize("options", [{"run_length": 0.0}, {"speeds": (-1.0,)}, {"heading": -5.0}])
+def test_tanks_that_are_none(options: dict) -> None:
+    with pytest.raises(nw.InputError, match="positive"):
+        nw.Tank(**options)
+
+
+def test_a_straight_run_moves_straight() -> None:
+    run = nw.StraightRun("s", 1.2, 0.8, 10.0, drift=0.1)
+    columns = run.columns(10.0)
+    np.testing.assert_allclose(columns["u"] * np.cos(0.1) - columns["v"] * np.sin(0.1), 0.8, rtol=1e-12)
+    np.testing.assert_allclose(columns["u"] * np.sin(0.1) + columns["v"] * np.cos(0.1), 0.0, atol=1e-12)
+    assert (columns["y"] == 1.2).all()
+    assert run.length == 8.0
+    with pytest.raises(nw.InputError, match="radians"):
+        nw.StraightRun("s", 1.2, drift=6.0)
+
+
+def test_design_on_the_command_line(cli, ship_file, tmp_path) -> None:
+    code, out, err = cli("design", ship_file, "--runs", 4, "--speeds", "0.7,1", "-o", tmp_path / "runs.csv")
+    assert (code, err) == (0, "")
+    assert "b_bank: standard error" in out
+    frame = pd.read_csv(tmp_path / "runs.csv")
+    assert len(frame) == 4
+    assert {"offset [m]", "speed [m/s]", "std b_bank"} <= set(frame.columns)
+    code, out, err = cli("design", ship_file, "--speeds", "fast")
+    assert code == 2
+    assert "write 0.6,0.9" in err
