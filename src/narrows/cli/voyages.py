@@ -1,0 +1,107 @@
+"""``simulate`` and ``map``: where, when and on which side a ship grounds."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from narrows.cli.app import app
+from narrows.cli.options import AsJson, ContactKind, Coriolis, Duration, ModelFile, Surge, SurgeInertia, TimeStep
+from narrows.cli.output import print_json
+from narrows.errors import InputError
+
+if TYPE_CHECKING:
+    pass
+
+
+@app.command(epilog="Example: narrows simulate mikkelsen2025_dtc --y 0.5 --u 1.0 -o voyage.nc --plot voyage.png")
+def simulate(
+    model: ModelFile,
+    y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0,
+    u: Annotated[float, typer.Option(help="Surge velocity [m/s].")] = 1.0,
+    psi_deg: Annotated[float, typer.Option(help="Heading at the start [deg].")] = 0.0,
+    v: Annotated[float, typer.Option(help="Sway velocity at the start [m/s].")] = 0.0,
+    r_deg: Annotated[float, typer.Option(help="Yaw rate at the start [deg/s].")] = 0.0,
+    surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0,
+    sway_force: Annotated[float, typer.Option("--Y", help="Sway force from elsewhere [N].")] = 0.0,
+    yaw_moment: Annotated[float, typer.Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0,
+    duration: Duration = 60.0,
+    dt: TimeStep = 0.02,
+    surge: Surge = "held",
+    surge_inertia: SurgeInertia = None,
+    coriolis: Coriolis = False,
+    contact: ContactKind = "corners",
+    method: Annotated[str, typer.Option(help="'rk4', or 'dop853' as the check on it.")] = "rk4",
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the voyage to write.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Simulate one voyage: where, when and on which side the ship grounds.
+
+    MODEL is a model file, or the name of a published model.
+    """
+    from math import radians
+
+    from narrows.model_file import model_named
+    from narrows.simulation.voyage import simulate as run
+
+    voyage = run(
+        model_named(model), y, u, duration, dt, psi=radians(psi_deg), v=v, r=radians(r_deg),
+        X=surge_force, Y=sway_force, N=yaw_moment, surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
+        contact=contact, method=method,
+    )  # fmt: skip
+    if output:
+        voyage.save(output)
+    if plot:
+        from narrows.report.voyages import save_figure, voyage_figure
+
+        save_figure(voyage_figure(voyage, model_named(model).setting), plot)
+    if json:
+        print_json(voyage.outcome.as_json())
+    else:
+        typer.echo(voyage.outcome.sentence)
+    raise SystemExit(int(voyage.outcome.kind == "diverged"))
+
+
+@app.command("map", epilog="Example: narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --u 0.6:1.2:61 --plot map.png")
+def map_(
+    model: ModelFile,
+    y: Annotated[str, typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count.")] = "-2.5:2.5:101",
+    u: Annotated[str, typer.Option(help="Surge velocity [m/s], likewise.")] = "1.0",
+    psi_deg: Annotated[str, typer.Option(help="Heading at the start [deg], likewise.")] = "0",
+    width: Annotated[str | None, typer.Option(help="Canal width [m], likewise; the model's own unless given.")] = None,
+    draws: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0,
+    within: Annotated[
+        float | None, typer.Option(help="With --draws: map the probability of grounding so near [m].")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the draws.")] = 0,
+    duration: Duration = 60.0,
+    dt: TimeStep = 0.02,
+    contact: ContactKind = "corners",
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the map to write.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Map where the ship grounds over one or two things that vary, or how likely she does.
+
+    MODEL is a model file, or the name of a published model.
+    """
+    from narrows.model_file import model_named
+    from narrows.simulation.maps import map_summary, mapped
+    from narrows.simulation.netcdf import save_netcdf
+
+    if within is not None and not draws:
+        raise InputError("--within maps a probability, which needs draws of the coefficients: add --draws 200")
+    chosen, ranges = model_named(model), {"--y": y, "--u": u, "--psi-deg": psi_deg, "--width": width}
+    shown = sys.stderr.isatty() and not json
+    options = {"duration": duration, "dt": dt, "draws": draws, "seed": seed, "contact": contact, "progress": shown}
+    voyages = mapped(chosen, ranges, **options)
+    if output:
+        save_netcdf(voyages, output)
+    if plot:
+        from narrows.report.voyages import map_figure, save_figure
+
+        save_figure(map_figure(voyages, chosen.setting, within), plot)
+    summary = map_summary(voyages)
+    print_json(summary) if json else typer.echo(summary["says"])
