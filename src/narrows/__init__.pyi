@@ -10,6 +10,9 @@ from .forms import FORMS as FORMS
 from .forms import BankForm as BankForm
 from .forms import bank_only as bank_only
 from .forms import with_bank as with_bank
+from .froude import Friction as Friction
+from .froude import Scaled as Scaled
+from .froude import scale_model as scale_model
 from .identification import Comparison as Comparison
 from .identification import Explanation as Explanation
 from .identification import Fit as Fit
@@ -33,6 +36,8 @@ from .particulars import read_ship as read_ship
 from .planning import Plan as Plan
 from .planning import Tank as Tank
 from .planning import plan_tests as plan_tests
+from .scaling import dimensional as dimensional
+from .scaling import nondimensional as nondimensional
 from .section import equivalent_wall as equivalent_wall
 from .simulation import Outcome as Outcome
 from .simulation import Voyage as Voyage

@@ -1,0 +1,49 @@
+"""``scale``: a model at full size."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from narrows.cli.app import app
+from narrows.cli.options import AsJson, ModelFile
+from narrows.cli.output import print_json
+from narrows.errors import InputError
+
+
+@app.command(epilog="Example: narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
+def scale(
+    model: ModelFile,
+    length: Annotated[float, typer.Option(help="Between perpendiculars, of the new ship [m].")],
+    density: Annotated[float | None, typer.Option(help="Of the new water [kg/m3]; as it was unless given.")] = None,
+    width: Annotated[float | None, typer.Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
+    depth: Annotated[float | None, typer.Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
+    form_factor: Annotated[float | None, typer.Option(help="Scale friction by the ITTC's line with this k.")] = None,
+    wetted_surface: Annotated[float | None, typer.Option(help="Of the old hull [m2], with --form-factor.")] = None,
+    at_speed: Annotated[float | None, typer.Option(help="Of the old hull [m/s], with --form-factor.")] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Model file to write.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Scale a model to another length by Froude's law, and say what does not scale.
+
+    MODEL is a model file, or the name of a published model.
+    """
+    from narrows.froude import Friction, scale_model
+    from narrows.model_file import model_named, save_model
+    from narrows.report.scales import print_scaled, scaled_summary
+
+    friction = None
+    if form_factor is not None:
+        if wetted_surface is None or at_speed is None:
+            raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
+        friction = Friction(wetted_surface, form_factor, at_speed)
+    old = model_named(model)
+    scaled = scale_model(old, length, density, width, depth, friction)
+    if output:
+        save_model(scaled.model, output)
+    if json:
+        print_json(scaled_summary(old, scaled))
+        return
+    print_scaled(old, scaled)
+    if output:
+        typer.echo(f"wrote {output}")
