@@ -20,6 +20,7 @@ from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_each as identify_each
+from .measured import measured_squat as measured_squat
 from .measured import measured_tests as measured_tests
 from .model import Envelope as Envelope
 from .model import Model as Model
@@ -48,6 +49,11 @@ from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
 from .simulation import simulate as simulate
 from .simulation import stability as stability
+from .sinkage import SQUAT as SQUAT
+from .sinkage import Squat as Squat
+from .sinkage import SquatFormula as SquatFormula
+from .sinkage import choke_speed as choke_speed
+from .sinkage import squat as squat
 from .tables import CROSSFLOW as CROSSFLOW
 from .tables import MIXED as MIXED
 from .tables import PAPER as PAPER

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from narrows.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from narrows.captive.tests import CaptiveTests
 
 TABLES = {"kcs": "kcs_pmm_shallow.csv", "lataire2009": "lataire2009.csv"}
@@ -29,6 +31,19 @@ def measured_files(name: str) -> tuple[Path, Path]:
         raise InputError(f"no bundled tests are called {name!r}{did_you_mean(name, TABLES)}")
     folder = Path(str(files("narrows") / "measured"))
     return folder / TABLES[name], folder / f"{name}.toml"
+
+
+def measured_squat() -> "pd.DataFrame":
+    """Read the fifteen squat runs of Lataire, Vantorre and Eloot (2009): bank V, draft 0.180 m, depth 0.243 m.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
+    """
+    import pandas as pd
+
+    return pd.read_csv(Path(str(files("narrows") / "measured")) / "lataire2009_squat.csv")
 
 
 def measured_tests(name: str = "kcs") -> "CaptiveTests":

@@ -1,0 +1,104 @@
+"""Squat: numbers by hand, Schijf's equation, monotony, limits; and the measured runs of the docs' table."""
+
+import importlib
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from scipy.optimize import brentq
+from strategies import numbers
+
+import narrows as nw
+from narrows.physics import squat as formulas
+from narrows.sinkage import GIVES
+
+DTC = nw.Setting(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
+KNOT = 1852 / 3600
+
+
+@pytest.mark.parametrize(("name", "value"), [("huuska", 0.458), ("barrass", 0.566), ("tuck_midship", 0.144)])
+def test_the_dtc_at_eight_knots(name: str, value: float) -> None:
+    """Worked by hand for a canal 205 m wide and 24 m deep: S = 0.1473, F = 0.2682."""
+    assert nw.SQUAT[name].sinkage(DTC, 8 * KNOT) == pytest.approx(value, abs=6e-4)
+
+
+def test_ratios_by_hand() -> None:
+    assert formulas.blockage(51.0, 14.5, 205.0, 24.0) == pytest.approx(0.1473, abs=5e-5)
+    assert formulas.depth_froude(8 * KNOT, 24.0) == pytest.approx(0.2682, abs=5e-5)
+    assert nw.choke_speed(DTC) == pytest.approx(8.37, abs=5e-3)
+
+
+@given(share=numbers(0.01, 0.9))
+def test_the_critical_speed_solves_schijfs_equation(share: float) -> None:
+    """1 - S = 3/2 F^(2/3) - F^2/2, against a root finder."""
+    speed = formulas.critical_speed(1.0, share / formulas.MIDSHIP_SECTION, 1.0, 1.0)
+    froude = speed / 9.81**0.5
+    exact = brentq(lambda f: 1.5 * f ** (2 / 3) - f * f / 2 - (1 - share), 0, 1)
+    assert froude == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", nw.SQUAT)
+def test_sinkage_grows_with_speed_and_in_shallow_water(name: str) -> None:
+    formula = nw.SQUAT[name]
+    speeds = [formula.sinkage(DTC, u) for u in (0.0, 2.0, 4.0, 6.0)]
+    assert speeds[0] == 0
+    assert np.all(np.diff(speeds) > 0)
+    deep = nw.Setting(DTC.ship, nw.Canal(205.0, 40.0), DTC.water)
+    assert formula.sinkage(deep, 4.0) < formula.sinkage(DTC, 4.0)
+
+
+@pytest.mark.parametrize("gives", GIVES)
+def test_the_choice_gives_what_was_asked_for(gives: str) -> None:
+    found = nw.squat(DTC, 4.0, gives)
+    assert nw.SQUAT[found.formula].gives == found.gives == gives
+    assert found.sinkage > 0
+    unverified = nw.SQUAT[found.formula].status.startswith("from memory")
+    assert any("not verified" in said for said in found.warnings) == unverified
+
+
+def test_a_formula_that_holds_goes_first() -> None:
+    wide = nw.Setting(DTC.ship, nw.Canal(2000.0, 24.0))
+    assert nw.squat(wide, 4.0, "bow").formula == "huuska"
+    full = nw.Setting(nw.Ship(320.0, 58.0, 20.8, 0.82), nw.Canal(4000.0, 30.0))
+    assert nw.squat(full, 4.0, "bow").formula == "icorels"
+    assert nw.squat(full, 4.0, "bow").warnings == ()
+
+
+def test_outside_its_limits_is_said() -> None:
+    deep = nw.Setting(DTC.ship, nw.Canal(205.0, 40.0))
+    said = nw.squat(deep, 4.0, "largest").warnings
+    assert any(text.startswith("depth to draft 2.76 is outside 1.1 to 1.4") for text in said)
+
+
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (lambda: nw.squat(DTC, 9.0), "critical speed of this canal, 8.371 m/s"),
+        (lambda: nw.squat(DTC, -1.0), "between 0"),
+        (lambda: nw.squat(DTC, 4.0, "stern"), "midship, bow, largest"),
+        (lambda: nw.squat(DTC, 4.0, formula="huska"), "did you mean 'huuska'"),
+        (lambda: nw.squat(nw.Setting(DTC.ship, nw.Canal(205.0)), 4.0), "depth is not given"),
+    ],
+)
+def test_refusals(act, said: str) -> None:
+    with pytest.raises(nw.InputError, match=re.escape(said)):
+        act()
+
+
+def test_measured_runs_are_fifteen() -> None:
+    runs = nw.measured_squat()
+    assert len(runs) == 15
+    assert (runs["sinkage fore [mm]"] > 2).all()
+
+
+def test_the_docs_say_what_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    root = Path(__file__).parent.parent.parent
+    monkeypatch.syspath_prepend(root / "design")
+    for name in ("squat", "pages"):
+        sys.modules.pop(name, None)
+    made = importlib.import_module("squat").text()
+    kept = (root / "docs" / "squat.md").read_text(encoding="utf-8")
+    assert made in kept
