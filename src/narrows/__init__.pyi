@@ -40,6 +40,8 @@ from .planning import plan_tests as plan_tests
 from .scaling import dimensional as dimensional
 from .scaling import nondimensional as nondimensional
 from .section import equivalent_wall as equivalent_wall
+from .shallow import AtDepth as AtDepth
+from .shallow import at_depth as at_depth
 from .simulation import Outcome as Outcome
 from .simulation import Voyage as Voyage
 from .simulation import bank_stiffness as bank_stiffness

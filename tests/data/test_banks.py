@@ -1,23 +1,8 @@
-"""The measured banks: signs on the clean cases, and the tables of the docs as their scripts compute them now."""
+"""The measured banks: signs on the clean cases, and what the tests do not establish."""
 
-import re
-import sys
-from pathlib import Path
-
-import numpy as np
 import pytest
 
 import narrows as nw
-
-ROOT = Path(__file__).parent.parent.parent
-NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
-
-
-@pytest.fixture
-def scripts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "design")
-    for name in ("bank_forms", "term_tables", "pages"):
-        sys.modules.pop(name, None)
 
 
 @pytest.mark.parametrize("form", nw.FORMS)
@@ -52,16 +37,3 @@ def test_terms_of_the_hull_take_the_bank_away(kcs_tests: dict[int, nw.CaptiveTes
         for name in ("b_bank", "c_bank"):
             low, high = crossflow.intervals[name]
             assert low < 0 < high
-
-
-@pytest.mark.parametrize(("script", "page"), [("bank_forms", "banks.md"), ("term_tables", "trust.md")])
-@pytest.mark.usefixtures("scripts")
-def test_the_docs_say_what_is_computed(script: str, page: str) -> None:
-    import importlib
-
-    made = importlib.import_module(script).text()
-    kept = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    kept = kept.partition(f"<!-- made by design/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
-    assert NUMBER.sub("#", kept) == NUMBER.sub("#", made)
-    numbers = [np.array([float(n) for n in NUMBER.findall(text)]) for text in (kept, made)]
-    np.testing.assert_allclose(numbers[0], numbers[1], rtol=0.02, atol=0.002)

@@ -1,0 +1,26 @@
+"""The tables of the docs are what their scripts compute now from the measured tests."""
+
+import importlib
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parent.parent.parent
+NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
+PAGES = {"bank_forms": "banks.md", "term_tables": "trust.md", "squat": "squat.md", "shallow": "squat.md"}
+
+
+@pytest.mark.parametrize(("script", "page"), PAGES.items())
+def test_the_docs_say_what_is_computed(script: str, page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "design")
+    for name in (script, "pages"):
+        sys.modules.pop(name, None)
+    made = importlib.import_module(script).text()
+    kept = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    kept = kept.partition(f"<!-- made by design/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
+    assert NUMBER.sub("#", kept) == NUMBER.sub("#", made)
+    numbers = [np.array([float(n) for n in NUMBER.findall(text)]) for text in (kept, made)]
+    np.testing.assert_allclose(numbers[0], numbers[1], rtol=0.02, atol=0.002)

@@ -1,0 +1,60 @@
+"""Shallow-water corrections: limits, there and back, and the measured depths of the KCS."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from strategies import numbers
+
+import narrows as nw
+from narrows.shallow import FACTORS, factor_at
+
+
+def at(model: nw.Model, depth: float | None) -> nw.Model:
+    return replace(model, setting=replace(model.setting, canal=replace(model.setting.canal, depth=depth)))
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_deep_water_changes_nothing_and_shallow_water_everything(name: str, dtc: nw.Model) -> None:
+    draft = dtc.setting.ship.draft
+    factors = [factor_at(name, dtc.setting, ratio * draft) for ratio in (1e6, 10, 3, 2, 1.5, 1.2)]
+    assert factors[0] == pytest.approx(1.0, abs=1e-5)
+    assert np.all(np.diff(factors[2:]) > 0)
+    assert factors[-1] > 1.5
+
+
+def test_by_hand(dtc: nw.Model) -> None:
+    ship = dtc.setting.ship
+    power = 0.40 * ship.block_coefficient * ship.beam / ship.draft
+    assert factor_at("b_v", dtc.setting, 2 * ship.draft) == pytest.approx(2**power - 0.5, rel=1e-12)
+
+
+@given(there=numbers(0.2, 3.0), back=numbers(0.2, 3.0))
+def test_there_and_back(dtc: nw.Model, there: float, back: float) -> None:
+    model = at(dtc, back)
+    again = nw.at_depth(nw.at_depth(model, there).model, back).model
+    for name, value in model.coefficients.items():
+        assert again.coefficients[name] == pytest.approx(value, rel=1e-10)
+    assert again.setting == model.setting
+
+
+def test_what_is_left_is_said(dtc: nw.Model) -> None:
+    moved = nw.at_depth(dtc, 0.3)
+    assert set(moved.factors) == {"b_v", "c_v", "c_r"}
+    assert "b_bank" in moved.warnings[0]
+    assert any("not verified" in said for said in moved.warnings)
+    assert any("taken as deep" in said for said in moved.warnings)
+    assert moved.model.coefficients["b_bank"] == dtc.coefficients["b_bank"]
+    with pytest.raises(nw.InputError, match="no water under"):
+        nw.at_depth(dtc, 0.1)
+
+
+def test_from_the_deepest_kcs_tests_to_half_the_clearance(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
+    """Within the intervals of what was measured there."""
+    deep, there = (nw.identify(kcs_tests[c], nw.CROSSFLOW) for c in (100, 50))
+    moved = nw.at_depth(deep.model, 0.3075).model
+    for name in ("b_uv", "c_uv", "c_ur"):
+        low, high = there.intervals[name]
+        assert low < moved.coefficients[name] < high
+        assert not low < deep.coefficients[name] < high or name == "c_ur"
