@@ -65,5 +65,8 @@ from .terms import FREE as FREE
 from .terms import NONNEGATIVE as NONNEGATIVE
 from .terms import Term as Term
 from .terms import TermTable as TermTable
+from .waterway import Waterway as Waterway
+from .waterway import read_waterway as read_waterway
+from .waterway import straight_waterway as straight_waterway
 
 __version__: str

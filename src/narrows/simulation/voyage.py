@@ -12,8 +12,9 @@ from narrows.compile import Limits
 from narrows.errors import InputError, did_you_mean
 from narrows.model import Model
 from narrows.simulation import outcome as end
+from narrows.simulation.course import Course, course_of
 from narrows.simulation.inputs import Schedule, Stretch, stretches
-from narrows.simulation.integrate import METHODS, Rate, Row, State
+from narrows.simulation.integrate import METHODS, Row, State
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
 from narrows.simulation.ship import Outline, SimulatedShip
@@ -22,6 +23,8 @@ from narrows.vocabulary import MOTION
 
 if TYPE_CHECKING:
     import xarray
+
+    from narrows.waterway.waterway import Waterway
 
 LIMITS = Limits()
 WIDEST = math.cos(LIMITS.heading)
@@ -96,6 +99,7 @@ def simulate(
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: str | Outline = "corners", method: str = "rk4", at: Sequence[float] | None = None,
+    waterway: "Waterway | None" = None,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
@@ -135,6 +139,9 @@ def simulate(
         ``rk4``, or ``dop853`` as the check on it.
     at : sequence of float [s], optional
         Output times.
+    waterway : Waterway, optional
+        Where she sails instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
+        u and v through the water; the voyage ends where it ends.
 
     Returns
     -------
@@ -150,57 +157,49 @@ def simulate(
         raise InputError(f"method {method!r} is unknown{did_you_mean(method, METHODS)}")
     _check_finite(x=x, y=y, psi=psi, u=u, v=v, r=r, duration=duration, dt=dt)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    course = course_of(ship, waterway)
     start = (x, y, math.cos(psi), math.sin(psi), u, v, r)
-    _check_afloat(ship, start)
+    _check_afloat(course, start)
     times = _times(duration, dt, at)
-    rows = _rows(ship, start, times, stretches(X, Y, N, times[-1]), dt, method)
-    return _voyage(rows, ship, psi, times[-1])
+    rows = _rows(course, start, times, stretches(X, Y, N, times[-1]), dt, method)
+    return _voyage(rows, ship, course, psi, times[-1])
 
 
-def _rows(
-    ship: SimulatedShip, start: State, times: list[float], pushes: list[Stretch], dt: float, method: str
-) -> list[Row]:
-    room, constants = ship.program.gap, ship.constants
-
+def _rows(course: Course, start: State, times: list[float], pushes: list[Stretch], dt: float, method: str) -> list[Row]:
     def gap(state: State) -> float:
         """Metres to the bank, cut off where the model ends."""
-        _, y, c, s, *_ = state
-        return min(room(y, c, s, *constants), c - WIDEST) if _sane(state) else -math.inf
+        return min(course.gap(state), state[2] - WIDEST) if _sane(state) else -math.inf
 
     rows = [(0.0, start)]
     for push in pushes:
         own = [push.start, *(t for t in times if push.start < t < push.stop), push.stop]
-        rows += METHODS[method](_rate(ship, push.forces), rows[-1][1], own, gap, dt)
+        rows += METHODS[method](course.rate(push.forces), rows[-1][1], own, gap, dt)
         if rows[-1][0] < push.stop:
             break
     wanted = {*times, rows[-1][0]}
     return [row for row in rows if row[0] in wanted]
 
 
-def _rate(ship: SimulatedShip, forces: tuple[float, float, float]) -> Rate:
-    rhs, tail = ship.program.rhs, (*forces, *ship.constants)
-    return lambda state: tuple(rhs(*state, *tail))
-
-
-def _voyage(rows: list[Row], ship: SimulatedShip, psi: float, stop: float) -> Voyage:
+def _voyage(rows: list[Row], ship: SimulatedShip, course: Course, psi: float, stop: float) -> Voyage:
     t, x, y, c, s, u, v, r = np.array([(t, *state) for t, state in rows]).T
     # Whole turns of the start are kept; the heading never turns far from there.
     heading = np.arctan2(s, c) + (psi - math.atan2(math.sin(psi), math.cos(psi)))
     columns = {"t": t, "x": x, "y": y, "psi": heading, "u": u, "v": v, "r": r}
     state = {name: float(column[-1]) for name, column in columns.items() if name != "t"}
-    kind, side = _kind_and_side(rows[-1], ship, stop)
+    kind, side = _kind_and_side(rows[-1], course, stop)
     beyond = beyond_envelope(ship.model.envelope, columns)
     return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond))
 
 
-def _kind_and_side(last: Row, ship: SimulatedShip, stop: float) -> tuple[str, str | None]:
-    t, (_, y, c, s, *_) = last
-    if ship.program.gap(y, c, s, *ship.constants) <= CONTACT:
-        return end.GROUNDED, "starboard" if ship.program.lean(y, c, s, *ship.constants) > 0 else "port"
-    if c <= WIDEST + CONTACT:
+def _kind_and_side(last: Row, course: Course, stop: float) -> tuple[str, str | None]:
+    t, state = last
+    if course.bank_gap(state) <= CONTACT:
+        return end.GROUNDED, "starboard" if course.lean(state) > 0 else "port"
+    if state[2] <= WIDEST + CONTACT:
         return end.LEFT_VALIDITY, None
-    # What ends before its time, neither aground nor across, has run out of sane numbers.
-    return (end.AFLOAT if t >= stop and _sane(last[1]) else end.DIVERGED), None
+    # What ends before its time, neither aground nor across nor at the end, has run out of sane numbers.
+    done = t >= stop or course.gap(state) <= CONTACT
+    return (end.AFLOAT if done and _sane(state) else end.DIVERGED), None
 
 
 def _sane(state: State) -> bool:
@@ -215,11 +214,11 @@ def _check_finite(**values: float) -> None:
             raise InputError(f"{name} = {value} must be {what}")
 
 
-def _check_afloat(ship: SimulatedShip, start: State) -> None:
+def _check_afloat(course: Course, start: State) -> None:
     _, y, c, s, *_ = start
     if c <= WIDEST:
         raise InputError(f"psi = {math.degrees(math.atan2(s, c)):.1f} deg lies across the canal; start within 85 deg")
-    gap = ship.program.gap(y, c, s, *ship.constants)
+    gap = course.bank_gap(start)
     if gap <= 0:
         raise InputError(f"y = {y:g} m starts with the hull {-gap:.3g} m into the bank; start nearer the centreline")
 

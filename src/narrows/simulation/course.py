@@ -1,0 +1,204 @@
+"""Where a voyage goes: a straight canal, or a waterway seen at each place as the straight canal that it is there."""
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from narrows.simulation.integrate import Rate, State
+from narrows.simulation.ship import SimulatedShip
+from narrows.vocabulary import Number
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+Forces = tuple[float, float, float]
+
+
+class Course(Protocol):
+    """What a voyage asks of where it goes; x is along it, y to starboard of its line, the heading is to its line."""
+
+    def rate(self, forces: Forces) -> Rate:
+        """Return the right-hand side under constant forces.
+
+        Parameters
+        ----------
+        forces : three floats [N, N, N m]
+            From elsewhere.
+        """
+
+    def gap(self, state: State) -> float:
+        """Room between hull and bank, or to the end of the course [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+
+    def bank_gap(self, state: State) -> float:
+        """Room between hull and bank [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+
+    def lean(self, state: State) -> float:
+        """Positive where the starboard bank is nearer [1].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+
+
+@dataclass(frozen=True)
+class Straight:
+    """The model's own canal, without end.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The ship.
+    """
+
+    ship: SimulatedShip
+
+    def rate(self, forces: Forces) -> Rate:
+        """Return the right-hand side under constant forces.
+
+        Parameters
+        ----------
+        forces : three floats [N, N, N m]
+            From elsewhere.
+        """
+        rhs, tail = self.ship.program.rhs, (*forces, *self.ship.constants)
+        return lambda state: tuple(rhs(*state, *tail))
+
+    def bank_gap(self, state: State) -> float:
+        """Room between hull and bank [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return float(self.ship.program.gap(*state[1:4], *self.ship.constants))
+
+    gap = bank_gap
+
+    def lean(self, state: State) -> float:
+        """Positive where the starboard bank is nearer [1].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return float(self.ship.program.lean(*state[1:4], *self.ship.constants))
+
+
+@dataclass
+class Along:
+    """A waterway: width, depth and the place of its middle change along it, its line turns, its water may flow.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The ship.
+    waterway : Waterway
+        The waterway.
+    """
+
+    ship: SimulatedShip
+    waterway: "Waterway"
+    _known: dict[tuple[float, float], tuple[Number, ...]] = field(init=False, repr=False, default_factory=dict)
+
+    def rate(self, forces: Forces) -> Rate:
+        """Return the right-hand side under constant forces.
+
+        Parameters
+        ----------
+        forces : three floats [N, N, N m]
+            From elsewhere.
+        """
+        rhs, current = self.ship.program.rhs, self.waterway.current
+
+        def derivatives(state: State) -> State:
+            s, n, c, sine, u, v, r = state
+            here = self.waterway.section(s)
+            tail = (*forces, *self._constants(float(here.width), float(here.depth)))
+            along, across, _, _, *accelerations = rhs(s, n - float(here.middle), c, sine, u, v, r, *tail)
+            bend = float(here.curvature)
+            pace = (along + current) / (1 - bend * n)
+            turn = r - bend * pace
+            return (pace, across, -turn * sine, turn * c, *accelerations)
+
+        return derivatives
+
+    def bank_gap(self, state: State) -> float:
+        """Room between hull and bank [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return float(self.ship.program.gap(*self._seen(state)))
+
+    def gap(self, state: State) -> float:
+        """Room between hull and bank, or to either end of the waterway [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return min(self.bank_gap(state), self.waterway.line.length - state[0])
+
+    def lean(self, state: State) -> float:
+        """Positive where the starboard bank is nearer [1].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return float(self.ship.program.lean(*self._seen(state)))
+
+    def _seen(self, state: State) -> tuple[Number, ...]:
+        here = self.waterway.section(state[0])
+        return (state[1] - float(here.middle), *state[2:4], *self._constants(float(here.width), float(here.depth)))
+
+    def _constants(self, width: float, depth: float) -> tuple[Number, ...]:
+        """Those of the straight canal here; the last few are kept, for a step asks several times."""
+        key = (width, depth)
+        if key not in self._known:
+            if len(self._known) > 64:
+                self._known.clear()
+            own = {} if math.isnan(depth) else {"depth": depth}
+            self._known[key] = self.ship.program.constants({**self.ship.values(), "width": width, **own})
+        return self._known[key]
+
+
+def course_of(ship: SimulatedShip, waterway: "Waterway | None") -> Course:
+    """Return where a ship goes (ours).
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The ship.
+    waterway : Waterway, optional
+        The model's own straight canal unless given.
+
+    Raises
+    ------
+    InputError
+        Where she does not fit the waterway.
+    """
+    if waterway is None:
+        return Straight(ship)
+    waterway.check_fits(ship.model.setting.ship)
+    return Along(ship, waterway)

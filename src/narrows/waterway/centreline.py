@@ -1,0 +1,185 @@
+"""A centreline that bends: a cubic spline through points, and the nearest place on it to any position."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PPoly
+from scipy.spatial import KDTree
+
+from narrows.errors import InputError
+
+SAMPLES_A_PIECE = 32
+"""Between two points of the line, as starts for the search of the nearest place."""
+ROUNDS = 12
+BLOCK = 8192
+"""Positions at a time, that stay in the cache."""
+STEP = 1e-10
+"""Of the search, over the length of the line."""
+
+
+@dataclass(frozen=True)
+class Centreline:
+    """A smooth line through points, and places along it.
+
+    Parameters
+    ----------
+    points : array (n, 2) [m]
+        East and north, in the order of the voyage; at least two.
+
+    Raises
+    ------
+    InputError
+        Where there are fewer than two points, two in a row are one, or one is not finite.
+    """
+
+    points: np.ndarray
+
+    def __post_init__(self) -> None:
+        points = np.asarray(self.points, float)
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+            raise InputError("a centreline needs two points or more, each east and north; add some")
+        if not np.isfinite(points).all():
+            raise InputError(f"point {int(np.argmin(np.isfinite(points).all(axis=1)))} of the centreline is not finite")
+        gaps = np.hypot(*np.diff(points, axis=0).T)
+        if not gaps.all():
+            raise InputError(
+                f"points {int(gaps.argmin())} and {int(gaps.argmin()) + 1} of the centreline are one place"
+            )
+        object.__setattr__(self, "points", points)
+
+    @cached_property
+    def _knots(self) -> np.ndarray:
+        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
+
+    @cached_property
+    def _spline(self) -> PPoly:
+        # Two points make a straight line; a natural spline stays straight at its ends.
+        return CubicSpline(self._knots, self.points, bc_type="natural")
+
+    @cached_property
+    def _rate(self) -> PPoly:
+        return self._spline.derivative()
+
+    @cached_property
+    def _bend(self) -> PPoly:
+        return self._spline.derivative(2)
+
+    @cached_property
+    def _samples(self) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters along the line, and the distance sailed to each."""
+        pieces = [np.linspace(a, b, SAMPLES_A_PIECE, endpoint=False) for a, b in pairwise(self._knots)]
+        t = np.append(np.concatenate(pieces), self._knots[-1])
+        # Gauss-Legendre between samples: the length of a cubic to rounding.
+        nodes, weights = np.polynomial.legendre.leggauss(5)
+        middle, half = (t[1:] + t[:-1]) / 2, np.diff(t) / 2
+        speed = np.linalg.norm(self._rate(middle[:, None] + half[:, None] * nodes), axis=-1)
+        return t, np.concatenate([[0.0], np.cumsum((speed * weights).sum(axis=1) * half)])
+
+    @cached_property
+    def _tree(self) -> KDTree:
+        return KDTree(self._spline(self._samples[0]))
+
+    @cached_property
+    def _from_distance(self) -> CubicSpline:
+        t, s = self._samples
+        return CubicSpline(s, t) if len(self.points) > 2 else CubicSpline(s[[0, -1]], t[[0, -1]])
+
+    @cached_property
+    def _to_distance(self) -> CubicSpline:
+        t, s = self._samples
+        return CubicSpline(t, s) if len(self.points) > 2 else CubicSpline(t[[0, -1]], s[[0, -1]])
+
+    @property
+    def length(self) -> float:
+        """From the first point to the last along the line [m]."""
+        return float(self._samples[1][-1])
+
+    def curvature(self, s: np.ndarray | float) -> np.ndarray:
+        """Return how sharply the line turns to starboard [1/m].
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        t = self._from_distance(s)
+        rate, bend = self._rate(t), self._bend(t)
+        cross = rate[..., 0] * bend[..., 1] - rate[..., 1] * bend[..., 0]
+        return np.asarray(-cross / np.linalg.norm(rate, axis=-1) ** 3)
+
+    def heading(self, s: np.ndarray | float) -> np.ndarray:
+        """Return the line's heading [rad], clockwise from north.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        rate = self._rate(self._from_distance(s))
+        return np.asarray(np.arctan2(rate[..., 0], rate[..., 1]))
+
+    def at(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> np.ndarray:
+        """Return positions, (..., 2): east and north [m].
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        n : array or float [m]
+            To starboard of it.
+        """
+        t = self._from_distance(s)
+        return np.asarray(self._spline(t) + np.asarray(n)[..., None] * _starboard(self._rate(t)))
+
+    def place(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the nearest place on the line to positions: how far along it, and to starboard of it [m].
+
+        Beyond an end of the line the place is on its straight continuation.
+
+        Parameters
+        ----------
+        positions : array (..., 2) [m]
+            East and north.
+        """
+        positions = np.asarray(positions, float)
+        flat = positions.reshape(-1, 2)
+        nearest = self._samples[0][self._tree.query(flat, workers=-1)[1]]
+        parts = [slice(i, i + BLOCK) for i in range(0, len(flat), BLOCK)]
+        with ThreadPoolExecutor() as pool:
+            found = list(pool.map(lambda part: self._placed(nearest[part], flat[part]), parts))
+        s, n = (np.concatenate([own[i] for own in found] or [np.empty(0)]) for i in (0, 1))
+        return s.reshape(positions.shape[:-1]), n.reshape(positions.shape[:-1])
+
+    def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Search the nearest places from near ones."""
+        left = np.arange(len(t))
+        for _ in range(ROUNDS if len(self.points) > 2 else 1):
+            step = self._step(t[left], positions[left])
+            t[left] += step
+            left = left[np.abs(step) > STEP * self._knots[-1]]
+            if not left.size:
+                break
+        apart = positions - self._spline(t)
+        return self._to_distance(t), (apart * _starboard(self._rate(t))).sum(axis=1)
+
+    def _step(self, t: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Newton's step towards the place where the line is square to the way to a position."""
+        piece = np.clip(np.searchsorted(self._knots, t, "right") - 1, 0, len(self._knots) - 2)
+        u = (t - self._knots[piece])[:, None]
+        cubic, square, slope, start = self._spline.c[:, piece]
+        bend = 6 * cubic * u + 2 * square
+        rate = (3 * cubic * u + 2 * square) * u + slope
+        apart = positions - (((cubic * u + square) * u + slope) * u + start)
+        speed = np.einsum("ij,ij->i", rate, rate)
+        steep = speed - np.einsum("ij,ij->i", apart, bend)
+        return np.asarray(np.einsum("ij,ij->i", apart, rate) / np.where(steep > 0, steep, speed))
+
+
+def _starboard(rate: np.ndarray) -> np.ndarray:
+    """Unit vectors to the right of a direction of travel, east and north."""
+    unit = rate / np.linalg.norm(rate, axis=-1, keepdims=True)
+    return np.stack([unit[..., 1], -unit[..., 0]], axis=-1)

@@ -1,0 +1,210 @@
+"""A waterway: a centreline, two banks, depths, a current and a level; the straight canal is its simplest case."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.particulars import Canal, Ship
+from narrows.waterway.banks import Bank
+from narrows.waterway.centreline import Centreline
+
+STATIONS = 2000
+
+
+class Section(NamedTuple):
+    """A waterway at some places, as the straight canal that it is there.
+
+    Parameters
+    ----------
+    width : array [m]
+        From bank to bank.
+    middle : array [m]
+        Of the two banks, to starboard of the centreline.
+    depth : array [m]
+        Of the water; NaN where the waterway has none.
+    curvature : array [1/m]
+        Of the centreline, to starboard.
+    """
+
+    width: np.ndarray
+    middle: np.ndarray
+    depth: np.ndarray
+    curvature: np.ndarray
+
+
+@dataclass(frozen=True)
+class Waterway:
+    """A waterway.
+
+    Parameters
+    ----------
+    line : Centreline
+        The centreline.
+    starboard, port : Bank
+        The banks.
+    depths : pair of arrays [m], optional
+        Places along the line, and the depth at each.
+    current : float [m/s]
+        Of the water along the line.
+    level : float [m]
+        Of the water over that of the depths.
+    name : str
+        What it is called.
+
+    Raises
+    ------
+    InputError
+        Where the line bends more sharply than the banks are off, a depth is missing or dry: with the place.
+    """
+
+    line: Centreline
+    starboard: Bank
+    port: Bank
+    depths: tuple[np.ndarray, np.ndarray] | None = None
+    current: float = 0.0
+    level: float = 0.0
+    name: str = "waterway"
+
+    def __post_init__(self) -> None:
+        s = np.linspace(0, self.line.length, STATIONS)
+        bend = self.line.curvature(s)
+        reach = np.where(bend > 0, self.starboard.at(s), self.port.at(s))
+        sharp = np.abs(bend) * reach >= 1
+        if sharp.any():
+            place, radius = s[int(sharp.argmax())], 1 / np.abs(bend).max()
+            raise InputError(
+                f"{self.name}: at {place:.0f} m along it the centreline bends with a radius of {radius:.0f} m, inside "
+                "its own bank; give more points there, or smoother ones"
+            )
+        if self.depths is not None:
+            wet = np.asarray(self.depths[1], float) + self.level
+            hole = ~(np.isfinite(wet) & (wet > 0))
+            if hole.any():
+                place = float(np.asarray(self.depths[0])[int(hole.argmax())])
+                raise InputError(
+                    f"{self.name}: no depth of water at {place:.0f} m along it; fill the hole in the depths"
+                )
+
+    def section(self, s: np.ndarray | float) -> Section:
+        """Return the waterway at places along its line.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        starboard, port = self.starboard.at(s), self.port.at(s)
+        dry = np.full(np.shape(s), np.nan)
+        depth = dry if self.depths is None else np.interp(s, *self.depths) + self.level
+        return Section(starboard + port, (starboard - port) / 2, np.asarray(depth), self.line.curvature(s))
+
+    def canal(self, s: float) -> Canal:
+        """Return the straight canal that the waterway is at a place.
+
+        Parameters
+        ----------
+        s : float [m]
+            Along the line.
+        """
+        here = self.section(s)
+        depth = float(here.depth)
+        return Canal(float(here.width), None if np.isnan(depth) else depth)
+
+    def to_channel(
+        self, positions: np.ndarray, heading: np.ndarray | float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Bring positions and headings to the waterway: along it and off its line [m], heading to it [rad].
+
+        Parameters
+        ----------
+        positions : array (..., 2) [m]
+            East and north.
+        heading : array or float [rad]
+            Clockwise from north.
+        """
+        s, n = self.line.place(positions)
+        return s, n, _turned(np.asarray(heading) - self.line.heading(s))
+
+    def to_map(
+        self, s: np.ndarray | float, n: np.ndarray | float, psi: np.ndarray | float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Bring places and headings of the waterway to the map: east and north (..., 2) [m], heading [rad].
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        n : array or float [m]
+            To starboard of the line.
+        psi : array or float [rad]
+            Heading to the line, positive to starboard.
+        """
+        return self.line.at(s, n), _turned(np.asarray(psi) + self.line.heading(s))
+
+    def check_fits(self, ship: Ship) -> None:
+        """Raise where a ship does not fit.
+
+        Parameters
+        ----------
+        ship : Ship
+            The ship.
+
+        Raises
+        ------
+        InputError
+            Where the waterway is narrower than she is, or shallower: with the place.
+        """
+        s = np.linspace(0, self.line.length, STATIONS)
+        here = self.section(s)
+        for what, room, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
+            short = room <= need
+            if short.any():
+                worst = int(np.nanargmin(room))
+                raise InputError(
+                    f"{self.name}: {room[worst]:.4g} m {what} at {s[worst]:.0f} m along it, where {ship.name} needs "
+                    f"more than {need:g} m"
+                )
+
+    def with_water(self, current: float = 0.0, level: float = 0.0) -> "Waterway":
+        """Return the waterway with another current and level.
+
+        Parameters
+        ----------
+        current : float [m/s]
+            Along the line.
+        level : float [m]
+            Over that of the depths.
+        """
+        return replace(self, current=current, level=level)
+
+
+def _turned(angle: np.ndarray) -> np.ndarray:
+    """Bring angles to between -pi and pi."""
+    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
+
+
+def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Waterway:
+    """Return a straight canal as a waterway (ours).
+
+    Parameters
+    ----------
+    canal : Canal
+        Its width and depth.
+    length : float [m]
+        From end to end.
+    heading : float [rad]
+        Clockwise from north.
+
+    Raises
+    ------
+    InputError
+        Where the length is not positive.
+    """
+    if not length > 0:
+        raise InputError(f"a waterway {length} m long is none; give its length in metres")
+    ends = np.array([[0.0, 0.0], [length * np.sin(heading), length * np.cos(heading)]])
+    s, half = np.array([0.0, length]), np.full(2, canal.width / 2)
+    depths = None if canal.depth is None else (s, np.full(2, canal.depth))
+    return Waterway(Centreline(ends), Bank("starboard", s, half), Bank("port", s, half), depths, name="canal")

@@ -1,0 +1,225 @@
+"""Waterways: round trips, a circle by hand, the straight canal as the simplest case, and geometry that cannot be."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import numbers
+
+import narrows as nw
+from narrows.waterway import Bank, Centreline, Waterway
+from narrows.waterway.geojson import projected, unprojected
+
+DTC = nw.published("mikkelsen2025_dtc")
+
+
+def winding(amplitude: float = 600.0) -> Centreline:
+    t = np.linspace(0, 20_000, 60)
+    return Centreline(np.stack([amplitude * np.sin(t / 2500), t], axis=1))
+
+
+def circle(radius: float, to_starboard: bool = True) -> Centreline:
+    """A quarter of a circle, northward at first."""
+    angle = np.linspace(0, np.pi / 2, 200)
+    east = radius * (1 - np.cos(angle)) * (1 if to_starboard else -1)
+    return Centreline(np.stack([east, radius * np.sin(angle)], axis=1))
+
+
+def waterway(line: Centreline, half: float = 100.0, **more) -> Waterway:
+    s = np.array([0.0, line.length])
+    return Waterway(line, Bank("starboard", s, np.full(2, half)), Bank("port", s, np.full(2, half)), **more)
+
+
+@given(seed=st.integers(0, 1000))
+def test_poses_go_to_the_waterway_and_back(seed: int) -> None:
+    draw, way = np.random.default_rng(seed), waterway(winding())
+    s, n = draw.uniform(0, way.line.length, 200), draw.uniform(-100, 100, 200)
+    psi = draw.uniform(-1, 1, 200)
+    positions, heading = way.to_map(s, n, psi)
+    again = way.to_channel(positions, heading)
+    for own, found in zip((s, n, psi), again, strict=True):
+        np.testing.assert_allclose(found, own, atol=1e-7)
+    np.testing.assert_allclose(way.to_map(*again)[0], positions, atol=1e-7)
+
+
+@given(radius=numbers(300, 5000), share=numbers(0.05, 0.95), n=numbers(-100, 100))
+def test_a_circle_by_hand(radius: float, share: float, n: float) -> None:
+    line = circle(radius)
+    assert line.length == pytest.approx(radius * np.pi / 2, rel=1e-6)
+    s, angle = share * line.length, share * np.pi / 2
+    assert float(line.curvature(s)) == pytest.approx(1 / radius, rel=2e-3)
+    assert float(line.heading(s)) == pytest.approx(angle, abs=1e-4)
+    inner = radius - n
+    expected = [radius - inner * np.cos(angle), inner * np.sin(angle)]
+    np.testing.assert_allclose(line.at(s, n), expected, atol=1e-4 * radius)
+    assert float(circle(radius, to_starboard=False).curvature(s)) == pytest.approx(-1 / radius, rel=2e-3)
+
+
+@given(heading=numbers(-3, 3), s=numbers(-50, 550), n=numbers(-90, 90))
+def test_a_straight_line_goes_on_beyond_its_ends(heading: float, s: float, n: float) -> None:
+    way = nw.straight_waterway(nw.Canal(200.0), 500.0, heading)
+    along, across = np.array([np.sin(heading), np.cos(heading)]), np.array([np.cos(heading), -np.sin(heading)])
+    found = way.to_channel(s * along + n * across, heading)
+    assert tuple(map(float, found)) == pytest.approx((s, n, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(("y", "psi", "heading"), [(0.5, 0.0, 0.7), (2.4, 0.05, -2.0), (-1.0, -0.1, 0.0)])
+@pytest.mark.parametrize("method", ["rk4", "dop853"])
+def test_the_straight_canal_is_its_simplest_case(y: float, psi: float, heading: float, method: str) -> None:
+    way = nw.straight_waterway(DTC.setting.canal, 500.0, heading)
+    plain = nw.simulate(DTC, y=y, psi=psi, method=method)
+    along = nw.simulate(DTC, y=y, psi=psi, method=method, waterway=way)
+    assert plain.outcome.side == along.outcome.side
+    for name in ("t", "x", "y", "psi", "u", "v", "r"):
+        np.testing.assert_allclose(getattr(along, name), getattr(plain, name), atol=1e-9)
+
+
+def inert() -> nw.Model:
+    """A hull that only mass resists: it sails straight on."""
+    return DTC.with_coefficients(
+        b_v=0.0, b_r=0.0, b_vv=0.0, b_rr=0.0, b_bank=0.0, c_v=0.0, c_r=0.0, c_vv=0.0, c_rr=0.0, c_bank=0.0
+    )
+
+
+def test_a_ship_without_forces_sails_straight_across_the_map() -> None:
+    """Through a bend of the waterway, until its outer bank stops her."""
+    way = waterway(circle(400.0), 30.0)
+    voyage = nw.simulate(inert(), y=0.0, u=1.0, duration=400.0, dt=0.5, waterway=way)
+    positions, heading = way.to_map(voyage.x, voyage.y, voyage.psi)
+    first = float(way.line.heading(0.0))
+    expected = voyage.t[:, None] * [np.sin(first), np.cos(first)]
+    np.testing.assert_allclose(positions, expected, atol=1e-5)
+    np.testing.assert_allclose(heading, first, atol=1e-7)
+    assert (voyage.outcome.kind, voyage.outcome.side) == ("grounded", "port")
+
+
+def test_a_current_carries_her_along() -> None:
+    way = nw.straight_waterway(nw.Canal(7.0), 500.0)
+    still, carried = (nw.simulate(DTC, y=0.5, u=1.0, waterway=own) for own in (way, way.with_water(current=0.5)))
+    assert carried.outcome.time == pytest.approx(still.outcome.time, rel=1e-9)
+    assert carried.outcome.distance - still.outcome.distance == pytest.approx(0.5 * still.outcome.time, rel=1e-9)
+
+
+def test_the_voyage_ends_where_the_waterway_ends() -> None:
+    voyage = nw.simulate(DTC, y=0.0, u=1.0, duration=60.0, waterway=nw.straight_waterway(nw.Canal(7.0), 20.0))
+    assert voyage.outcome.kind == "afloat"
+    assert voyage.x[-1] == pytest.approx(20.0, abs=1e-6)
+
+
+def test_an_asymmetric_section_is_seen_from_its_middle() -> None:
+    s = np.array([0.0, 500.0])
+    line = Centreline(np.array([[0.0, 0.0], [0.0, 500.0]]))
+    way = Waterway(line, Bank("starboard", s, np.full(2, 3.0)), Bank("port", s, np.full(2, 4.0)))
+    shifted = nw.simulate(DTC, y=0.0, u=1.0, waterway=way)
+    plain = nw.simulate(DTC, y=0.5, u=1.0)
+    np.testing.assert_allclose(shifted.y, plain.y - 0.5, atol=1e-9)
+    assert shifted.outcome.time == pytest.approx(plain.outcome.time, abs=1e-9)
+
+
+def test_a_canal_that_widens_lets_her_off() -> None:
+    s = np.array([0.0, 500.0])
+    line = Centreline(np.array([[0.0, 0.0], [0.0, 500.0]]))
+
+    def way(end: float) -> Waterway:
+        return Waterway(line, *(Bank(side, s, np.array([3.5, end])) for side in ("starboard", "port")))
+
+    times = [nw.simulate(DTC, y=0.5, u=1.0, waterway=way(end)).outcome.time for end in (3.4, 3.5, 7.0, 20.0)]
+    assert np.all(np.diff(times) > 0)
+
+
+def feature(role: str, points: np.ndarray, **more) -> dict:
+    return {"type": "Feature", "properties": {"role": role, **more},
+            "geometry": {"type": "LineString", "coordinates": np.round(points, 9).tolist()}}  # fmt: skip
+
+
+def collection(**changed) -> dict:
+    """A canal near 32.5 E, 30 N, north to south, 200 m wide, 2 km long."""
+    origin = np.array([32.5, 30.0])
+    y = np.linspace(1000, -1000, 21)
+    lines = {"centreline": 0.0, "starboard": -110.0, "port": 90.0}
+    features = {
+        role: feature(
+            role, unprojected(np.stack([np.full(21, x), y], axis=1), origin), **({"depth": 24.0} if not x else {})
+        )
+        for role, x in lines.items()
+    }
+    return {"type": "FeatureCollection", "features": list((features | changed).values())}
+
+
+def saved(tmp_path: Path, what: object) -> Path:
+    path = tmp_path / "canal.geojson"
+    path.write_text(what if isinstance(what, str) else json.dumps(what))
+    return path
+
+
+def test_a_canal_from_longitude_and_latitude(tmp_path: Path) -> None:
+    way = nw.read_waterway(saved(tmp_path, collection()))
+    assert way.line.length == pytest.approx(2000.0, abs=0.01)
+    here = way.section(1000.0)
+    assert float(here.width) == pytest.approx(200.0, abs=1e-3)
+    assert float(here.middle) == pytest.approx(10.0, abs=1e-3)
+    assert float(here.depth) == 24.0
+    assert way.with_water(level=-1.0).canal(500.0).depth == 23.0
+
+
+@given(east=numbers(-5000, 5000), north=numbers(-5000, 5000))
+def test_the_projection_goes_both_ways(east: float, north: float) -> None:
+    origin, points = np.array([32.5, 30.0]), np.array([[east, north]])
+    np.testing.assert_allclose(projected(unprojected(points, origin), origin), points, atol=1e-5)
+
+
+LINE = np.stack([np.full(21, 32.5), np.linspace(30.009, 29.991, 21)], axis=1)
+BESIDE = np.stack([np.full(21, 32.501), LINE[:, 1]], axis=1)
+SLANTING = np.stack([np.linspace(32.501, 32.499, 21), LINE[:, 1]], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ("{", "is not JSON"),
+        ({"type": "Feature"}, "FeatureCollection"),
+        (collection(port=feature("prt", LINE)), "role = port"),
+        (collection(port=feature("centreline", LINE)), "two lines with the role centreline"),
+        (collection(port=feature("port", LINE * [1, 4])), "no longitude and latitude"),
+        (collection(port=feature("port", LINE[:1])), "fewer than two points"),
+        (
+            collection(port=feature("port", SLANTING)),
+            "port bank crosses",
+        ),
+        (collection(port=feature("port", BESIDE[5:15])), "draw it along the whole"),
+        (collection(centreline=feature("centreline", LINE, depth=[24.0] * 5)), "21 points and 5 depths"),
+        (
+            collection(centreline=feature("centreline", LINE, depth=[24.0] * 10 + [None] + [24.0] * 10)),
+            "no depth of water at 9",
+        ),
+        (collection(centreline=feature("centreline", np.repeat(LINE, 2, axis=0))), "are one place"),
+        ({**collection(), "crs": {"properties": {"name": "EPSG:22992"}}}, "convert them to WGS84"),
+    ],
+)
+def test_bad_geometry_is_named_with_its_place(tmp_path: Path, what: object, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        nw.read_waterway(saved(tmp_path, what))
+
+
+def test_latitude_first_is_noticed(tmp_path: Path) -> None:
+    swapped = collection(port=feature("port", np.array([[51.2, 104.3], [51.3, 104.4]])))
+    with pytest.raises(nw.InputError, match="latitude seems to come first"):
+        nw.read_waterway(saved(tmp_path, swapped))
+
+
+def test_a_bend_inside_its_own_bank_is_refused() -> None:
+    with pytest.raises(nw.InputError, match="bends with a radius of"):
+        waterway(circle(80.0), 100.0)
+
+
+def test_a_ship_that_does_not_fit_is_told_where() -> None:
+    s = np.array([0.0, 300.0, 500.0])
+    line = Centreline(np.array([[0.0, 0.0], [0.0, 500.0]]))
+    banks = [Bank(side, s, np.array([3.5, 0.2, 3.5])) for side in ("starboard", "port")]
+    with pytest.raises(nw.InputError, match=r"0.40\d* m wide at 300 m along it, where .* needs more than 0.572 m"):
+        nw.simulate(DTC, waterway=Waterway(line, *banks))
+    with pytest.raises(nw.InputError, match="m deep at 0 m"):
+        nw.simulate(DTC, waterway=nw.straight_waterway(nw.Canal(7.0, 0.1), 500.0))
