@@ -60,6 +60,7 @@ from .tables import CROSSFLOW as CROSSFLOW
 from .tables import MIXED as MIXED
 from .tables import PAPER as PAPER
 from .tables import SPEED as SPEED
+from .tables import STEERED as STEERED
 from .tables import TAPERED as TAPERED
 from .terms import FREE as FREE
 from .terms import NONNEGATIVE as NONNEGATIVE

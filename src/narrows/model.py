@@ -11,7 +11,7 @@ from narrows.errors import InputError, did_you_mean
 from narrows.motion import Motion
 from narrows.particulars import Setting
 from narrows.terms import Term, TermTable
-from narrows.vocabulary import Number
+from narrows.vocabulary import AMIDSHIPS, Number
 
 Range = tuple[float, float]
 
@@ -118,20 +118,22 @@ class Model:
         """
         return replace(self, coefficients={**self.coefficients, **values})
 
-    def forces(self, motion: Motion) -> dict[str, Number]:
+    def forces(self, motion: Motion, rudder: Number = 0.0) -> dict[str, Number]:
         """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
 
         Parameters
         ----------
         motion : Motion
             Floats or columns.
+        rudder : number [rad]
+            Its angle, positive where it turns the bow to starboard; floats or columns.
 
         Raises
         ------
         InputError
             Where a term needs a particular that the setting does not give.
         """
-        values = self._values(motion)
+        values = self._values(motion) | {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
@@ -149,7 +151,7 @@ class Model:
         }
 
     def _values(self, motion: Motion) -> dict[str, Number]:
-        values = self.setting.values() | motion.values()
+        values = self.setting.values() | motion.values() | AMIDSHIPS
         for name in self.terms.inputs:
             if name not in values:
                 raise InputError(f"the terms of this model need {name}; give it in the ship file")

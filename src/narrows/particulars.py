@@ -45,6 +45,8 @@ class Ship:
         Yaw moment of inertia about midship.
     x_g : float [m], optional
         Centre of gravity, forward of midship.
+    flow_straightening : float [1], optional
+        Flow across the rudder over that across the stern, over the rudder's flow along; for terms of the rudder.
     name : str, optional
         What the ship is called in reports.
 
@@ -61,10 +63,11 @@ class Ship:
     mass: float | None = None
     inertia: float | None = None
     x_g: float | None = None
+    flow_straightening: float | None = None
     name: str = "ship"
 
     def __post_init__(self) -> None:
-        _check_positive(self, ("length", "beam", "draft", "block_coefficient", "mass", "inertia"))
+        _check_positive(self, ("length", "beam", "draft", "block_coefficient", "mass", "inertia", "flow_straightening"))
         if self.x_g is not None:
             _check_number("[ship] x_g", self.x_g)
         if self.block_coefficient > 1:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from narrows import dimension as dim
 from narrows.errors import InputError, did_you_mean
 from narrows.forms import FORMS, with_bank
-from narrows.physics import bank, damping, inertia
+from narrows.physics import bank, damping, inertia, rudder
 from narrows.terms import NONNEGATIVE, Term, TermTable
 
 SURGE = (
@@ -75,12 +75,21 @@ CROSSFLOW = SPEED.with_terms(
 )
 """Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge."""
 
+STEERED = CROSSFLOW.with_terms(
+    "steered",
+    surge=[Term("a_helm", r"a_{helm}", rudder.helm_surge, dim.NUMBER, NONNEGATIVE)],
+    sway=[Term("b_helm", r"b_{helm}", rudder.helm_sway, dim.NUMBER, NONNEGATIVE)],
+    yaw=[Term("c_helm", r"c_{helm}", rudder.helm_yaw, dim.NUMBER, NONNEGATIVE)],
+)
+"""The terms of ``crossflow`` and a rudder."""
+
 TAPERED = with_bank(PAPER, "tapered", name="tapered")
 """The paper's terms with its boundary-layer taper on the bank."""
 
 BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
 """The tables whose bank term is the paper's, for other forms of it to take its place."""
-TABLES = {**BARE, "tapered": TAPERED}
+BASES = {**BARE, "steered": STEERED}
+TABLES = {**BASES, "tapered": TAPERED}
 """The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term."""
 
 
@@ -98,8 +107,8 @@ def table_named(name: str) -> TermTable:
         Where there is no such table or form.
     """
     base, plus, form = name.partition("+")
-    if base not in (BARE if plus else TABLES):
-        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, BARE if plus else TABLES)}")
+    if base not in (BASES if plus else TABLES):
+        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, BASES if plus else TABLES)}")
     if plus and form not in FORMS:
         raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
-    return with_bank(BARE[base], form) if plus else TABLES[base]
+    return with_bank(BASES[base], form) if plus else TABLES[base]

@@ -38,6 +38,12 @@ MOTION = {
     "rdot": Quantity("rad/s2", "yaw acceleration"),
     "heave": Quantity("m", "midship sinkage z, positive down"),
 }
+CONTROLS = {
+    "cos_rudder": Quantity("1", "cosine of the rudder angle"),
+    "sin_rudder": Quantity("1", "sine of the rudder angle, positive where it turns the bow to starboard"),
+}
+AMIDSHIPS = {"cos_rudder": 1.0, "sin_rudder": 0.0}
+"""The rudder where nothing is said of it."""
 PARTICULARS = {
     "length": Quantity("m", "length between perpendiculars L"),
     "beam": Quantity("m", "beam B"),
@@ -46,6 +52,9 @@ PARTICULARS = {
     "mass": Quantity("kg", "displacement m"),
     "inertia": Quantity("kg m2", "yaw moment of inertia about midship I_z"),
     "x_g": Quantity("m", "centre of gravity forward of midship"),
+    "flow_straightening": Quantity(
+        "1", "flow across the rudder over that across the stern, over its flow along, gamma_R"
+    ),
     "width": Quantity("m", "canal width W"),
     "depth": Quantity("m", "water depth h"),
     "density": Quantity("kg/m3", "mass density of the water rho"),
@@ -55,7 +64,7 @@ FORCES = {
     "Y": Quantity("N", "sway force, positive to starboard"),
     "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
 }
-REGRESSOR_INPUTS = MOTION | PARTICULARS
+REGRESSOR_INPUTS = MOTION | CONTROLS | PARTICULARS
 """What the function of a term may ask for."""
 
 

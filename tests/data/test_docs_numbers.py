@@ -10,7 +10,13 @@ import pytest
 
 ROOT = Path(__file__).parent.parent.parent
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
-PAGES = {"bank_forms": "banks.md", "term_tables": "trust.md", "squat": "squat.md", "shallow": "squat.md"}
+PAGES = {
+    "bank_forms": "banks.md",
+    "term_tables": "trust.md",
+    "squat": "squat.md",
+    "shallow": "squat.md",
+    "rudder": "rudder.md",
+}
 
 
 @pytest.mark.parametrize(("script", "page"), PAGES.items())

@@ -11,6 +11,7 @@ COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},
     "t": Quantity("s", "time"),
     "psi": Quantity("rad", "heading, clockwise seen from above"),
+    "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
     **{name: PARTICULARS[name] for name in ("draft", "depth", "width")},
     **FORCES,
 }

@@ -12,7 +12,7 @@ from narrows.captive import check
 HARMONIC = ("PMMY2", "PMMPSI2")
 """Harmonic sway and harmonic yaw: the tests that the paper's terms can explain."""
 
-RENAMED = {"env": "condition", "sinkage_mm": "heave [mm]"}
+RENAMED = {"env": "condition", "sinkage_mm": "heave [mm]", "rud_given_deg": "rudder [deg]"}
 
 
 def recognises(frame: pd.DataFrame) -> bool:
@@ -41,8 +41,10 @@ def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFra
     place : str
         The file.
     """
-    frame = frame.rename(columns=RENAMED)
+    # Their rudder angle counts the other way: positive turns the bow to port.
+    turned = -check.numbers(frame, "rud_given_deg", place)
+    frame = frame.assign(rud_given_deg=turned).rename(columns=RENAMED)
     if "type" in chosen or "rud_given_deg" in chosen:
         return frame, ()
-    kept = frame[frame["type"].isin(HARMONIC) & (np.abs(check.numbers(frame, "rud_given_deg", place)) < 1)]
+    kept = frame[frame["type"].isin(HARMONIC) & (np.abs(frame["rudder [deg]"]) < 1)]
     return kept, (f"{len(kept)} of {len(frame)} rows read: harmonic sway and yaw with the rudder amidships",)

@@ -16,7 +16,7 @@ from narrows.model import Source
 from narrows.particulars import Setting, read_ship
 from narrows.tables import PAPER
 from narrows.terms import TermTable
-from narrows.vocabulary import MOTION
+from narrows.vocabulary import CONTROLS, MOTION
 
 
 class Rows(NamedTuple):
@@ -129,6 +129,8 @@ def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str)
         check.check_heading(frame, columns["psi"], by_name["psi"], place)
         check.check_rates(columns, test, by_name, place)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
+    if "rudder" in columns:
+        columns |= {"cos_rudder": np.cos(columns["rudder"]), "sin_rudder": np.sin(columns["rudder"])}
     columns |= {name: np.zeros(len(frame)) for name in assumed}
     condition = _conditions(frame, columns, setting, place)
     check.check_inside(frame, columns, setting, place)
@@ -185,8 +187,8 @@ def _recognised(frame: pd.DataFrame, place: str) -> list[Column]:
 
 def _needed(terms: TermTable, found: set[str]) -> tuple[list[str], list[str]]:
     """Columns that the terms need, and those of them that may be taken as zero."""
-    motion = [name for name in terms.inputs if name in MOTION]
-    needed = ["psi" if name in ("cos_psi", "sin_psi") else name for name in motion]
+    moved = [name for name in terms.inputs if name in MOTION | CONTROLS]
+    needed = [name.removeprefix("cos_").removeprefix("sin_") for name in moved]
     forces = [force for force, own in terms.forces.items() if own]
     assumed = [name for name in ("heave",) if name in needed and name not in found]
     return [name for name in [*needed, *forces] if name not in assumed], assumed

@@ -26,6 +26,9 @@ def simulate(
     surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0,
     sway_force: Annotated[float, typer.Option("--Y", help="Sway force from elsewhere [N].")] = 0.0,
     yaw_moment: Annotated[float, typer.Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0,
+    rudder_deg: Annotated[
+        float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")
+    ] = 0.0,
     duration: Duration = 60.0,
     dt: TimeStep = 0.02,
     surge: Surge = "held",
@@ -48,7 +51,8 @@ def simulate(
 
     voyage = run(
         model_named(model), y, u, duration, dt, psi=radians(psi_deg), v=v, r=radians(r_deg),
-        X=surge_force, Y=sway_force, N=yaw_moment, surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
+        X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
+        surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
         contact=contact, method=method,
     )  # fmt: skip
     if output:

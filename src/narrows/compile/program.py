@@ -20,9 +20,9 @@ from narrows.compile.record import Record, record
 from narrows.compile.trace import INPUTS, SURGE_INERTIA, Surge, trace
 from narrows.errors import InputError
 from narrows.terms import TermTable
-from narrows.vocabulary import Number
+from narrows.vocabulary import AMIDSHIPS, Number
 
-DEFAULTS = dict.fromkeys((*INPUTS.values(), "heave", SURGE_INERTIA), 0.0)
+DEFAULTS = dict.fromkeys((*INPUTS.values(), "heave", SURGE_INERTIA), 0.0) | AMIDSHIPS
 
 
 @dataclass(frozen=True)

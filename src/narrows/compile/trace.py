@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from narrows.compile.record import Record
 from narrows.errors import InputError
-from narrows.vocabulary import FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.vocabulary import CONTROLS, FORCES, PARTICULARS, REGRESSOR_INPUTS
 
 Expr = Any
 """A SymPy expression."""
@@ -105,7 +105,7 @@ def trace(record: Record, surge: Surge, coriolis: bool) -> Traced:
         )
     inverse = mass.adjugate() / mass.det()
     gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(freedoms))]
-    others = (*PARTICULARS, "heave", SURGE_INERTIA, *INPUTS.values())
+    others = (*PARTICULARS, *CONTROLS, "heave", SURGE_INERTIA, *INPUTS.values())
     return Traced(
         names=names | {name: symbol(name) for name in others},
         freedoms=freedoms,

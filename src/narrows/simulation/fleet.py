@@ -10,7 +10,7 @@ from narrows.compile.kernel import Precision
 from narrows.compile.trace import INPUTS
 from narrows.simulation.grid import INPUTS as PUSHED
 from narrows.simulation.grid import START
-from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship import SimulatedShip, helm
 
 STATE_AT_END = ("y", "psi", "u", "v", "r")
 KEPT: dict[str, type] = {
@@ -57,10 +57,14 @@ class Fleet:
         """
         start = {name: values[name] for name in START}
         start["y"] = np.broadcast_to(np.asarray(values["y"], float), vessels)
-        rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
+        rest = {
+            name: value
+            for name, value in values.items()
+            if name not in START and name not in PUSHED and name != "rudder"
+        }
         # Forces from outside cost a little in each step, so they go in only where there are any.
         pushed = {name: values[own] for own, name in INPUTS.items() if np.any(values[own])}
-        given = {**self.ship.values(), **rest, **pushed}
+        given = {**self.ship.values(), **rest, **helm(values["rudder"]), **pushed}
         ended = self.ship.program.fleet(
             given, dt=self.dt, duration=self.duration, precision=self.precision, workers=workers, **start
         )

@@ -61,8 +61,9 @@ def ensemble(
     client : dask.distributed.Client, optional
         Run on a cluster, with ``store`` where all its workers can reach it.
     **vary : number, sequence or DataArray
-        Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], particulars
-        (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients by name.
+        Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], rudder [rad],
+        particulars (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients
+        by name.
         A sequence is a dimension of that name; DataArrays that share a dimension vary together.
 
     Returns

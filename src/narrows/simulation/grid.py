@@ -16,7 +16,8 @@ START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 """State at the start, and what it is unless said otherwise."""
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
 """Constant surge force, sway force and yaw moment."""
-HEAVE = {"heave": 0.0}
+STEADY = {"heave": 0.0, "rudder": 0.0}
+"""Sinkage and rudder angle, held through a voyage."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Gr
         Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
     """
     particulars = {name: value for name, value in model.setting.values().items() if name in PARTICULARS}
-    known = {**START, **INPUTS, **HEAVE, **particulars, **model.coefficients}
+    known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
     words = {*known, *PARTICULARS}
     for name in given:
         if name not in words:

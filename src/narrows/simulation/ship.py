@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
+import numpy as np
+
 from narrows.compile import Program, compiled
 from narrows.errors import InputError
 from narrows.model import Model
@@ -31,6 +33,8 @@ class SimulatedShip:
         Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard).
+    rudder : float [rad]
+        Its angle, positive where it turns the bow to starboard.
 
     Raises
     ------
@@ -43,6 +47,7 @@ class SimulatedShip:
     surge_inertia: float | None = None
     coriolis: bool = False
     contact: str | Outline = "corners"
+    rudder: float = 0.0
 
     def __post_init__(self) -> None:
         if self.surge == "free" and not self.values()["surge_inertia"] + self.model.coefficients.get("a_udot", 0.0) > 0:
@@ -62,7 +67,8 @@ class SimulatedShip:
         own = self.model.coefficients.get("a_udot", 0.0)
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - own
-        return {**self.model.setting.values(), **self.model.coefficients, "heave": 0.0, "surge_inertia": added}
+        ship = {**self.model.setting.values(), **self.model.coefficients}
+        return {**ship, **helm(self.rudder), "heave": 0.0, "surge_inertia": added}
 
     @cached_property
     def constants(self) -> tuple[Number, ...]:
@@ -72,6 +78,17 @@ class SimulatedShip:
     def __getstate__(self) -> Mapping[str, Any]:
         # Workers compile for themselves, or find it in the cache.
         return {name: value for name, value in self.__dict__.items() if name != "constants"}
+
+
+def helm(rudder: Number) -> dict[str, Number]:
+    """Return a rudder angle as the equations ask for it (ours).
+
+    Parameters
+    ----------
+    rudder : number [rad]
+        Positive where it turns the bow to starboard.
+    """
+    return {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
 
 
 @lru_cache(maxsize=32)

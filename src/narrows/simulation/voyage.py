@@ -96,7 +96,7 @@ def _long_name(name: str) -> str:
 def simulate(
     model: Model, y: float = 0.0, u: float = 1.0, duration: float = 60.0, dt: float = 0.02, *,
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
-    X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0,
+    X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: str | Outline = "corners", method: str = "rk4", at: Sequence[float] | None = None,
     waterway: "Waterway | None" = None,
@@ -127,6 +127,8 @@ def simulate(
         Surge and sway force from elsewhere: a constant, or (time, value) pairs, each held until the next.
     N : float or pairs [N m]
         Yaw moment from elsewhere, likewise.
+    rudder : float [rad]
+        Its angle, held, for models with terms of the rudder; positive where it turns the bow to starboard.
     surge : str
         ``held``: the speed stays; ``free``: it is integrated.
     surge_inertia : float [kg], optional
@@ -155,8 +157,8 @@ def simulate(
     """
     if method not in METHODS:
         raise InputError(f"method {method!r} is unknown{did_you_mean(method, METHODS)}")
-    _check_finite(x=x, y=y, psi=psi, u=u, v=v, r=r, duration=duration, dt=dt)
-    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    _check_finite(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, duration=duration, dt=dt)
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, rudder)
     course = course_of(ship, waterway)
     start = (x, y, math.cos(psi), math.sin(psi), u, v, r)
     _check_afloat(course, start)

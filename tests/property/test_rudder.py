@@ -1,0 +1,122 @@
+"""The rudder: signs, limits, symmetry, and its coefficients from twins and from the measured tests."""
+
+import json
+from dataclasses import replace
+from inspect import signature
+
+import numpy as np
+import pytest
+from hypothesis import given
+from strategies import numbers
+
+import narrows as nw
+from narrows.measured import measured_files
+from narrows.physics import rudder
+from tables import many_runs
+
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+STATE = {"u": 1.0, "v": 0.0, "r": 0.0, "length": 4.0, "draft": 0.2, "flow_straightening": 0.5, "density": 1000.0}
+HELM = {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm_yaw}
+
+
+def value(function, angle: float, **changed: float) -> float:
+    values = {**STATE, "cos_rudder": np.cos(angle), "sin_rudder": np.sin(angle), **changed}
+    return function(**{name: values[name] for name in signature(function).parameters})
+
+
+def test_to_starboard_is_positive() -> None:
+    """A rudder to starboard pushes the stern to port, turns the bow to starboard, and holds her back."""
+    assert value(rudder.helm_yaw, 0.2) > 0
+    assert value(rudder.helm_sway, 0.2) < 0
+    assert value(rudder.helm_surge, 0.2) < 0
+
+
+@pytest.mark.parametrize("name", ["sway", "yaw"])
+@given(v=numbers(-0.3, 0.3), r=numbers(-0.1, 0.1))
+def test_amidships_adds_nothing(name: str, v: float, r: float) -> None:
+    assert value(HELM[name], 0.0, v=v, r=r) == 0.0
+
+
+@given(angle=numbers(-0.6, 0.6), v=numbers(-0.3, 0.3), r=numbers(-0.1, 0.1))
+def test_mirrored(angle: float, v: float, r: float) -> None:
+    for name, sign in (("surge", 1), ("sway", -1), ("yaw", -1)):
+        own, mirrored = value(HELM[name], angle, v=v, r=r), value(HELM[name], -angle, v=-v, r=-r)
+        assert own == pytest.approx(sign * mirrored, rel=1e-12, abs=1e-12)
+
+
+@given(angle=numbers(0.01, 0.6))
+def test_straight_ahead_it_is_the_normal_force(angle: float) -> None:
+    pressure = 0.5 * 1000.0 * 0.01 * 4.0 * 0.2
+    assert value(rudder.helm_sway, angle) == pytest.approx(-pressure * np.sin(angle) * np.cos(angle), rel=1e-12)
+    assert value(rudder.helm_yaw, angle) == pytest.approx(4.0 * pressure * np.sin(angle) * np.cos(angle), rel=1e-12)
+    assert value(rudder.helm_surge, angle) == pytest.approx(-pressure * np.sin(angle) ** 2, rel=1e-12)
+
+
+def test_where_the_flow_follows_the_rudder_there_is_no_normal_force() -> None:
+    """Drift to port at half straightening: the flow comes at the rudder's own angle."""
+    angle = np.arctan(0.5 * 0.2)
+    assert value(rudder.helm_surge, angle, v=-0.2) == pytest.approx(0.0, abs=1e-12)
+
+
+def steered_ship() -> nw.Model:
+    """The published hull with a rudder of known coefficients."""
+    dtc = nw.published("mikkelsen2025_dtc")
+    values = {n: dtc.coefficients.get(n, 0.0) for n in nw.STEERED.names}
+    values |= {"b_uv": 100.0, "b_ur": 118.0, "c_uv": 414.0, "c_ur": 284.9, "a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
+    setting = replace(dtc.setting, ship=replace(dtc.setting.ship, flow_straightening=0.5))
+    return nw.Model(setting, nw.STEERED, values)
+
+
+def test_coefficients_come_back_from_a_twin() -> None:
+    truth = steered_ship()
+    tests = nw.twin(truth, many_runs(12), rate=5.0)
+    draw = np.random.default_rng(3)
+    angle = np.repeat(draw.uniform(-0.5, 0.5, len(tests.names)), np.diff(tests.starts))
+    motion = nw.Motion(**{name: tests.columns[name] for name in nw.Motion().values()})
+    noisy = {f: own + draw.normal(0, 0.3, tests.rows) for f, own in truth.forces(motion, rudder=angle).items()}
+    turned = {"rudder": angle, "cos_rudder": np.cos(angle), "sin_rudder": np.sin(angle)}
+    fit = nw.identify(replace(tests, columns={**tests.columns, **noisy, **turned}), nw.STEERED)
+    for name in ("a_helm", "b_helm", "c_helm"):
+        low, high = fit.intervals[name]
+        assert low < truth.coefficients[name] < high
+        assert fit.verdicts[name].status == "identified"
+
+
+def test_voyages_turn_with_the_rudder_and_mirror() -> None:
+    ship = steered_ship()
+    wide = replace(ship, setting=replace(ship.setting, canal=nw.Canal(700.0)))
+    port, starboard = (nw.simulate(wide, rudder=angle, duration=20.0) for angle in (-0.1, 0.1))
+    assert starboard.psi[-1] > 0.05
+    np.testing.assert_array_equal(port.psi, -starboard.psi)
+    fleet = nw.ensemble(wide, rudder=[-0.1, 0.0, 0.1], duration=20.0, dt=0.02)
+    np.testing.assert_allclose(fleet.psi_end, [port.psi[-1], 0.0, starboard.psi[-1]], atol=1e-9)
+    exact = nw.simulate(wide, rudder=0.1, duration=20.0, method="dop853")
+    assert starboard.psi[-1] == pytest.approx(exact.psi[-1], rel=1e-6)
+
+
+def test_the_measured_rudder_sits_at_the_stern() -> None:
+    table, ship = measured_files("kcs")
+    tests = nw.read_captive(table, ship, nw.STEERED, TURNED)
+    for fit in nw.identify_each(tests, terms=nw.STEERED).values():
+        for name in ("a_helm", "b_helm", "c_helm"):
+            assert fit.verdicts[name].status == "identified"
+            assert fit.intervals[name][0] > 0
+        assert 0.3 < fit.coefficients["c_helm"] / fit.coefficients["b_helm"] < 0.6
+
+
+def test_a_rudder_without_particulars_is_asked_for(tmp_path, cli) -> None:
+    table, ship = measured_files("kcs")
+    bare = tmp_path / "bare.toml"
+    bare.write_text(ship.read_text().replace("flow_straightening", "# flow_straightening"))
+    code, _, err = cli("identify", table, "--ship", bare, "--terms", "steered", "--where", TURNED, "--json")
+    assert code == 2
+    assert "flow_straightening" in err
+
+
+def test_simulate_with_a_rudder_on_the_command_line(tmp_path, cli) -> None:
+    nw.save_model(steered_ship(), tmp_path / "m.toml")
+    outs = [
+        json.loads(cli("simulate", tmp_path / "m.toml", "--rudder-deg", angle, "--duration", 5, "--json")[1])
+        for angle in (-5, 5)
+    ]
+    assert outs[0]["state"]["psi"] == -outs[1]["state"]["psi"] < 0
