@@ -127,14 +127,17 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     InputError
         Where there is no such form.
     """
-    if isinstance(form, str):
-        if form not in FORMS:
-            raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
-        form = FORMS[form]
+    form = _form(form)
     sway, yaw = (tuple(term for term in own if not term.from_bank) for own in (table.sway, table.yaw))
     base = table.name.partition("+")[0]
     kept = TermTable(name or f"{base}+{form.name}", table.surge, sway, yaw, table.ties)
     return kept.with_terms(kept.name, sway=form.sway, yaw=form.yaw)
+
+
+def _form(form: str | BankForm) -> BankForm:
+    if isinstance(form, str) and form not in FORMS:
+        raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
+    return FORMS[form] if isinstance(form, str) else form
 
 
 def bank_only(form: str | BankForm) -> TermTable:
@@ -144,6 +147,11 @@ def bank_only(form: str | BankForm) -> TermTable:
     ----------
     form : str or BankForm
         One of ``FORMS``, or your own.
+
+    Raises
+    ------
+    InputError
+        Where there is no such form.
     """
-    own = FORMS[form] if isinstance(form, str) else form
+    own = _form(form)
     return TermTable(f"bank only: {own.name}", (), own.sway, own.yaw)

@@ -20,6 +20,8 @@ ENVELOPE = {
     "abs_r": Dimension(0, 0, -1),
     "depth_to_draft": Dimension(),
 }
+LONGEST = 1e4
+"""Length [m] that no ship has."""
 SLACK = 0.02
 """Of a range of the data, by which a place may leave it without a word."""
 ONE_SPEED = ("b_v", "b_r", "c_v", "c_r")
@@ -134,13 +136,14 @@ def scale_model(
     InputError
         Where a number is not positive, or the ship does not fit the canal.
     """
-    if not length > 0:
+    if not 0 < length < LONGEST:
         raise InputError(f"a ship {length} m long is none; give her length in metres")
     old = model.setting
     ratio = length / old.ship.length
     water = Water(old.water.density if density is None else density)
     units = Units(ratio**3 * water.density / old.water.density, ratio, ratio**0.5)
-    canal = Canal(width or old.canal.width * ratio, depth or (old.canal.depth and old.canal.depth * ratio))
+    deep = None if old.canal.depth is None else old.canal.depth * ratio
+    canal = Canal(old.canal.width * ratio if width is None else width, deep if depth is None else depth)
     setting = Setting(_scaled_ship(old.ship, units), canal, water)
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
@@ -183,6 +186,8 @@ def _with_friction(model: Model, friction: Friction, ratio: float, units: Units,
         0.5 * rho * surface * (1 + friction.form_factor) * ittc57(speed * own / nu)
         for rho, surface, speed, own, nu in zip(densities, surfaces, speeds, lengths, friction.viscosity, strict=True)
     ]
+    if parts[0] > model.coefficients["a_uu"] > 0:
+        raise InputError("the friction is more than the whole of a_uu; check the wetted surface, form factor and speed")
     wave = (model.coefficients["a_uu"] - parts[0]) * units.factor(model.terms["a_uu"].dimension)
     return max(wave + parts[1], 0.0)
 

@@ -1,5 +1,6 @@
 """Model files: TOML that gives back the same forces to the last bit."""
 
+import math
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -150,6 +151,14 @@ def _known_table(name: str) -> TermTable:
         raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
 
 
+def _is_covariance(matrix: np.ndarray) -> bool:
+    if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0):
+        return False
+    size = np.sqrt(np.abs(np.diag(matrix)))
+    scaled = matrix / np.outer(size, size) if size.all() else matrix / max(size.max() ** 2, 1e-300)
+    return bool((np.diag(matrix) >= 0).all() and np.linalg.eigvalsh(scaled).min() > -1e-6)
+
+
 def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
     if section is None:
         return None
@@ -161,6 +170,8 @@ def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray 
         raise fault from None
     if matrix.shape != (len(names), len(names)) or sorted(names) != sorted(terms.names):
         raise fault
+    if not _is_covariance(matrix):
+        raise InputError("[covariance] is no covariance: symmetric, finite, nothing below 0; mend it or leave it out")
     order = [names.index(name) for name in terms.names]
     return matrix[np.ix_(order, order)]
 
@@ -169,7 +180,9 @@ def _pair(name: str, pair: Any) -> Range:
     try:
         low, high = (float(end) for end in pair)
     except (TypeError, ValueError):
-        raise InputError(f"[envelope] {name} = {pair!r} is not a pair of numbers; give lowest and highest") from None
+        low = high = math.nan
+    if not -math.inf < low <= high < math.inf:
+        raise InputError(f"[envelope] {name} = {pair!r} is not a pair of numbers; give lowest and highest")
     return low, high
 
 

@@ -68,7 +68,7 @@ def units_of(setting: Setting, system: str, speed: float | None = None) -> Units
     if system == "bis":
         displaced = density * ship.block_coefficient * ship.length * ship.beam * ship.draft
         return Units(ship.mass or displaced, ship.length, float((ship.length / GRAVITY) ** 0.5))
-    if not (speed and speed > 0):
+    if not (speed and 0 < speed < float("inf")):
         raise InputError(f"system {system} measures time by the speed; give a positive one")
     depth = ship.length if system == "prime1" else ship.draft
     return Units(density / 2 * ship.length**2 * depth, ship.length, ship.length / speed)

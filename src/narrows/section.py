@@ -29,6 +29,8 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
     """
     if not depth > 0:
         raise InputError(f"a depth of {depth} m is no water; give it in metres")
+    if len(profile) < 2 or any(height < 0 for _, height in profile):
+        raise InputError(f"the bank {list(profile)} needs two points or more, none below the bottom; mend it")
     if any(after[0] < before[0] for before, after in pairwise(profile)):
         raise InputError(f"the bank {list(profile)} turns back; give its points outward from the toe")
     taken = sum(_below(before, after, depth) for before, after in pairwise(profile))

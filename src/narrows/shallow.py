@@ -22,6 +22,8 @@ FACTORS: Mapping[str, Callable[..., Number]] = {
 }
 """Which coefficient grows by which factor over deep water."""
 UNVERIFIED = ("c_v", "c_uv")
+SHALLOWEST = 1.5
+"""h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2."""
 DEEP = 1e9
 """A depth [m] at which every factor is 1."""
 
@@ -96,10 +98,10 @@ def at_depth(model: Model, depth: float) -> AtDepth:
         envelope=replace(model.envelope, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
     )
-    return AtDepth(moved, factors, _warnings(model, factors))
+    return AtDepth(moved, factors, _warnings(model, factors, depth))
 
 
-def _warnings(model: Model, factors: Mapping[str, float]) -> tuple[str, ...]:
+def _warnings(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
     kept = [name for name in model.terms.names if name not in factors and name[0] != "a"]
     said = [f"Left as they were: {', '.join(kept)}."]
     unverified = [name for name in factors if name in UNVERIFIED]
@@ -107,4 +109,14 @@ def _warnings(model: Model, factors: Mapping[str, float]) -> tuple[str, ...]:
         said.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
     if model.setting.canal.depth is None:
         said.append("The depth of the tests is not known; they were taken as deep water.")
+    deeper = [term.name for term in model.terms.terms if "depth" in term.inputs]
+    if deeper:
+        said.append(f"The terms of {', '.join(deeper)} ask for the depth: tests at one depth do not determine them.")
+    ratio = depth / model.setting.ship.draft
+    if ratio < SHALLOWEST:
+        said.append(
+            f"h/T = {ratio:.2f} is below {SHALLOWEST}, where the factors grow without limit and none was measured."
+        )
+    if any(factor < 1 for factor in factors.values()) and depth < (model.setting.canal.depth or DEEP):
+        said.append("A factor below 1 in shallower water is outside of what the corrections were made for.")
     return tuple(said)

@@ -179,6 +179,8 @@ def squat(setting: Setting, speed: float, gives: str = "midship", formula: str |
         raise InputError(f"no formula gives the {gives!r} sinkage; choose {', '.join(GIVES)}")
     if formula is not None and formula not in SQUAT:
         raise InputError(f"unknown squat formula {formula!r}{did_you_mean(formula, SQUAT)}")
+    if formula is not None and SQUAT[formula].gives != gives:
+        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage; ask for that, or for another formula")
     critical = choke_speed(setting)
     if not 0 <= speed < critical:
         raise InputError(f"{speed:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")

@@ -56,7 +56,7 @@ def test_bare_name_is_si(name: str) -> None:
     assert parse_header(f" {name} ") == (f" {name} ", name, 1.0, False)
 
 
-@pytest.mark.parametrize("header", ["comment", "rudder", "psi_true", "u_mean", "Xrud_N", "test", "y2", "cos_psi"])
+@pytest.mark.parametrize("header", ["comment", "rud_given", "psi_true", "u_mean", "Xrud_N", "test", "y2", "cos_psi"])
 def test_other_headers_are_passed_over(header: str) -> None:
     assert parse_header(header) is None
 

@@ -28,7 +28,9 @@ def back(model: nw.Model, file: Path, terms: nw.TermTable | None = None) -> nw.M
 
 @given(coefficients=COEFFICIENTS, seed=st.integers(0, 2**32))
 def test_numbers_come_back_as_they_were(dtc: nw.Model, file: Path, coefficients: dict[str, float], seed: int) -> None:
-    covariance = np.random.default_rng(seed).standard_normal((17, 17)) * 10.0 ** np.arange(-9, 8)
+    size = 10.0 ** np.arange(-9, 8)
+    root = np.random.default_rng(seed).standard_normal((17, 30))
+    covariance = np.cov(root) * np.outer(size, size)
     model = nw.Model(dtc.setting, dtc.terms, coefficients, covariance)
     again = back(model, file)
     assert dict(again.coefficients) == coefficients

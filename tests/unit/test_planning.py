@@ -29,7 +29,9 @@ def test_candidates_fit_the_tank() -> None:
     for run in runs:
         assert run.length <= 40.0 * 1.001
         assert hull_reach(run, SETTING) <= 3.5 - 1.5 * 0.572 + 1e-3
-        assert np.abs(run.columns(5.0)["psi"]).max() <= np.radians(25.0)
+        columns = run.columns(5.0)
+        drift = np.arctan2(np.abs(columns["v"]), columns["u"])
+        assert max(np.abs(columns["psi"]).max(), drift.max()) <= np.radians(25.0) + 1e-9
 
 
 def test_information_is_the_inverse_variance_of_a_fit() -> None:
@@ -111,7 +113,11 @@ def test_depths_are_proposed_where_terms_know_them() -> None:
         ({"targets": ("b_bnk",)}, "targets are"),
         ({"terms": nw.with_bank(nw.PAPER, "tuck")}, "need depth"),
         ({"tank": nw.Tank(clearance=6.0)}, "no run fits"),
-        ({"tank": nw.Tank(depths=(0.1,))}, "no water under"),
+        ({"tank": nw.Tank(depths=(0.1,)), "terms": nw.with_bank(nw.PAPER, "tuck")}, "no water under"),
+        ({"tank": nw.Tank(depths=(0.3,))}, "do not know the depth"),
+        ({"tank": nw.Tank(speeds=(5.0,))}, "no speed for a ship"),
+        ({"noise": {"Y": 1.0}}, "noise: X needs"),
+        ({"terms": nw.TermTable("bare", (), (nw.PAPER["b_v"],), ())}, "no bank to plan for"),
     ],
 )
 def test_plans_that_cannot_be_made(options: dict, said: str) -> None:
@@ -119,7 +125,9 @@ def test_plans_that_cannot_be_made(options: dict, said: str) -> None:
         nw.plan_tests(SETTING, **options)
 
 
-@pytest.mark.parametrize("options", [{"run_length": 0.0}, {"speeds": (-1.0,)}, {"heading": -5.0}])
+@pytest.mark.parametrize(
+    "options", [{"run_length": 0.0}, {"run_length": np.inf}, {"speeds": (-1.0,)}, {"heading": -5.0}]
+)
 def test_tanks_that_are_none(options: dict) -> None:
     with pytest.raises(nw.InputError, match="positive"):
         nw.Tank(**options)
@@ -146,3 +154,34 @@ def test_design_on_the_command_line(cli, ship_file, tmp_path) -> None:
     code, out, err = cli("design", ship_file, "--speeds", "fast")
     assert code == 2
     assert "write 0.6,0.9" in err
+
+
+def test_what_was_made_does_not_count_by_its_sampling() -> None:
+    runs = nw.plan_tests(SETTING, 3, tank=TANK).runs
+    slow, fast = (nw.plan_tests(SETTING, 1, tank=TANK, after=nw.twin(runs=runs, rate=rate)) for rate in (5.0, 20.0))
+    assert fast.std["b_bank"][0] == pytest.approx(slow.std["b_bank"][0], rel=0.05)
+    with pytest.raises(nw.InputError, match="several conditions"):
+        nw.plan_tests(SETTING, 1, tank=TANK, after=nw.measured_tests("kcs"))
+
+
+def test_tied_targets_are_one() -> None:
+    one, both = (
+        nw.plan_tests(SETTING, 6, tank=TANK, criterion="d", targets=targets)
+        for targets in (("b_rdot",), ("b_rdot", "c_vdot"))
+    )
+    assert both.std["b_rdot"][-1] == both.std["c_vdot"][-1] == pytest.approx(one.std["b_rdot"][-1])
+
+
+def test_what_no_run_determines_is_said(cli, tmp_path) -> None:
+    terms = nw.with_bank(nw.PAPER, "distance_depth")
+    plan = nw.plan_tests(SETTING, 4, tank=nw.Tank(speeds=(0.7,), depths=(0.3,)), terms=terms)
+    assert not plan.determined
+    assert any("No such runs determine" in said for said in plan.sentences)
+    many = nw.plan_tests(SETTING, 10_000, tank=TANK)
+    assert len(many.runs) == many.considered
+
+
+def test_at_full_scale_a_run_is_as_long_as_the_ship_needs() -> None:
+    full = nw.scale_model(nw.published("mikkelsen2025_dtc"), 355.0).model.setting
+    runs = candidates(full, nw.Tank())
+    assert max(run.length for run in runs) == pytest.approx(3550, rel=0.01)

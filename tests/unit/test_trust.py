@@ -168,3 +168,33 @@ def test_harmonic_yaw_alone_is_confounded_until_tests_that_separate_are_added() 
             assert nw.identify(nw.twin(runs=(*yaw, *added))).verdicts[name].status == "identified"
     slower = tuple(nw.HarmonicRun(f"S{a}", "yaw", a, 25.0, 0.7) for a in (0.9, 0.5))
     assert nw.identify(nw.twin(runs=(*yaw, *slower))).verdicts["b_bank"].status == "confounded"
+
+
+@pytest.mark.parametrize("terms", ["paper", "speed", "mixed", "crossflow"])
+def test_an_estimate_lies_in_its_own_interval(terms: str, kcs_tests: dict[int, nw.CaptiveTests]) -> None:
+    for tests in kcs_tests.values():
+        fit = nw.identify(tests, terms)
+        for name, (low, high) in fit.intervals.items():
+            slack = 1e-5 * max(abs(low), abs(high)) if np.isfinite([low, high]).all() else 0.0
+            assert low - slack <= fit.coefficients[name] <= high + slack, (terms, name)
+
+
+def test_draws_keep_what_the_tests_determine(kcs_fits: dict[int, nw.Fit]) -> None:
+    """b_v and b_vv trade: where one is brought back to its bound, the force at the speeds of the tests stays."""
+    from narrows.simulation.grid import grid_of
+
+    fit = kcs_fits[100]
+    values = grid_of(fit.model, {}, 4000, 0).values
+    v = 0.05
+    force = values["b_v"].to_numpy() * v + values["b_vv"].to_numpy() * v * v
+    direction = np.array([{"b_v": v, "b_vv": v * v}.get(name, 0.0) for name in NAMES])
+    spread = np.sqrt(direction @ fit.covariance @ direction)
+    assert force.mean() == pytest.approx(direction @ [fit.coefficients[n] for n in NAMES], abs=0.5 * spread)
+    assert force.std() == pytest.approx(spread, rel=0.3)
+    assert (values["b_vv"] >= 0).all()
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, 95.0, -1.0])
+def test_a_level_that_is_no_share_is_refused(fit: nw.Fit, level: float) -> None:
+    with pytest.raises(nw.InputError, match="between 0 and 1"):
+        fit.bootstrap(50).intervals(level)

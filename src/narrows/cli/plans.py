@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def design(
     ship: Annotated[Path, typer.Argument(help="Ship file: TOML with [ship], [canal], [water].", show_default=False)],
     runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12,
-    run_length: Annotated[float, typer.Option(help="Of steady motion in one run [m].")] = 40.0,
+    run_length: Annotated[float | None, typer.Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None,
     clearance: Annotated[float, typer.Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5,
     speeds: Annotated[str, typer.Option(help="To run at [m/s], a,b,c; three slow ones unless given.")] = "",
     depths: Annotated[str, typer.Option(help="To run at [m], a,b,c; for terms that know the depth.")] = "",
@@ -46,7 +46,9 @@ def design(
         write_plan(plan, output)
     if json:
         print_json(plan.summary())
-        return
-    print_plan(plan)
-    if output:
-        typer.echo(f"wrote {output}")
+    else:
+        print_plan(plan)
+        if output:
+            typer.echo(f"wrote {output}")
+    if not plan.determined:
+        raise SystemExit(1)

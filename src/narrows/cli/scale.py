@@ -33,6 +33,8 @@ def scale(
     from narrows.report.scales import print_scaled, scaled_summary
 
     friction = None
+    if form_factor is None and not (wetted_surface is None and at_speed is None):
+        raise InputError("--wetted-surface and --at-speed serve --form-factor; add it, or leave them out")
     if form_factor is not None:
         if wetted_surface is None or at_speed is None:
             raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")

@@ -95,6 +95,8 @@ def map_(
     from narrows.simulation.maps import map_summary, mapped
     from narrows.simulation.netcdf import save_netcdf
 
+    if within is not None and not 0 < within < float("inf"):
+        raise InputError(f"--within {within} is no distance; give metres")
     if within is not None and not draws:
         raise InputError("--within maps a probability, which needs draws of the coefficients: add --draws 200")
     chosen, ranges = model_named(model), {"--y": y, "--u": u, "--psi-deg": psi_deg, "--width": width}

@@ -103,8 +103,8 @@ def resampled(problem: Problem, clusters: Clusters, robust: Robust, resamples: i
     """
     if kind not in BOOTSTRAPS:
         raise InputError(f"bootstrap kind {kind!r} is unknown; choose {' or '.join(BOOTSTRAPS)}")
-    if resamples < 2:
-        raise InputError(f"{resamples} resamples give no spread; ask for 1000 or more")
+    if resamples < 2 or seed < 0:
+        raise InputError(f"{resamples} resamples with seed {seed} give no spread; ask for 1000 or more, seed 0 or more")
     make = _by_tests if kind == "tests" else _by_scores
     bounded, free = make(problem, clusters, resamples, np.random.default_rng(seed))
     low, high = np.quantile(problem.coefficients(free), MIDDLE, axis=0)

@@ -13,6 +13,8 @@ from narrows.identification.verdict import CONFOUNDED
 from narrows.tables import BARE, table_named
 from narrows.terms import TermTable
 
+Tables = str | TermTable | Sequence[str | TermTable]
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -93,14 +95,16 @@ def ready_tables() -> tuple[str, ...]:
     return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"))
 
 
-def compare(tests: Tests, tables: Sequence[str | TermTable] = (), weights: str = "paper") -> Comparison:
+def compare(
+    tests: Tests, tables: str | TermTable | Sequence[str | TermTable] = (), weights: str = "paper"
+) -> Comparison:
     """Fit several tables of terms to the same tests.
 
     Parameters
     ----------
     tests : CaptiveTests or StreamedTests
         Of one condition, or of several for tables that ask for the depth.
-    tables : sequence of str or TermTable
+    tables : str, TermTable or a sequence of them
         Tables, or names of them; all that come with the package unless given.
     weights : str
         As in ``identify``.
@@ -111,8 +115,11 @@ def compare(tests: Tests, tables: Sequence[str | TermTable] = (), weights: str =
         Where no table could be fitted.
     """
     fits, left_out = {}, {}
+    tables = (tables,) if isinstance(tables, str | TermTable) else tables
     for table in tables or ready_tables():
         chosen = table_named(table) if isinstance(table, str) else table
+        if chosen.name in fits:
+            raise InputError(f"two tables of terms are called {chosen.name!r}; rename one")
         try:
             fits[chosen.name] = identify(tests, chosen, weights)
         except InputError as error:

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.captive.tests import Tests
 from narrows.identification import shapley
-from narrows.identification.comparison import Comparison, compare
+from narrows.identification.comparison import Comparison, compare, ready_tables
 from narrows.identification.fit import Fit, identify
 from narrows.identification.score import Score, score
 from narrows.identification.summary import finite
@@ -161,5 +161,5 @@ def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanati
         fit,
         score(moments, moments.total, model.terms, model.coefficients),
         {name: score(moments, moments.of_test(name), model.terms, model.coefficients) for name in moments.names},
-        compare(tests, tuple(dict.fromkeys((model.terms.name, *tables))) if tables else ()),
+        compare(tests, (model.terms, *(t for t in tables or ready_tables() if t != model.terms.name))),
     )

@@ -31,7 +31,7 @@ from narrows.identification.tradeoff import Tradeoff, tradeoffs
 from narrows.identification.uncertainty import Clusters, clustered, pieces_for
 from narrows.identification.verdict import Verdict
 from narrows.model import Envelope, Model
-from narrows.tables import PAPER
+from narrows.tables import PAPER, table_named
 from narrows.terms import TermTable
 
 SPLITS = ("test", "random")
@@ -129,7 +129,12 @@ class Fit:
         """What the reader of the tests had to say, and what was taken as independent."""
         few = [name for name, own in zip(self.terms.names, self.robust.few, strict=True) if own]
         said = (f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",)
-        return (*self.tests.notes, self.clusters.sentence, *said * bool(few))
+        depths = ("Terms that do not ask for the depth have one coefficient for all conditions of these tests.",)
+        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * self._several)
+
+    @property
+    def _several(self) -> bool:
+        return isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
 
     @cached_property
     def tradeoffs(self) -> tuple[Tradeoff, ...]:
@@ -247,7 +252,9 @@ class Fit:
         return {name: float(np.asarray(sums)[self.moments.columns[name]] / rows) for name in self.terms.names}
 
 
-def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", split: str = "test", seed: int = 0) -> Fit:
+def identify(
+    tests: Tests, terms: TermTable | str = PAPER, weights: str = "paper", split: str = "test", seed: int = 0
+) -> Fit:
     """Fit a table of terms to captive tests: the paper's joint constrained problem, solved exactly.
 
     One pass over the rows leaves sums of products; the fit, its standard errors (cluster jackknife) and its
@@ -257,8 +264,8 @@ def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", spl
     ----------
     tests : CaptiveTests or StreamedTests
         Of one condition.
-    terms : TermTable
-        The terms, their bounds and ties.
+    terms : TermTable or str
+        The terms, their bounds and ties, or the name of a table that comes with the package.
     weights : str
         ``paper``: the plain sum of squared errors of X, Y and N; ``variance``: each over its force's variance.
     split : str
@@ -279,6 +286,7 @@ def identify(tests: Tests, terms: TermTable = PAPER, weights: str = "paper", spl
     """
     if split not in SPLITS:
         raise InputError(f"split {split!r} is unknown; choose {' or '.join(SPLITS)}")
+    terms = table_named(terms) if isinstance(terms, str) else terms
     check_one_condition(tests, terms)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
     moments, envelope = accumulate(fitted, terms, pieces_for(len(tests.names)))

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.errors import InputError, did_you_mean
 from narrows.identification.batch import RIDGE, solve_many
 from narrows.identification.moments import Moments
 from narrows.identification.problem import Problem
@@ -39,7 +40,7 @@ class Influence:
         name : str
             A coefficient.
         """
-        column = self.information[:, self.names.index(name)]
+        column = self.information[:, self._place(name)]
         return self.tests[int(column.argmax())], float(column.max())
 
     def most_moving(self, name: str) -> tuple[str, float]:
@@ -50,9 +51,14 @@ class Influence:
         name : str
             A coefficient.
         """
-        column = self.moved[:, self.names.index(name)]
+        column = self.moved[:, self._place(name)]
         most = int(np.abs(column).argmax())
         return self.tests[most], float(column[most])
+
+    def _place(self, name: str) -> int:
+        if name not in self.names:
+            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.names)}")
+        return self.names.index(name)
 
 
 def influence(problem: Problem, moments: Moments) -> Influence:

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 
+from narrows.errors import InputError
 from narrows.vocabulary import Number
 
 LEVEL = 0.95
@@ -19,9 +20,16 @@ def reach(clusters: Number, level: float = LEVEL) -> Number:
         K; an effective number need not be whole.
     level : float [1]
         Of confidence.
+
+    Raises
+    ------
+    InputError
+        Where the level is not between 0 and 1.
     """
     from scipy.special import stdtrit
 
+    if not 0 < level < 1:
+        raise InputError(f"a confidence of {level} is no share; give one between 0 and 1, as 0.95")
     return stdtrit(np.maximum(clusters - 1, 1), 0.5 + level / 2)
 
 

@@ -62,7 +62,11 @@ def assess(problem: Problem, moments: Moments) -> Robust:
     few = whole.counts < FEW_TESTS
     if not clusters.by_test or not few.any():
         return whole
-    fine = robust(problem, by_stretches(moments))
+    stretches = by_stretches(moments)
+    fine = robust(problem, stretches)
+    # One set of bounds held for both, so that value, error and covariance are of one fit.
+    held = np.where(few, fine.held, whole.held)
+    whole, fine = robust(problem, clusters, held), robust(problem, stretches, held)
     std = np.where(few, fine.std, whole.std)
     stretch = np.where(whole.std > 0, std / np.where(whole.std > 0, whole.std, 1.0), 1.0)
     return replace(
@@ -74,7 +78,7 @@ def assess(problem: Problem, moments: Moments) -> Robust:
     )
 
 
-def robust(problem: Problem, clusters: Clusters) -> Robust:
+def robust(problem: Problem, clusters: Clusters, held: np.ndarray | None = None) -> Robust:
     """Let the bounds go, hold again one by one those that the data reject, and jackknife what is left (ours).
 
     Parameters
@@ -83,34 +87,43 @@ def robust(problem: Problem, clusters: Clusters) -> Robust:
         The joint problem.
     clusters : Clusters
         What is taken as independent.
+    held : array (n,) of bool, optional
+        Which coefficients to hold at their bounds, instead of asking the data.
     """
     h, g = problem.normal(np.concatenate([clusters.sums.sum(axis=0)[None], clusters.without]))
     counts, excess = leverage(h, problem.normal(clusters.sums)[0])
+    slots = [problem.slot[name] for name in problem.terms.names]
+    wanted = None if held is None else np.isin(np.arange(len(problem.scale)), np.array(slots)[held])
     lower, upper = np.full(len(problem.scale), -np.inf), np.full(len(problem.scale), np.inf)
     values, std = np.zeros(len(lower)), np.zeros(len(lower))
-    held = np.zeros(len(lower), bool)
+    now = np.zeros(len(lower), bool)
     while True:
         z = solve_many(h, g, lower, upper)
         covariance = jackknife(z[0], z[1:]) / np.sqrt(np.outer(excess, excess))
         own = np.sqrt(np.diag(covariance))
-        values[~held], std[~held] = z[0][~held], own[~held]
-        beyond = np.maximum(problem.lower - z[0], z[0] - problem.upper) - reach(counts) * own
-        beyond[held | (np.diag(h[0]) == 0)] = -np.inf
-        worst = int(beyond.argmax())
-        if not beyond[worst] > 0:
+        values[~now], std[~now] = z[0][~now], own[~now]
+        more = _rejected(problem, z[0], own * reach(counts), now, h[0]) if wanted is None else wanted & ~now
+        if not more.any():
             break
-        held[worst] = True
-        lower[worst] = upper[worst] = np.clip(z[0][worst], problem.lower[worst], problem.upper[worst])
-    slots = [problem.slot[name] for name in problem.terms.names]
+        now |= more
+        lower[more] = upper[more] = np.clip(z[0], problem.lower, problem.upper)[more]
     scale = problem.scale[slots]
     return Robust(
         problem.coefficients(values),
         std[slots] / scale,
         covariance[np.ix_(slots, slots)] / np.outer(scale, scale),
-        held[slots],
+        now[slots],
         counts[slots],
         np.zeros(len(slots), bool),
     )
+
+
+def _rejected(problem: Problem, z: np.ndarray, far: np.ndarray, held: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """The parameter that the data put farthest beyond its bound for certain, if any."""
+    beyond = np.maximum(problem.lower - z, z - problem.upper) - far
+    beyond[held | (np.diag(h) == 0)] = -np.inf
+    worst = np.arange(len(z)) == beyond.argmax()
+    return np.asarray(worst & (beyond > 0))
 
 
 def leverage(h: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

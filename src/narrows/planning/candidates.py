@@ -17,6 +17,10 @@ OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
 CYCLES = (2, 3, 5)
 STRAIGHT_DRIFTS = (0.0, 6.0)
 SAMPLES = 100
+RUN_LENGTHS, MOST = 10.0, 1e5
+"""A run's steady motion over the ship's length; and more than any tank has of anything, in SI."""
+MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
+"""Speed over the root of g L beyond which no ship in a canal goes; and samples that a run may have."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +29,12 @@ class Tank:
 
     Parameters
     ----------
-    run_length : float [m]
-        Of steady motion in one run.
+    run_length : float [m], optional
+        Of steady motion in one run; ten ship lengths unless given.
     clearance : float [1]
         Least distance from the hull's side to a wall, over the beam: nearer, every form of the bank term is in doubt.
     heading : float [deg]
-        Largest in a yaw test.
+        Largest heading in a yaw test, and drift angle in a sway test.
     speeds : sequence of float [m/s]
         To run at; three slow ones by the ship's length unless given.
     depths : sequence of float [m]
@@ -42,19 +46,32 @@ class Tank:
         Where a number is not positive.
     """
 
-    run_length: float = 40.0
+    run_length: float | None = None
     clearance: float = 1.5
     heading: float = 25.0
     speeds: Sequence[float] = ()
     depths: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        for name, value in (("run_length", self.run_length), ("clearance", self.clearance), ("heading", self.heading)):
-            if not value > 0:
-                raise InputError(f"tank: {name} = {value} must be positive")
-        for value in (*self.speeds, *self.depths):
-            if not value > 0:
-                raise InputError(f"tank: {value} among its speeds and depths must be positive")
+        length = 1.0 if self.run_length is None else self.run_length
+        named = {"run_length": length, "clearance": self.clearance, "heading": self.heading}
+        for name, value in (
+            *named.items(),
+            *(("speeds", u) for u in self.speeds),
+            *(("depths", h) for h in self.depths),
+        ):
+            if not 0 < value < MOST:
+                raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
+
+    def length_for(self, setting: Setting) -> float:
+        """Return how much steady motion a run has [m].
+
+        Parameters
+        ----------
+        setting : Setting
+            Gives the ship's length.
+        """
+        return RUN_LENGTHS * setting.ship.length if self.run_length is None else self.run_length
 
 
 def candidates(setting: Setting, tank: Tank) -> list[Run]:
@@ -77,6 +94,9 @@ def candidates(setting: Setting, tank: Tank) -> list[Run]:
     for depth in tank.depths:
         if depth <= setting.ship.draft:
             raise InputError(f"a depth of {depth} m leaves no water under a draft of {setting.ship.draft} m; raise it")
+    for speed in tank.speeds:
+        if speed > MOST_FROUDE * (9.81 * setting.ship.length) ** 0.5 or tank.length_for(setting) / speed > MOST_SAMPLES:
+            raise InputError(f"{speed:g} m/s is no speed for a ship {setting.ship.length:g} m long in a tank; check it")
     speeds = tank.speeds or [round(f * float(np.sqrt(9.81 * setting.ship.length)), 3) for f in FROUDE]
     return [
         run
@@ -96,15 +116,16 @@ def _straight(setting: Setting, tank: Tank, speed: float, depth: float | None) -
         offset = round(share * _room(setting, tank), 3)
         if share or drift:
             name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
-            yield StraightRun(name, offset, speed, tank.run_length / speed, float(np.radians(drift)), depth)
+            yield StraightRun(name, offset, speed, tank.length_for(setting) / speed, float(np.radians(drift)), depth)
 
 
 def _harmonic(setting: Setting, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
     for kind, offset_share, share, cycles in product(("yaw", "sway"), OFFSETS, AMPLITUDES, CYCLES):
         room = _room(setting, tank)
         offset = round(offset_share * room, 3)
-        amplitude, period = round(share * (room - offset), 3), round(tank.run_length / speed / cycles, 2)
-        if kind == "yaw" and amplitude * 2 * np.pi / period >= speed * np.sin(np.radians(tank.heading)):
+        amplitude, period = round(share * (room - offset), 3), round(tank.length_for(setting) / speed / cycles, 2)
+        steep = np.sin if kind == "yaw" else np.tan
+        if not 0 < amplitude * 2 * np.pi / period < speed * steep(np.radians(tank.heading)):
             continue
         name = f"{kind} A={amplitude:g} y={offset:g} T={period:g} u={speed:g}{_at(depth)}"
         yield HarmonicRun(name, kind, amplitude, period, speed, cycles, offset, depth)

@@ -1,15 +1,16 @@
 """``plan_tests``: a ship, a tank and a budget of runs in; the runs and what they would tell out."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from narrows.captive.runs import HarmonicRun, Run, StraightRun
-from narrows.captive.tests import Tests
+from narrows.captive.tests import CaptiveTests, Tests
 from narrows.captive.twin import NOISE
 from narrows.errors import InputError
+from narrows.identification.fit import check_one_condition
 from narrows.identification.moments import accumulate
 from narrows.identification.problem import reduced, slots
 from narrows.particulars import Setting
@@ -40,6 +41,8 @@ class Plan:
         Variance inflation under that plan.
     considered : int
         How many runs there were to choose from.
+    assumed : str
+        Noise and length of a run, that the standard errors rest on.
     """
 
     runs: tuple[Run, ...]
@@ -49,16 +52,26 @@ class Plan:
     usual: Mapping[str, float]
     usual_inflation: Mapping[str, float]
     considered: int
+    assumed: str
+
+    @property
+    def determined(self) -> bool:
+        """Whether the runs determine every target at all."""
+        return all(np.isfinite(self.std[name][-1]) for name in self.targets)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """What is gained, for each target."""
-        return tuple(
+        unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
+        said = tuple(
             f"{name}: standard error {self.std[name][-1]:.2g} (VIF {self.inflation[name]:.3g}) with these runs, "
             f"{self.usual[name]:.2g} (VIF {self.usual_inflation[name]:.3g}) with as many of the best harmonic runs "
             "about the centreline."
             for name in self.targets
+            if name not in unknown
         )
+        lost = (f"No such runs determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(unknown)
+        return (*said, *lost, self.assumed)
 
     def summary(self) -> dict[str, Any]:
         """Everything as plain numbers and words: what ``design --json`` prints."""
@@ -120,7 +133,8 @@ def plan_tests(
     targets : sequence of str
         The coefficients that matter; those of the bank unless given.
     criterion : str
-        ``c``: the sum of their variances, each over the square of its unit; ``d``: the determinant of their covariance.
+        ``c``: the sum of their variances, each over that of the best single run for it; ``d``: the determinant of
+        their covariance.
     noise : mapping of str to float [N, N, N m]
         Standard deviation of each force.
     correlation_time : float [s]
@@ -142,18 +156,24 @@ def plan_tests(
         raise InputError(f"{runs} runs are no plan; ask for one or more")
     if criterion not in CRITERIA:
         raise InputError(f"criterion {criterion!r} is unknown; choose {' or '.join(CRITERIA)}")
-    targets = tuple(targets) or tuple(term.name for term in terms.terms if term.from_bank)
-    for name in targets:
-        if name not in terms.names:
-            raise InputError(f"the terms have no {name!r}; targets are {', '.join(terms.names)}")
-    offered = candidates(setting, tank or Tank())
+    targets = _targets(terms, targets)
+    for force, own in terms.forces.items():
+        if own and not noise.get(force, 0.0) > 0:
+            raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
+    tank = tank or Tank()
+    if tank.depths and "depth" not in terms.inputs:
+        raise InputError("these terms do not know the depth of the water; leave the depths out, or take terms that do")
+    offered = candidates(setting, tank)
     told = np.array([run_information(run, setting, terms, noise, correlation_time) for run in offered])
     known = _known(after, terms, noise, correlation_time) if after is not None else np.zeros(told.shape[1:])
     index = [slots(terms)[name] for name in targets]
-    best = choose(told, known, runs, index, criterion)
+    wanted = sorted(set(index))  # tied coefficients are one parameter
+    best = choose(told, known, runs, wanted, criterion)
     usual = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     ours = _said(known + np.cumsum(told[best], axis=0), index)
-    theirs = _said(known + told[usual][choose(told[usual], known, runs, index, criterion)].sum(axis=0)[None], index)
+    theirs = _said(
+        known + told[usual][choose(told[usual], known, len(best), wanted, criterion)].sum(axis=0)[None], index
+    )
     return Plan(
         tuple(offered[i] for i in best),
         targets,
@@ -162,7 +182,27 @@ def plan_tests(
         {name: float(theirs[0][-1, j]) for j, name in enumerate(targets)},
         {name: float(theirs[1][-1, j]) for j, name in enumerate(targets)},
         len(offered),
+        _assumed(noise, correlation_time, tank, setting),
     )
+
+
+def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, setting: Setting) -> str:
+    sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
+    return (
+        f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {tank.length_for(setting):g} m of steady "
+        "motion a run."
+    )
+
+
+def _targets(terms: TermTable, given: Sequence[str]) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else tuple(given)
+    names = names or tuple(term.name for term in terms.terms if term.from_bank)
+    for name in names:
+        if name not in terms.names:
+            raise InputError(f"the terms have no {name!r}; targets are {', '.join(terms.names)}")
+    if not names:
+        raise InputError("these terms have no bank to plan for; name the coefficients that matter as targets")
+    return names
 
 
 def _said(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -176,9 +216,17 @@ def _said(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.nda
 
 
 def _known(tests: Tests, terms: TermTable, noise: Mapping[str, float], correlation_time: float) -> np.ndarray:
-    """Information of tests that were made, each row as independent as those of a plan of the same duration."""
+    """Information of tests that were made; rows nearer in time than two correlation times share theirs."""
+    check_one_condition(tests, terms)
     moments, _ = accumulate(tests, terms)
     problem = reduced(moments, terms)
-    weighed = {force: 1 / noise[force] ** 2 for force, own in terms.forces.items() if own}
-    h, _ = type(problem)(**{**vars(problem), "weights": weighed}).normal(moments.total)
+    weighed = replace(problem, weights={force: 1 / noise[force] ** 2 for force, own in terms.forces.items() if own})
+    share = np.array([1 / max(1.0, 2 * correlation_time * _rate(tests, name)) for name in moments.names])
+    h, _ = weighed.normal(np.tensordot(share, moments.by_test(), axes=1))
     return np.asarray(h * np.outer(problem.scale, problem.scale))
+
+
+def _rate(tests: Tests, name: str) -> float:
+    """Of sampling [Hz]; 0 where the rows carry no time, so that each is taken as independent."""
+    t = tests.test(name).get("t") if isinstance(tests, CaptiveTests) else None
+    return 0.0 if t is None or len(t) < 2 else float(1 / np.median(np.diff(t)))

@@ -74,7 +74,7 @@ def intervals_figure(fit: Fit) -> Figure:
         panel.plot(fit.coefficients[name] / size, i, "o", markerfacecolor=face, markeredgecolor=edge)
     panel.axvline(0, color=BLACK, linewidth=0.7)
     panel.set_yticks(range(len(names)), symbols(fit.terms, names))
-    panel.set(xlim=(-3.5, 3.5), ylim=(len(names) - 0.5, -0.5), ylabel="coefficient [-]")
+    panel.set(xlim=(-3.5, 3.5), ylim=(max(len(names), 1) - 0.5, -0.5), ylabel="coefficient [-]")
     panel.set_xlabel("value and 95 % interval over the size of the value [1]; filled: identified, open: not")
     panel.grid(alpha=0.3, axis="x")
     return figure

@@ -16,6 +16,8 @@ START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 """State at the start, and what it is unless said otherwise."""
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
 """Constant surge force, sway force and yaw moment."""
+PASSES = 3
+"""Over the coefficients, to bring draws back to their bounds."""
 STEADY = {"heave": 0.0, "rudder": 0.0}
 """Sinkage and rudder angle, held through a voyage."""
 
@@ -134,9 +136,11 @@ def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Gr
         if name not in words:
             raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
-    if draws:
+    if draws or seed < 0:
         values |= _drawn(model, draws, seed)
     values |= {name: _labelled(name, value) for name, value in given.items()}
+    if (values["width"] <= values["beam"]).any():
+        raise InputError("the ship is wider than the canal in some of these voyages; check width and beam")
     sizes = dict(xr.broadcast(*[v.isel({d: slice(0, None) for d in v.dims}) for v in _slim(values)])[0].sizes)
     return Grid(values, {str(name): n for name, n in sizes.items()} or {"vessel": 1})
 
@@ -164,12 +168,24 @@ def _from_plain(name: str, value: Any) -> xr.DataArray:
 
 def _drawn(model: Model, draws: int, seed: int) -> dict[str, xr.DataArray]:
     """Coefficients from their covariance, tied ones together, brought back to their bounds."""
+    if draws < 0 or seed < 0:
+        raise InputError(f"draws = {draws} and seed = {seed}: give numbers from 0")
     if model.covariance is None:
         raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or draws=0")
     names = model.terms.names
     mean = np.array([model.coefficients[name] for name in names])
     sample = np.random.default_rng(seed).multivariate_normal(mean, model.covariance, size=draws, method="eigh")
     low, high = np.array([term.bound for term in model.terms.terms]).T
-    columns = np.clip(sample, low, high).T
+    columns = _within(sample, model.covariance, low, high).T
     coordinate = {"draw": np.arange(draws)}
     return {name: xr.DataArray(c, dims=["draw"], coords=coordinate) for name, c in zip(names, columns, strict=True)}
+
+
+def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Bring draws back to their bounds; what is correlated with a coefficient that moves, moves along."""
+    for _ in range(PASSES):
+        for k in np.flatnonzero(np.diag(covariance) > 0):
+            shift = np.clip(sample[:, k], low[k], high[k]) - sample[:, k]
+            if shift.any():
+                sample = sample + shift[:, None] * covariance[k] / covariance[k, k]
+    return np.asarray(np.clip(sample, low, high))

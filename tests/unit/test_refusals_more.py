@@ -1,0 +1,88 @@
+"""Ordinary mistakes in the later verbs and functions: one sentence, with the remedy."""
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from tables import short_twin
+
+DTC = nw.published("mikkelsen2025_dtc")
+
+
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (lambda: nw.bank_only("tcuk"), "did you mean 'tuck'"),
+        (lambda: nw.equivalent_wall([], 1.0), "two points"),
+        (lambda: nw.equivalent_wall([(1.0, 0.0), (2.0, -1.0)], 1.0), "below the bottom"),
+        (lambda: nw.identify(short_twin(), "sped"), "did you mean 'speed'"),
+        (lambda: nw.compare(short_twin(), [nw.PAPER, nw.PAPER]), "two tables of terms"),
+        (lambda: nw.nondimensional(DTC, "prime1", np.inf), "positive one"),
+        (lambda: nw.identify(short_twin()).influence.most_moving("b_bnk"), "did you mean 'b_bank'"),
+        (lambda: nw.ensemble(DTC, draws=-1), "from 0"),
+        (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "wider than the canal"),
+        (lambda: nw.scale_model(DTC, 1e200), "is none"),
+        (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
+        (lambda: nw.scale_model(DTC, 355.0, friction=nw.Friction(400.0, 0.1, 1.0)), "more than the whole of a_uu"),
+        (lambda: nw.squat(nw.Setting(DTC.setting.ship, nw.Canal(7.0, 0.3)), 0.5, "bow", "barrass"), "largest sinkage"),
+    ],
+)
+def test_functions(act, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        act()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("matrix = [", "matrix = [[nan],"), "covariance"),
+        (("speed = [", "speed = [9.0, "), "envelope"),
+    ],
+)
+def test_model_files(change: tuple[str, str], said: str, tmp_path) -> None:
+    path = tmp_path / "m.toml"
+    nw.save_model(nw.identify(short_twin()).model, path)
+    path.write_text(path.read_text().replace(*change, 1))
+    with pytest.raises(nw.InputError, match=said):
+        nw.load_model(path)
+
+
+def test_a_covariance_must_be_one(tmp_path) -> None:
+    from dataclasses import replace
+
+    path = tmp_path / "m.toml"
+    for spoil in (np.nan, -1.0):
+        matrix = np.eye(17)
+        matrix[3, 3] = spoil
+        nw.save_model(replace(DTC, covariance=matrix), path)
+        with pytest.raises(nw.InputError, match="is no covariance"):
+            nw.load_model(path)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("map", "mikkelsen2025_dtc", "--draws", "20", "--within", "-10"), "no distance"),
+        (("scale", "mikkelsen2025_dtc", "--length", "355", "--wetted-surface", "3"), "serve --form-factor"),
+        (("scale", "mikkelsen2025_dtc", "--length", "355", "--width", "0"), "must be positive"),
+    ],
+)
+def test_the_command_line(words: tuple[str, ...], said: str, cli) -> None:
+    code, _, err = cli(*words)
+    assert code == 2
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_a_plain_depth_says_what_it_leaves(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
+    fit = nw.identify(kcs_tests[100], "paper+distance_depth")
+    said = " ".join(nw.at_depth(fit.model, 0.246).warnings)
+    assert "tests at one depth do not determine them" in said
+    assert "h/T = 1.20 is below 1.5" in said
+
+
+def test_an_explanation_says_how_the_models_own_terms_do() -> None:
+    table = nw.with_bank(nw.SPEED, "distance", name="mine")
+    tests = short_twin()
+    found = nw.explain(nw.identify(tests, table).model, tests, ("paper",))
+    assert list(found.comparison.fits) == ["mine", "paper"]
