@@ -111,3 +111,4 @@ def map_(
         save_figure(map_figure(voyages, chosen.setting, within), plot)
     summary = map_summary(voyages)
     print_json(summary) if json else typer.echo(summary["says"])
+    raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))

@@ -120,6 +120,9 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     said = f"{outcome.size} voyages: {count['grounded']} ground ({where})"
     nearest = f", the nearest after {near:.2f} m" if near is not None else ""
     rest = f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal"
+    rest += (
+        f", {count['diverged']} diverge: shorten the time step or look at the coefficients" if count["diverged"] else ""
+    )
     return {
         "voyages": int(outcome.size), "outcomes": count, "sides": sides, "nearest": near,
         "complete": bool(voyages.attrs["complete"]), "says": f"{said}{nearest}{rest}.",
