@@ -30,10 +30,10 @@ def fleet(vessels: int, **options: object) -> None:
 
 def with_scipy(vessels: int) -> None:
     """DOP853 with an event, on our right-hand side in plain Python."""
-    rhs, room, tail = SHIP.program.rhs, SHIP.program.gap, (0.0, 0.0, 0.0, *SHIP.constants)
+    rhs, room, tail = SHIP.program.rhs, SHIP.program.gap, (0.0, 0.0, 0.0, *SHIP.controls(0.0), *SHIP.constants)
     for y in STARTS[:vessels]:
         start = (0.0, float(y), 1.0, 0.0, 1.0, 0.0, 0.0)
-        list(dop853(lambda z: rhs(*z, *tail), start, [0.0, FAR], lambda z: room(*z[1:4], *tail[3:]), DT))
+        list(dop853(lambda z: rhs(*z, *tail), start, [0.0, FAR], lambda z: room(*z[1:4], *SHIP.constants), DT))
 
 
 def symbolic(cos, sin, size, y, psi, v, r):

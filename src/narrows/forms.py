@@ -129,8 +129,8 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     """
     form = _form(form)
     sway, yaw = (tuple(term for term in own if not term.from_bank) for own in (table.sway, table.yaw))
-    base = table.name.partition("+")[0]
-    kept = TermTable(name or f"{base}+{form.name}", table.surge, sway, yaw, table.ties)
+    own = "+".join(word for word in table.name.split("+") if word not in FORMS)
+    kept = TermTable(name or f"{own}+{form.name}", table.surge, sway, yaw, table.ties)
     return kept.with_terms(kept.name, sway=form.sway, yaw=form.yaw)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from narrows.dimension import KG, KG_M2, METRE, Dimension
 from narrows.errors import InputError
 from narrows.model import Envelope, Model, Range
-from narrows.particulars import Canal, Setting, Ship, Water
+from narrows.particulars import Canal, Setting, Ship, SteeringGear, Water
 from narrows.physics.clearance import GRAVITY
 from narrows.scaling import Units
 
@@ -144,7 +144,7 @@ def scale_model(
     units = Units(ratio**3 * water.density / old.water.density, ratio, ratio**0.5)
     deep = None if old.canal.depth is None else old.canal.depth * ratio
     canal = Canal(old.canal.width * ratio if width is None else width, deep if depth is None else depth)
-    setting = Setting(_scaled_ship(old.ship, units), canal, water)
+    setting = Setting(_scaled_ship(old.ship, units), canal, water, steering=_scaled_steering(old.steering, ratio))
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
     said = (*_fixed_warnings(model, friction), *_place_warnings(model, setting))
@@ -164,6 +164,10 @@ def scale_model(
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
     given = {n: getattr(ship, n) * units.factor(d) for n, d in SHIP.items() if getattr(ship, n) is not None}
     return replace(ship, **given)
+
+
+def _scaled_steering(gear: SteeringGear | None, ratio: float) -> SteeringGear | None:
+    return gear and replace(gear, rate_deg=gear.rate_deg / ratio**0.5)
 
 
 def _scaled_envelope(envelope: Envelope, units: Units) -> Envelope:

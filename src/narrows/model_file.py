@@ -16,8 +16,9 @@ from narrows.tables import table_named
 from narrows.terms import TermTable
 
 PARTS = ("ship", "canal", "water")
+MORE_PARTS = ("steering",)
 REQUIRED = (*PARTS, "terms", "coefficients")
-OPTIONAL = ("covariance", "envelope", "source")
+OPTIONAL = (*MORE_PARTS, "covariance", "envelope", "source")
 
 
 def save_model(model: Model, path: str | Path) -> None:
@@ -110,7 +111,8 @@ def model_named(name: str) -> Model:
 
 def _as_tables(model: Model) -> dict[str, Any]:
     setting = model.setting
-    tables: dict[str, Any] = {part: _without_none(asdict(getattr(setting, part))) for part in PARTS}
+    parts = {part: getattr(setting, part) for part in (*PARTS, *MORE_PARTS)}
+    tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items() if part is not None}
     lists = {force: [term.name for term in terms] for force, terms in model.terms.forces.items()}
     tables["terms"] = {"table": model.terms.name, **lists}
     tables["coefficients"] = {name: float(model.coefficients[name]) for name in model.terms.names}
@@ -135,7 +137,7 @@ def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
             raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
     terms = terms or _known_table(str(tables["terms"].get("table", "")))
     return Model(
-        setting=setting_from({part: tables[part] for part in PARTS}, "its setting"),
+        setting=setting_from({p: tables[p] for p in (*PARTS, *MORE_PARTS) if p in tables}, "its setting"),
         terms=terms,
         coefficients=tables["coefficients"],
         covariance=_covariance(tables.get("covariance"), terms),

@@ -9,10 +9,13 @@ from typing import Any
 
 from narrows.errors import InputError, did_you_mean
 
+PLACES = {"Ship": "ship", "Canal": "canal", "Water": "water", "SteeringGear": "steering"}
+"""The section of a file that gives each part."""
+
 
 def _check_positive(owner: object, names: tuple[str, ...]) -> None:
     for name in names:
-        place, value = f"[{type(owner).__name__.lower()}] {name}", getattr(owner, name)
+        place, value = f"[{PLACES.get(type(owner).__name__, '')}] {name}", getattr(owner, name)
         if value is None:
             continue
         _check_number(place, value)
@@ -120,6 +123,46 @@ class Water:
 
 
 @dataclass(frozen=True)
+class SteeringGear:
+    """What turns the rudder; unless said otherwise as slow as the rules allow a ship.
+
+    Parameters
+    ----------
+    limit_deg : float [deg]
+        Largest rudder angle.
+    rate_deg : float [deg/s]
+        Of the rudder.
+
+    Raises
+    ------
+    InputError
+        Where a value is not a positive number, or the limit is beyond 90 degrees.
+
+    References
+    ----------
+    SOLAS regulation II-1/29.3.2: from 35 degrees on one side to 30 on the other in 28 s.
+    """
+
+    limit_deg: float = 35.0
+    rate_deg: float = 65 / 28
+
+    def __post_init__(self) -> None:
+        _check_positive(self, ("limit_deg", "rate_deg"))
+        if self.limit_deg > 90:
+            raise InputError(f"[steering] limit_deg = {self.limit_deg} is beyond 90 degrees; check it")
+
+    @property
+    def limit(self) -> float:
+        """Largest rudder angle [rad]."""
+        return math.radians(self.limit_deg)
+
+    @property
+    def rate(self) -> float:
+        """Rate of the rudder [rad/s]."""
+        return math.radians(self.rate_deg)
+
+
+@dataclass(frozen=True)
 class Setting:
     """A ship in her canal and water: everything about a test but the motion.
 
@@ -133,6 +176,8 @@ class Setting:
         The water.
     depths : mapping of str to float [m], optional
         Water depth of each condition of a table that holds several.
+    steering : SteeringGear, optional
+        What turns the rudder; ``gear`` is the rules' where it is not given.
 
     Raises
     ------
@@ -144,6 +189,7 @@ class Setting:
     canal: Canal
     water: Water = Water()
     depths: Mapping[str, float] = field(default_factory=dict)
+    steering: SteeringGear | None = None
 
     def __post_init__(self) -> None:
         if self.ship.beam >= self.canal.width:
@@ -161,13 +207,20 @@ class Setting:
                     f"{name} = {depth} m leaves no water under [ship] draft = {self.ship.draft} m; check both"
                 )
 
+    @property
+    def gear(self) -> SteeringGear:
+        """What turns the rudder: as given, or as slow as the rules allow."""
+        return self.steering or SteeringGear()
+
     def values(self) -> dict[str, float]:
         """Every particular by its name, as the arguments that terms ask for."""
         parts = (asdict(part) for part in (self.ship, self.canal, self.water))
         return {name: value for part in parts for name, value in part.items() if value is not None}
 
 
-SECTIONS = {"ship": Ship, "canal": Canal, "water": Water}
+SECTIONS = {"ship": Ship, "canal": Canal, "water": Water, "steering": SteeringGear}
+NEEDED = ("ship", "canal", "water")
+"""Sections that are made of their defaults where they are absent."""
 
 
 def read_ship(path: str | Path) -> Setting:
@@ -233,7 +286,11 @@ def setting_from(tables: Mapping[str, Any], place: str) -> Setting:
             raise InputError(f"{place}: unknown section [{name}]{did_you_mean(name, known)}")
         check_table(name, table, place)
     try:
-        parts = {name: _section(cls, name, tables.get(name, {})) for name, cls in SECTIONS.items()}
+        parts = {
+            name: _section(cls, name, tables.get(name, {}))
+            for name, cls in SECTIONS.items()
+            if name in {*tables, *NEEDED}
+        }
         return Setting(**parts, depths=dict(tables.get("depths", {})))
     except InputError as error:
         raise InputError(f"{place}: {error}") from None

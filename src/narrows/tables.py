@@ -75,12 +75,28 @@ CROSSFLOW = SPEED.with_terms(
 )
 """Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge."""
 
-STEERED = CROSSFLOW.with_terms(
-    "steered",
-    surge=[Term("a_helm", r"a_{helm}", rudder.helm_surge, dim.NUMBER, NONNEGATIVE)],
-    sway=[Term("b_helm", r"b_{helm}", rudder.helm_sway, dim.NUMBER, NONNEGATIVE)],
-    yaw=[Term("c_helm", r"c_{helm}", rudder.helm_yaw, dim.NUMBER, NONNEGATIVE)],
-)
+HELM = {
+    "surge": (Term("a_helm", r"a_{helm}", rudder.helm_surge, dim.NUMBER, NONNEGATIVE),),
+    "sway": (Term("b_helm", r"b_{helm}", rudder.helm_sway, dim.NUMBER, NONNEGATIVE),),
+    "yaw": (Term("c_helm", r"c_{helm}", rudder.helm_yaw, dim.NUMBER, NONNEGATIVE),),
+}
+"""The terms of a rudder."""
+
+
+def with_helm(table: TermTable, name: str = "") -> TermTable:
+    """Return a table with the terms of a rudder (ours).
+
+    Parameters
+    ----------
+    table : TermTable
+        The table.
+    name : str
+        Of the new table; ``table+helm`` unless given.
+    """
+    return table.with_terms(name or f"{table.name}+helm", **HELM)
+
+
+STEERED = with_helm(CROSSFLOW, "steered")
 """The terms of ``crossflow`` and a rudder."""
 
 TAPERED = with_bank(PAPER, "tapered", name="tapered")
@@ -99,16 +115,19 @@ def table_named(name: str) -> TermTable:
     Parameters
     ----------
     name : str
-        Of a table, or ``table+form`` for one with another form of the bank term.
+        Of a table, ``table+form`` for one with another form of the bank term, ``table+helm`` for one with a rudder.
 
     Raises
     ------
     InputError
         Where there is no such table or form.
     """
-    base, plus, form = name.partition("+")
-    if base not in (BASES if plus else TABLES):
-        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, BASES if plus else TABLES)}")
-    if plus and form not in FORMS:
-        raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
-    return with_bank(BASES[base], form) if plus else TABLES[base]
+    base, *additions = name.split("+")
+    if base not in TABLES:
+        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, TABLES)}")
+    table = TABLES[base]
+    for addition in additions:
+        if addition not in FORMS and addition != "helm":
+            raise InputError(f"unknown form {addition!r} of the bank term{did_you_mean(addition, [*FORMS, 'helm'])}")
+        table = with_helm(table) if addition == "helm" else with_bank(table, addition)
+    return table

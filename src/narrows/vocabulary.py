@@ -41,6 +41,7 @@ MOTION = {
 CONTROLS = {
     "cos_rudder": Quantity("1", "cosine of the rudder angle"),
     "sin_rudder": Quantity("1", "sine of the rudder angle, positive where it turns the bow to starboard"),
+    "revolutions": Quantity("1/s", "propeller revolutions n"),
 }
 AMIDSHIPS = {"cos_rudder": 1.0, "sin_rudder": 0.0}
 """The rudder where nothing is said of it."""

@@ -78,6 +78,8 @@ def reference(model: nw.Model, state: dict, pushes: tuple[float, float, float], 
 
 
 PUSHES = (3.0, -2.0, 5.0)
+CONTROLS = (0.995, 0.0999, 2.0)
+"""Rudder and propeller, which these tables do not ask for."""
 
 
 @pytest.mark.parametrize("coriolis", [False, True])
@@ -87,11 +89,11 @@ def test_plain_form_is_the_terms_own(name: str, surge: str, coriolis: bool) -> N
     model = model_of(TABLES[name])
     program, columns = compiled(model.terms, surge, coriolis), states(50)
     constants = program.constants(values_of(model))
-    together = np.broadcast_arrays(*program.rhs(*columns.values(), *PUSHES, *constants))
+    together = np.broadcast_arrays(*program.rhs(*columns.values(), *PUSHES, *CONTROLS, *constants))
     for row in range(50):
         state = {key: float(column[row]) for key, column in columns.items()}
         expected = reference(model, state, PUSHES, surge, coriolis)
-        alone = program.rhs(*state.values(), *PUSHES, *constants)
+        alone = program.rhs(*state.values(), *PUSHES, *CONTROLS, *constants)
         np.testing.assert_allclose(alone, expected, rtol=1e-12, atol=1e-14)
         np.testing.assert_allclose([column[row] for column in together], expected, rtol=1e-12, atol=1e-14)
 
@@ -104,7 +106,9 @@ def test_block_form_is_the_plain_form(name: str) -> None:
     kernel = program.kernel(varying=False, precision="float64", inputs="constants")
     values = {**values_of(model), "heave": 0.01, **dict(zip(("X_in", "Y_in", "N_in"), PUSHES, strict=True))}
     own = kernel.constants(*(float(values[parameter]) for parameter in kernel.PARAMETERS))
-    expected = np.array(np.broadcast_arrays(*program.rhs(*columns.values(), *PUSHES, *program.constants(values))))
+    expected = np.array(
+        np.broadcast_arrays(*program.rhs(*columns.values(), *PUSHES, *CONTROLS, *program.constants(values)))
+    )
     found = np.array([kernel.rhs(*state, *own) for state in np.array(list(columns.values())).T]).T
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
 
@@ -149,7 +153,7 @@ class TestJacobian:
     def rates(self, program: Program, values: dict, at: dict, inputs: dict) -> np.ndarray:
         y, psi, u, v, r = (at[name] for name in LINEARISED[1:])
         rhs = program.rhs(
-            0.0, y, np.cos(psi), np.sin(psi), u, v, r, *inputs.values(), *program.constants(values)
+            0.0, y, np.cos(psi), np.sin(psi), u, v, r, *inputs.values(), *CONTROLS, *program.constants(values)
         )  # fmt: skip
         return np.array([rhs[0], rhs[1], r, *rhs[4:]])
 
@@ -177,6 +181,7 @@ class TestJacobian:
                 lambda own: self.rates(program, values | own, at, PUSHED), dict(model.coefficients)
             ),
         }
+        found["controls"] = found["controls"][:, : len(PUSHES)]
         for kind, matrix in expected.items():
             np.testing.assert_allclose(found[kind], matrix, rtol=2e-7, atol=1e-9, err_msg=kind)
 
@@ -248,7 +253,7 @@ def test_a_coefficient_may_be_called_anything_else(name: str) -> None:
     values = values_of(model_of(nw.PAPER))
     state = [float(column[0]) for column in states(1).values()]
     found, expected = (
-        program.rhs(*state, 0.0, 0.0, 0.0, *program.constants({**values, own: 60.0}))
+        program.rhs(*state, 0.0, 0.0, 0.0, *CONTROLS, *program.constants({**values, own: 60.0}))
         for program, own in ((compiled(one), name), (compiled(other), "b_uv"))
     )
     assert found == expected

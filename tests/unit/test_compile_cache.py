@@ -17,7 +17,7 @@ from narrows.compile import compiled
 model = nw.published("mikkelsen2025_dtc")
 values = {**model.setting.values(), **model.coefficients}
 program = compiled(model.terms)
-program.rhs(0.0, 0.5, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, *program.constants(values))
+program.rhs(0.0, 0.5, 1.0, 0.0, 1.0, *[0.0] * 5, 1.0, 0.0, 0.0, *program.constants(values))
 plain = not {"sympy", "numba"} & set(sys.modules)
 end = program.fleet(values, y=0.5, u=1.0, dt=0.02, duration=40.0)
 stats = program.kernel(False, "float64", "none").fleet.stats

@@ -30,7 +30,7 @@ def stepped(program, values: dict, start: dict, dt: float, steps: int, pushes=(0
     constants = program.constants(values)
 
     def rate(z: np.ndarray) -> np.ndarray:
-        return np.array(np.broadcast_arrays(*program.rhs(*z, *pushes, *constants))[:7])
+        return np.array(np.broadcast_arrays(*program.rhs(*z, *pushes, 1.0, 0.0, 0.0, *constants))[:7])
 
     z = np.array([0 * start["y"], start["y"], np.cos(start["psi"]), np.sin(start["psi"]), *(start[n] for n in "uvr")])
     for _ in range(steps):

@@ -14,7 +14,7 @@ import pytest
 import narrows as nw
 from narrows.vocabulary import MOTION, PARTICULARS
 
-NEVER_IMPORTED = ("narrows.compile.lanes",)
+NEVER_IMPORTED = ("narrows.compile.lanes", "narrows.compile.wheel")
 """Source text that goes into compiled programs."""
 SPOKEN_OF_ELSEWHERE = ("narrows.cli", "narrows.compile")
 """Options of the command line say what they are in --help; the compiler's inner parts speak to each other."""

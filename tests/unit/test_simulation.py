@@ -54,7 +54,9 @@ def test_right_hand_side_is_the_terms_own(dtc: nw.Model) -> None:
     motion = nw.Motion(y=y, cos_psi=np.cos(psi), sin_psi=np.sin(psi), u=np.full(200, 0.9), v=v, r=r)
     expected = accelerations(dtc, motion, (0.0, 3.0, -2.0))
     zero = np.zeros(200)
-    found = ship.program.rhs(zero, y, np.cos(psi), np.sin(psi), motion.u, v, r, 0.0, 3.0, -2.0, *ship.constants)
+    found = ship.program.rhs(
+        zero, y, np.cos(psi), np.sin(psi), motion.u, v, r, 0.0, 3.0, -2.0, *ship.controls(0.0), *ship.constants
+    )
     for own, value in zip(expected, found[4:], strict=True):
         np.testing.assert_allclose(np.broadcast_to(value, 200), own, rtol=1e-12, atol=1e-12)
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 from narrows.compile.contact import Contact
 from narrows.compile.spell import PLAIN, Style, lines
-from narrows.compile.trace import ACCELERATIONS, INPUTS, STATE, Expr, Traced, symbol
+from narrows.compile.trace import ACCELERATIONS, ARGUMENTS, INPUTS, STATE, Expr, Traced, symbol
 
 Inputs = Literal["arguments", "constants", "none"]
 POSE = ("y", "cos_psi", "sin_psi")
@@ -124,7 +124,7 @@ class Emitted:
     gap, lean : expression
         The room between hull and bank, and the side that is nearer, by state and constants.
     inputs : tuple of str
-        The forces that are arguments of the right-hand side.
+        The forces and controls that are arguments of the right-hand side.
     """
 
     traced: Traced
@@ -160,14 +160,13 @@ def emit(traced: Traced, contact: Contact, inputs: Inputs) -> Emitted:
     contact : Contact
         Where hull and bank meet.
     inputs : {"arguments", "constants", "none"}
-        Whether forces from outside change in a voyage, stay as they are, or are absent.
+        Whether forces from outside and controls change in a voyage, stay as they are, or no force is there.
     """
-    still = {symbol(name) for name in INPUTS.values()} if inputs == "constants" else set()
-    parameters = {s for name, s in traced.names.items() if name not in INPUTS.values()} | still
+    arguments = ARGUMENTS if inputs == "arguments" else ()
+    parameters = {s for name, s in traced.names.items() if name not in arguments}
     constants = Constants(parameters | set(contact.parameters))
     pushes = {} if inputs == "none" else {f: symbol(INPUTS[f]) for f in traced.freedoms}
     derivatives = _derivatives(traced, constants.lift, pushes)
-    arguments = tuple(INPUTS.values()) if inputs == "arguments" else ()
     gap, lean = constants.lift(contact.gap), constants.lift(contact.lean)
     return Emitted(traced, constants, derivatives, gap, lean, arguments)
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from types import ModuleType
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from narrows.errors import InputError
 from narrows.vocabulary import Number
 
 RUNNING = -1
+Result = TypeVar("Result")
 LARGEST_SLICE, SMALLEST_SLICE = 256 * LANES, 16 * LANES
 SLICES_PER_WORKER = 4
 CONTACT_TOLERANCE = 1e-9
@@ -201,10 +203,25 @@ def sail(
         given, out = task.part(rows)
         return int(kernel.fleet(*given, constants(rows), limits, *out))
 
+    return _fleet(task, sum(on_all_cores(run, len(task.pace), workers)))
+
+
+def on_all_cores(run: Callable[[slice], Result], vessels: int, workers: int | None) -> list[Result]:
+    """Run a fleet slice by slice in threads (ours).
+
+    Parameters
+    ----------
+    run : callable
+        Sails the vessels of a slice.
+    vessels : int
+        How many.
+    workers : int, optional
+        Threads; a core each if absent.
+    """
     workers = workers or _cores()
     pool = ThreadPoolExecutor(workers)
     try:
-        return _fleet(task, sum(pool.map(run, _slices(len(task.pace), workers))))
+        return list(pool.map(run, _slices(vessels, workers)))
     finally:
         pool.shutdown(cancel_futures=True)  # an interrupt does not wait for the whole queue
 

@@ -9,11 +9,13 @@ import numpy as np
 
 from narrows.compile.emit import Constants, Emitted, function
 from narrows.compile.spell import PLAIN
-from narrows.compile.trace import ACCELERATIONS, INPUTS, STATE, Expr, symbol
-from narrows.vocabulary import FORCES, Number
+from narrows.compile.trace import ACCELERATIONS, ARGUMENTS, INPUTS, STATE, Expr, symbol
+from narrows.vocabulary import AMIDSHIPS, FORCES, Number
 
 LINEARISED = ("x", "y", "psi", "u", "v", "r")
 """The state of a linearised model; the heading is one angle [rad] again."""
+CONTROLLED = (*INPUTS.values(), "rudder", "revolutions")
+"""What a linearised model is driven by; the rudder is one angle [rad] again."""
 HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
 from numpy import log
 
@@ -37,7 +39,7 @@ def jacobian_text(emitted: Emitted, names: Iterable[str], version: str) -> str:
     rates = _rates(emitted)
     wholes = {
         "state": [entry for rate in rates for entry in _by_state(rate)],
-        "controls": [rate.diff(symbol(name)) for rate in rates for name in INPUTS.values()],
+        "controls": [entry for rate in rates for entry in _by_control(rate)],
         "coefficients": _by_coefficient(emitted, constants, tuple(names)),
     }
     arguments = (*STATE, *emitted.inputs, *constants.names)
@@ -52,9 +54,18 @@ def _rates(emitted: Emitted) -> list[Expr]:
 
 
 def _by_state(rate: Expr) -> list[Expr]:
-    cosine, sine = symbol("cos_psi"), symbol("sin_psi")
-    turned = cosine * _slope(rate, sine) - sine * _slope(rate, cosine)
+    turned = _turned(rate, "psi")
     return [turned if name == "psi" else _slope(rate, symbol(name)) for name in LINEARISED]
+
+
+def _by_control(rate: Expr) -> list[Expr]:
+    return [_turned(rate, name) if name == "rudder" else _slope(rate, symbol(name)) for name in CONTROLLED]
+
+
+def _turned(rate: Expr, angle: str) -> Expr:
+    """Differentiate by an angle that enters as its cosine and sine."""
+    cosine, sine = symbol(f"cos_{angle}"), symbol(f"sin_{angle}")
+    return cosine * _slope(rate, sine) - sine * _slope(rate, cosine)
 
 
 def _slope(expression: Expr, by: Expr) -> Expr:
@@ -122,19 +133,21 @@ class Linearisation:
         state : mapping of str to number
             By the names of ``STATE``: heading as ``cos_psi`` and ``sin_psi``; SI.
         inputs : mapping of str to number, optional
-            ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m].
+            ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m], ``cos_rudder``, ``sin_rudder`` [1], ``revolutions`` [1/s];
+            no force, the rudder amidships and a propeller that stands unless given.
         """
         return self._matrix("state", state, inputs)
 
     def controls(self, state: Mapping[str, Number], inputs: Mapping[str, Number] | None = None) -> np.ndarray:
-        """Differentiate the same rates by X_in, Y_in, N_in: (..., 6, 3).
+        """Differentiate the same rates by ``CONTROLLED``, forces, rudder and revolutions: (..., 6, 5).
 
         Parameters
         ----------
         state : mapping of str to number
             By the names of ``STATE``; SI.
         inputs : mapping of str to number, optional
-            ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m].
+            ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m], ``cos_rudder``, ``sin_rudder`` [1], ``revolutions`` [1/s];
+            no force, the rudder amidships and a propeller that stands unless given.
         """
         return self._matrix("controls", state, inputs)
 
@@ -146,13 +159,14 @@ class Linearisation:
         state : mapping of str to number
             By the names of ``STATE``; SI.
         inputs : mapping of str to number, optional
-            ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m].
+            ``X_in`` [N], ``Y_in`` [N], ``N_in`` [N m], ``cos_rudder``, ``sin_rudder`` [1], ``revolutions`` [1/s];
+            no force, the rudder amidships and a propeller that stands unless given.
         """
         return self._matrix("coefficients", state, inputs)
 
     def _matrix(self, name: str, state: Mapping[str, Number], inputs: Mapping[str, Number] | None) -> np.ndarray:
         values: list[Any] = [state.get(part, 0.0) for part in STATE]
-        values += [(inputs or {}).get(part, 0.0) for part in INPUTS.values()]
+        values += [{**AMIDSHIPS, **(inputs or {})}.get(part, 0.0) for part in ARGUMENTS]
         entries = getattr(self.module, name)(*values, *self.constants)
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *self.constants)))
         stacked = np.stack([np.broadcast_to(entry, shape) for entry in entries], axis=-1)

@@ -14,10 +14,11 @@ from narrows.compile.cache import generated
 from narrows.compile.contact import Outline, contact_of, point_names
 from narrows.compile.emit import Inputs, emit, plain_text
 from narrows.compile.fleet import Fleet, Limits, limits_of, sail, settle, task_of
+from narrows.compile.helmed import PILOT, Helmed, helmed_text, sail_helmed
 from narrows.compile.jacobian import Linearisation, jacobian_text
 from narrows.compile.kernel import Precision, kernel_text
 from narrows.compile.record import Record, record
-from narrows.compile.trace import INPUTS, SURGE_INERTIA, Surge, trace
+from narrows.compile.trace import ARGUMENTS, INPUTS, STATE, SURGE_INERTIA, Surge, trace
 from narrows.errors import InputError
 from narrows.terms import TermTable
 from narrows.vocabulary import AMIDSHIPS, Number
@@ -76,7 +77,7 @@ class Program:
 
     @property
     def rhs(self) -> Callable[..., tuple[Number, ...]]:
-        """The derivatives in time of ``STATE``: a function of the seven, X_in, Y_in, N_in and the constants.
+        """The derivatives in time of ``STATE``: a function of the seven, ``ARGUMENTS`` and the constants.
 
         Plain Python, for floats or columns; no compiler is imported.
         """
@@ -162,6 +163,59 @@ class Program:
         give = constants if shared is None else lambda _: shared
         return sail(task, kernel, give, limits_of(limits, values["width"], precision), workers)
 
+    def helmed(
+        self, values: Mapping[str, Number], pilot: Mapping[str, Number], *, y: Number, u: Number, psi: Number = 0.0,
+        v: Number = 0.0, r: Number = 0.0, dt: Number, steps: Number, workers: int | None = None,
+        limits: Limits | None = None,
+    ) -> Helmed:  # fmt: skip
+        """Sail many vessels under autopilots, each with her own gains, gear and push from outside.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            As for ``constants``.
+        pilot : mapping of str to number
+            By the names of ``PILOT``, SI and rad.
+        y : number [m]
+            At the start, to starboard of the centreline.
+        u, v : number [m/s]
+            Surge and sway velocity at the start.
+        psi : number [rad]
+            Heading at the start.
+        r : number [rad/s]
+            Yaw rate at the start.
+        dt : number [s]
+            Time step; the helm gets an order each.
+        steps : number
+            Most of them.
+        workers : int, optional
+            Threads; a core each if absent. The results do not depend on it.
+        limits : Limits, optional
+            What else ends a voyage.
+
+        Raises
+        ------
+        InputError
+            Where a value is missing.
+        """
+        pose = {"x": 0.0, "y": y, "cos_psi": np.cos(psi), "sin_psi": np.sin(psi), "u": u, "v": v, "r": r}
+        given = [pose[name] for name in STATE] + [pilot[name] for name in PILOT] + [dt, steps]
+        columns = self._columns(values)
+        table = np.array(np.broadcast_arrays(*given, *columns.values())[: len(given)], float).reshape(len(given), -1).T
+        kernel = self._module(
+            "helmed", "arguments", lambda: helmed_text(self._emitted("arguments"), version("narrows"))
+        )
+
+        def constants(rows: slice) -> np.ndarray:
+            part = {name: column[rows] for name, column in columns.items()}
+            own = np.broadcast_arrays(np.empty(rows.stop - rows.start), *self._constants(kernel, {**values, **part}))
+            return np.stack(own[1:], axis=-1)
+
+        start, pilots, (pace, most) = table[:, :7], table[:, 7:-2], table[:, -2:].T
+        ends = limits_of(limits or Limits(), values["width"], "float64")
+        start, steps, pace, pilots = map(np.ascontiguousarray, (start, most, pace, pilots))
+        return sail_helmed(kernel, constants, start, steps, pace, pilots, ends, workers)
+
     def kernel(self, varying: bool, precision: Precision, inputs: Inputs) -> ModuleType:
         """Return the module that sails a fleet; its ``fleet`` compiles when first called.
 
@@ -206,7 +260,7 @@ class Program:
 
     def _columns(self, values: Mapping[str, Number]) -> dict[str, np.ndarray]:
         """The values that differ from vessel to vessel."""
-        wanted = {*self.parameters, *INPUTS.values()}
+        wanted = {*self.parameters, *ARGUMENTS}
         return {name: np.ravel(value) for name, value in values.items() if name in wanted and np.size(value) > 1}
 
     def _constants(self, module: ModuleType, values: Mapping[str, Number]) -> tuple[Number, ...]:

@@ -24,6 +24,8 @@ STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
 ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 """Force [N, N, N m] added from outside, by the component that it adds to."""
+ARGUMENTS = (*INPUTS.values(), *CONTROLS)
+"""What may change within a voyage beside the state: forces from outside, then rudder and propeller."""
 SURGE_INERTIA = "surge_inertia"
 """The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
 RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA}

@@ -6,5 +6,8 @@ from .modes import eigenvalues as eigenvalues
 from .modes import stability as stability
 from .outcome import Outcome as Outcome
 from .reference import accelerations as accelerations
+from .steering import Autopilot as Autopilot
+from .steering import Held as Held
+from .steering import Zigzag as Zigzag
 from .voyage import Voyage as Voyage
 from .voyage import simulate as simulate

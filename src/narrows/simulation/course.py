@@ -17,13 +17,19 @@ Forces = tuple[float, float, float]
 class Course(Protocol):
     """What a voyage asks of where it goes; x is along it, y to starboard of its line, the heading is to its line."""
 
-    def rate(self, forces: Forces) -> Rate:
-        """Return the right-hand side under constant forces.
+    @property
+    def ship(self) -> SimulatedShip:
+        """Who goes."""
+
+    def rate(self, forces: Forces, turning: float) -> Rate:
+        """Return the right-hand side under constant forces, the rudder turning steadily.
 
         Parameters
         ----------
         forces : three floats [N, N, N m]
             From elsewhere.
+        turning : float [rad/s]
+            Rate of the rudder.
         """
 
     def gap(self, state: State) -> float:
@@ -66,16 +72,18 @@ class Straight:
 
     ship: SimulatedShip
 
-    def rate(self, forces: Forces) -> Rate:
-        """Return the right-hand side under constant forces.
+    def rate(self, forces: Forces, turning: float) -> Rate:
+        """Return the right-hand side under constant forces, the rudder turning steadily.
 
         Parameters
         ----------
         forces : three floats [N, N, N m]
             From elsewhere.
+        turning : float [rad/s]
+            Rate of the rudder.
         """
-        rhs, tail = self.ship.program.rhs, (*forces, *self.ship.constants)
-        return lambda state: tuple(rhs(*state, *tail))
+        rhs, controls, constants = self.ship.program.rhs, self.ship.controls, self.ship.constants
+        return lambda state: (*rhs(*state[:-1], *forces, *controls(state[-1]), *constants), turning)
 
     def bank_gap(self, state: State) -> float:
         """Room between hull and bank [m].
@@ -116,25 +124,27 @@ class Along:
     waterway: "Waterway"
     _known: dict[tuple[float, float], tuple[Number, ...]] = field(init=False, repr=False, default_factory=dict)
 
-    def rate(self, forces: Forces) -> Rate:
-        """Return the right-hand side under constant forces.
+    def rate(self, forces: Forces, turning: float) -> Rate:
+        """Return the right-hand side under constant forces, the rudder turning steadily.
 
         Parameters
         ----------
         forces : three floats [N, N, N m]
             From elsewhere.
+        turning : float [rad/s]
+            Rate of the rudder.
         """
-        rhs, current = self.ship.program.rhs, self.waterway.current
+        rhs, current, controls = self.ship.program.rhs, self.waterway.current, self.ship.controls
 
         def derivatives(state: State) -> State:
-            s, n, c, sine, u, v, r = state
+            s, n, c, sine, u, v, r, rudder = state
             here = self.waterway.section(s)
-            tail = (*forces, *self._constants(float(here.width), float(here.depth)))
+            tail = (*forces, *controls(rudder), *self._constants(float(here.width), float(here.depth)))
             along, across, _, _, *accelerations = rhs(s, n - float(here.middle), c, sine, u, v, r, *tail)
             bend = float(here.curvature)
             pace = (along + current) / (1 - bend * n)
             turn = r - bend * pace
-            return (pace, across, -turn * sine, turn * c, *accelerations)
+            return (pace, across, -turn * sine, turn * c, *accelerations, turning)
 
         return derivatives
 

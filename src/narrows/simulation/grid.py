@@ -174,11 +174,20 @@ def _drawn(model: Model, draws: int, seed: int) -> dict[str, xr.DataArray]:
         raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or draws=0")
     names = model.terms.names
     mean = np.array([model.coefficients[name] for name in names])
-    sample = np.random.default_rng(seed).multivariate_normal(mean, model.covariance, size=draws, method="eigh")
+    sample = mean + _correlated(model.covariance, draws, seed)
     low, high = np.array([term.bound for term in model.terms.terms]).T
     columns = _within(sample, model.covariance, low, high).T
     coordinate = {"draw": np.arange(draws)}
     return {name: xr.DataArray(c, dims=["draw"], coords=coordinate) for name, c in zip(names, columns, strict=True)}
+
+
+def _correlated(covariance: np.ndarray, draws: int, seed: int) -> np.ndarray:
+    """Draw normal errors, by the correlations: coefficients of a ship differ in size by many powers of ten."""
+    size = np.sqrt(np.diag(covariance))
+    scale = np.where(size > 0, size, 1.0)
+    share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    normal = np.random.default_rng(seed).standard_normal((draws, len(size)))
+    return np.asarray((normal * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
 
 
 def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -9,13 +9,16 @@ from typing import Any, Protocol
 import numpy as np
 
 State = tuple[float, ...]
-"""x, y [m], cos psi, sin psi, u, v [m/s], r [rad/s]."""
+"""x, y [m], cos psi, sin psi, u, v [m/s], r [rad/s], rudder angle [rad]."""
 
 Row = tuple[float, State]
 """Time [s] and state."""
 
 Rate = Callable[[State], State]
 """Time derivative of the state."""
+
+Motion = Callable[[float, State, float], Rate]
+"""What moves the ship over a step: by its time [s], the state at its start and its length [s]."""
 
 Gap = Callable[[State], float]
 """Positive while the voyage goes on."""
@@ -28,17 +31,17 @@ MOST_TRIES = 60
 class Method(Protocol):
     """A way to integrate: yields a row at each time after the first, and last the one where the gap closed."""
 
-    def __call__(self, rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
+    def __call__(self, motion: Motion, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
         """Integrate."""
 
 
-def rk4(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
+def rk4(motion: Motion, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
     """March by classical Runge-Kutta in steps of dt, shortened to meet each output time (ours).
 
     Parameters
     ----------
-    rate : callable
-        Right-hand side.
+    motion : callable
+        Gives the right-hand side of each step.
     start : tuple of float
         State at the first time.
     times : sequence of float [s]
@@ -53,6 +56,7 @@ def rk4(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -
         steps = max(1, math.ceil((stop - begin) / dt - 1e-9))
         h = (stop - begin) / steps
         for i in range(steps):
+            rate = motion(begin + i * h, state, h)
             after = rk4_step(rate, state, h)
             if not gap(after) > 0:
                 part, end = located(partial(rk4_step, rate, state), h, gap)
@@ -116,13 +120,13 @@ def located(step: Callable[[float], State], h: float, gap: Gap) -> tuple[float, 
     return low, step(low)
 
 
-def dop853(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
+def dop853(motion: Motion, start: State, times: Sequence[float], gap: Gap, dt: float) -> Iterator[Row]:
     """March by SciPy's DOP853 at a relative tolerance of 1e-10, the gap as a terminal event (ours).
 
     Parameters
     ----------
-    rate : callable
-        Right-hand side.
+    motion : callable
+        Gives the right-hand side at the start, and that is kept.
     start : tuple of float
         State at the first time.
     times : sequence of float [s]
@@ -133,6 +137,8 @@ def dop853(rate: Rate, start: State, times: Sequence[float], gap: Gap, dt: float
         Not used: the method chooses its steps.
     """
     from scipy.integrate import solve_ivp
+
+    rate = motion(times[0], start, times[-1] - times[0])
 
     def closed(_: float, z: Any) -> float:
         return gap(tuple(z))

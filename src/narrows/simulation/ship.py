@@ -1,5 +1,6 @@
 """A model as its compiled equations and the numbers that go in: the one place that both voyages and fleets ask."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -69,6 +70,20 @@ class SimulatedShip:
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - own
         ship = {**self.model.setting.values(), **self.model.coefficients}
         return {**ship, **helm(self.rudder), "heave": 0.0, "surge_inertia": added}
+
+    def controls(self, rudder: float) -> tuple[float, float, float]:
+        """Return rudder and propeller as the equations ask for them, in the order of ``CONTROLS``.
+
+        Parameters
+        ----------
+        rudder : float [rad]
+            Positive where it turns the bow to starboard.
+        """
+        return math.cos(rudder), math.sin(rudder), self._revolutions
+
+    @cached_property
+    def _revolutions(self) -> float:
+        return float(self.model.setting.values().get("revolutions", 0.0))
 
     @cached_property
     def constants(self) -> tuple[Number, ...]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ from narrows.simulation.integrate import METHODS, Row, State
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
 from narrows.simulation.ship import Outline, SimulatedShip
+from narrows.simulation.steering import Helm, steered
 from narrows.simulation.validity import beyond_envelope
 from narrows.vocabulary import MOTION
 
@@ -48,6 +50,8 @@ class Voyage:
         Surge and sway velocity.
     r : array (times,) [rad/s]
         Yaw rate.
+    rudder : array (times,) [rad]
+        Angle of the rudder.
     outcome : Outcome
         How it ended.
     """
@@ -59,13 +63,14 @@ class Voyage:
     u: np.ndarray
     v: np.ndarray
     r: np.ndarray
+    rudder: np.ndarray
     outcome: Outcome
 
     def dataset(self) -> "xarray.Dataset":
         """Return the voyage as an xarray Dataset with units."""
         import xarray
 
-        units = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"}
+        units = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad"}
         data = {
             name: ("t", getattr(self, name), {"units": unit, "long_name": _long_name(name)})
             for name, unit in units.items()
@@ -90,7 +95,7 @@ class Voyage:
 
 
 def _long_name(name: str) -> str:
-    return "heading" if name == "psi" else MOTION[name].meaning
+    return {"psi": "heading", "rudder": "rudder angle"}.get(name) or MOTION[name].meaning
 
 
 def simulate(
@@ -99,7 +104,7 @@ def simulate(
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: str | Outline = "corners", method: str = "rk4", at: Sequence[float] | None = None,
-    waterway: "Waterway | None" = None,
+    waterway: "Waterway | None" = None, helm: Helm | None = None,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
@@ -128,7 +133,8 @@ def simulate(
     N : float or pairs [N m]
         Yaw moment from elsewhere, likewise.
     rudder : float [rad]
-        Its angle, held, for models with terms of the rudder; positive where it turns the bow to starboard.
+        Its angle at the start, for models with terms of the rudder; positive where it turns the bow to starboard.
+        It is held unless there is a helm.
     surge : str
         ``held``: the speed stays; ``free``: it is integrated.
     surge_inertia : float [kg], optional
@@ -144,6 +150,8 @@ def simulate(
     waterway : Waterway, optional
         Where she sails instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
         u and v through the water; the voyage ends where it ends.
+    helm : Helm, optional
+        Gives an order to the rudder each step, which the model's steering gear follows.
 
     Returns
     -------
@@ -153,29 +161,33 @@ def simulate(
     Raises
     ------
     InputError
-        Where an input is not finite, touches a bank at the start, or surge lacks an inertia.
+        Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a helm has no rudder.
     """
     if method not in METHODS:
         raise InputError(f"method {method!r} is unknown{did_you_mean(method, METHODS)}")
     _check_finite(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, duration=duration, dt=dt)
+    _check_helm(model, helm, method)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, rudder)
     course = course_of(ship, waterway)
-    start = (x, y, math.cos(psi), math.sin(psi), u, v, r)
+    start = (x, y, math.cos(psi), math.sin(psi), u, v, r, rudder)
     _check_afloat(course, start)
     times = _times(duration, dt, at)
-    rows = _rows(course, start, times, stretches(X, Y, N, times[-1]), dt, method)
+    rows = _rows(course, start, times, stretches(X, Y, N, times[-1]), dt, method, helm)
     return _voyage(rows, ship, course, psi, times[-1])
 
 
-def _rows(course: Course, start: State, times: list[float], pushes: list[Stretch], dt: float, method: str) -> list[Row]:
+def _rows(
+    course: Course, start: State, times: list[float], pushes: list[Stretch], dt: float, method: str, helm: Helm | None
+) -> list[Row]:
     def gap(state: State) -> float:
         """Metres to the bank, cut off where the model ends."""
         return min(course.gap(state), state[2] - WIDEST) if _sane(state) else -math.inf
 
     rows = [(0.0, start)]
+    gear = course.ship.model.setting.gear
     for push in pushes:
         own = [push.start, *(t for t in times if push.start < t < push.stop), push.stop]
-        rows += METHODS[method](course.rate(push.forces), rows[-1][1], own, gap, dt)
+        rows += METHODS[method](steered(partial(course.rate, push.forces), helm, gear), rows[-1][1], own, gap, dt)
         if rows[-1][0] < push.stop:
             break
     wanted = {*times, rows[-1][0]}
@@ -183,11 +195,11 @@ def _rows(course: Course, start: State, times: list[float], pushes: list[Stretch
 
 
 def _voyage(rows: list[Row], ship: SimulatedShip, course: Course, psi: float, stop: float) -> Voyage:
-    t, x, y, c, s, u, v, r = np.array([(t, *state) for t, state in rows]).T
-    # Whole turns of the start are kept; the heading never turns far from there.
-    heading = np.arctan2(s, c) + (psi - math.atan2(math.sin(psi), math.cos(psi)))
-    columns = {"t": t, "x": x, "y": y, "psi": heading, "u": u, "v": v, "r": r}
-    state = {name: float(column[-1]) for name, column in columns.items() if name != "t"}
+    t, x, y, c, s, u, v, r, rudder = np.array([(t, *state) for t, state in rows]).T
+    # Whole turns of the start are kept, and those of a turning circle counted.
+    heading = np.unwrap(np.arctan2(s, c)) + (psi - math.atan2(math.sin(psi), math.cos(psi)))
+    columns = {"t": t, "x": x, "y": y, "psi": heading, "u": u, "v": v, "r": r, "rudder": rudder}
+    state = {name: float(column[-1]) for name, column in columns.items() if name not in ("t", "rudder")}
     kind, side = _kind_and_side(rows[-1], course, stop)
     beyond = beyond_envelope(ship.model.envelope, columns)
     return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond))
@@ -205,8 +217,15 @@ def _kind_and_side(last: Row, course: Course, stop: float) -> tuple[str, str | N
 
 
 def _sane(state: State) -> bool:
-    *_, u, v, r = state
+    *_, u, v, r, _ = state
     return abs(u) < LIMITS.speed and abs(v) < LIMITS.speed and abs(r) < LIMITS.rate
+
+
+def _check_helm(model: Model, helm: Helm | None, method: str) -> None:
+    if helm is not None and "sin_rudder" not in model.terms.inputs:
+        raise InputError("this model has no terms of a rudder, so no helm steers her; add them as docs/rudder.md shows")
+    if helm is not None and method != "rk4":
+        raise InputError(f"method {method!r} takes no orders from a helm; leave it at rk4")
 
 
 def _check_finite(**values: float) -> None:

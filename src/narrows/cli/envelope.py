@@ -1,0 +1,77 @@
+"""``envelope``: how fast and how far off the middle a ship is still in hand."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from narrows.cli.app import app
+from narrows.cli.options import AsJson, ModelFile
+from narrows.cli.output import print_json
+from narrows.errors import InputError
+
+
+@app.command(epilog="Example: narrows envelope full.toml --speeds 4:12:17 --plot chart.png -o envelope.nc")
+def envelope(
+    model: ModelFile,
+    offsets: Annotated[
+        str | None,
+        typer.Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+    ] = None,
+    speeds: Annotated[
+        str | None, typer.Option(help="Through the water [knots], likewise; to choking unless given.")
+    ] = None,
+    rudder_of: Annotated[
+        str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
+    ] = None,
+    heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0,
+    wind: Annotated[float, typer.Option(help="Speed of a beam gust, from either side [m/s].")] = 0.0,
+    windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0,
+    gust_lever: Annotated[float, typer.Option(help="Of the gust, forward of midship [m].")] = 0.0,
+    gust_time: Annotated[float, typer.Option(help="How long the gust lasts [s].")] = 60.0,
+    reserve: Annotated[float, typer.Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3,
+    keel: Annotated[
+        float | None, typer.Option(help="Least water under the keel [m]; a twentieth of the draft.")
+    ] = None,
+    draws: Annotated[
+        int, typer.Option(help="Of the coefficients, where their covariance is known, and disturbances.")
+    ] = 200,
+    seed: Annotated[int, typer.Option(help="Of the draws.")] = 0,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Data to write: NetCDF.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Chart to write: PNG, SVG or PDF.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Find how fast and how far off the middle of her canal a ship is still in hand, as a table and a chart.
+
+    MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/envelope.md).
+    """
+    from narrows.actuators import borrow_rudder
+    from narrows.model_file import model_named
+    from narrows.physics.squat import KNOT
+    from narrows.report.envelope_table import envelope_summary, print_envelope
+    from narrows.safety import Disturbance, safe_envelope, wind_force
+    from narrows.simulation.maps import parse_range
+    from narrows.simulation.netcdf import save_netcdf
+
+    if bool(wind) != bool(windage):
+        raise InputError("a gust needs both --wind and --windage; give both, or neither")
+    ship = model_named(model)
+    ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
+    disturbance = Disturbance(heading_deg, gust=wind_force(wind, windage), gust_lever=gust_lever, gust_time=gust_time)
+    found = safe_envelope(
+        ship,
+        None if offsets is None else parse_range("--offsets", offsets),
+        None if speeds is None else parse_range("--speeds", speeds) * KNOT,
+        disturbance=disturbance, reserve=reserve, keel=keel, draws=draws, seed=seed,
+        progress=sys.stderr.isatty() and not json,
+    )  # fmt: skip
+    if output:
+        save_netcdf(found.data, output)
+    if plot:
+        from narrows.report.envelope_chart import envelope_chart
+        from narrows.report.voyages import save_figure
+
+        save_figure(envelope_chart(found, ship, reserve), plot)
+    print_json(envelope_summary(found)) if json else print_envelope(found)
+    raise SystemExit(int(bool(found.highest_speed().isnull().all())))

@@ -1,0 +1,112 @@
+"""The chart that a pilot would pin up: safe speeds in knots over offsets in metres, rudder angles in degrees."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from narrows.model import Model
+from narrows.physics.squat import KNOT
+from narrows.report.style import BLACK, BLUE, DASHES, GREY, ORANGE, panels
+from narrows.safety import FIVE_PERCENT, MEDIAN, RESERVE, SafeEnvelope
+
+PALE, PALER = "#A9CFE8", "#DCEBF5"
+
+
+def envelope_chart(envelope: SafeEnvelope, model: Model, reserve: float = RESERVE) -> Figure:
+    """Draw the safe envelope: speeds above, rudder angles below, the banks on either side (ours).
+
+    Parameters
+    ----------
+    envelope : SafeEnvelope
+        What to draw.
+    model : Model
+        The ship in her canal.
+    reserve : float [1]
+        Of the rudder.
+    """
+    figure, axes = panels(2, 1, 7.0, sharex=True, height_ratios=(3, 2))
+    speeds, rudder = axes[:, 0]
+    _draw_speeds(speeds, envelope)
+    _draw_rudder(rudder, envelope, model, reserve)
+    for own in (speeds, rudder):
+        _draw_banks(own, model)
+    figure.suptitle(f"Safe envelope: {envelope.setting}", fontsize=9.5)
+    return figure
+
+
+def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
+    y, u = envelope.data["y"].to_numpy(), envelope.data["u"].to_numpy() / KNOT
+    for share, colour in ((MEDIAN, PALER), (FIVE_PERCENT, PALE)):
+        safe = envelope.safe(share).transpose("u", "y").to_numpy()
+        axes.contourf(_edges(y), _edges(u), _padded(safe), levels=[0.5, 1.5], colors=[colour])
+        axes.contour(_edges(y), _edges(u), _padded(safe), levels=[0.5], colors=[BLACK], linewidths=[1.8 * share],
+                     linestyles=["-" if share == FIVE_PERCENT else "--"])  # fmt: skip
+    blocked = u[~envelope.data["clear"].to_numpy()]
+    if blocked.size:
+        below = u[u < blocked.min()]
+        bottom = (blocked.min() + below[-1]) / 2 if below.size else _edges(u)[0]
+        axes.axhspan(bottom, _edges(u)[-1], facecolor="none", edgecolor=ORANGE, hatch="///", lw=0)
+    axes.set_ylabel("speed through the water [knots]")
+    axes.set_ylim(_edges(u)[0], _edges(u)[-1])
+    axes.legend(
+        handles=_speed_legend(bool(blocked.size)), loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2
+    )
+    axes.grid(alpha=0.3)
+
+
+def _speed_legend(blocked: bool) -> list[Patch | Line2D]:
+    handles: list[Patch | Line2D] = [
+        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 95 % of the draws (the 5 % line)"),
+        Patch(facecolor=PALER, edgecolor=BLACK, ls="--", label="safe in half of them"),
+    ]
+    if blocked:
+        handles.append(Patch(facecolor="none", edgecolor=ORANGE, hatch="///", label="keel or choked canal"))
+    return handles
+
+
+def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: float) -> None:
+    limit = model.setting.gear.limit_deg
+    data, y = envelope.data, envelope.data["y"].to_numpy()
+    sailed = np.flatnonzero(data["clear"].to_numpy() | ~data["clear"].to_numpy().any())
+    ends = np.unique(sailed[[0, -1]])[:: -1 if envelope.speed_free else 1]
+    for style, place in zip(DASHES, ends[: 1 if envelope.speed_free else None].tolist(), strict=False):
+        own = data.isel(u=place)
+        label = "at every speed" if envelope.speed_free else f"at {float(own['u']) / KNOT:.1f} knots"
+        axes.plot(y, np.degrees(own["rudder"]), color=BLUE, ls=style, label=f"median, {label}")
+        size = np.degrees(np.where(np.isfinite(own["rudder_95"]), own["rudder_95"], np.nan))
+        axes.plot(y, np.sign(y) * size, color=ORANGE, ls=style, label=f"5 % line, {label}")
+    for sign in (1, -1):
+        axes.axhline(sign * limit, color=BLACK, lw=1.4)
+        axes.axhline(sign * limit * (1 - reserve), color=GREY, lw=1.0, ls="--")
+    axes.text(
+        0.01, limit * (1 - reserve), " reserve begins", transform=axes.get_yaxis_transform(), va="bottom", color=GREY
+    )
+    axes.text(0.01, limit, " hard over", transform=axes.get_yaxis_transform(), va="bottom")
+    axes.set_ylim(-1.2 * limit, 1.2 * limit)
+    axes.set_ylabel("rudder that holds her [deg]\npositive turns the bow to starboard")
+    axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
+    axes.legend(frameon=False, loc="upper right", bbox_to_anchor=(0.88, 0.5))
+    axes.grid(alpha=0.3)
+
+
+def _draw_banks(axes: Axes, model: Model) -> None:
+    """The walls in black, and in grey where the middle of the ship cannot be for her own side."""
+    half, side = model.setting.canal.width / 2, model.setting.ship.beam / 2
+    for sign in (-1, 1):
+        axes.axvspan(sign * (half - side), sign * half, color=GREY, alpha=0.35, lw=0)
+        axes.axvline(sign * half, color=BLACK, lw=3)
+    axes.set_xlim(-1.02 * half, 1.02 * half)
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Places of cells with half a cell more at either end."""
+    if len(values) < 2:
+        return np.array([values[0] - 0.5, values[0], values[0] + 0.5])
+    step = np.diff(values)
+    return np.concatenate([[values[0] - step[0] / 2], values, [values[-1] + step[-1] / 2]])
+
+
+def _padded(safe: np.ndarray) -> np.ndarray:
+    return np.pad(safe.astype(float), 1, mode="edge")

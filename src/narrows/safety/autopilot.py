@@ -1,0 +1,56 @@
+"""A course-keeping autopilot: the best linear one for the ship on the centreline, with the gear that she has."""
+
+import math
+
+import numpy as np
+
+from narrows.compile import LINEARISED
+from narrows.compile.jacobian import CONTROLLED
+from narrows.errors import InputError
+from narrows.simulation.ship import SimulatedShip
+from narrows.vocabulary import CONTROLS
+
+FELT = ("y", "psi", "v", "r")
+OFF_COURSE = math.radians(5)
+"""A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder."""
+HARD = math.radians(10)
+
+
+def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
+    """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s].
+
+    Linear-quadratic, by Bryson's rule: half a beam off the line, 5 degrees off the course and 10 degrees of rudder
+    weigh alike. It is told the sway velocity, as a track pilot with a good fix is.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        Model with a rudder.
+    speed : float [m/s]
+        Surge velocity.
+    **values : float
+        Particulars and coefficients other than the model's, as in ``ensemble``.
+
+    Raises
+    ------
+    InputError
+        Where no autopilot can hold her on the centreline.
+
+    References
+    ----------
+    Bryson and Ho (1975), Applied optimal control, section 5.2.
+    """
+    from scipy.linalg import LinAlgError, solve_continuous_are
+
+    exact = ship.program.jacobian({**ship.values(), **values})
+    state, inputs = {"cos_psi": 1.0, "u": speed}, dict(zip(CONTROLS, ship.controls(0.0), strict=True))
+    place = [LINEARISED.index(name) for name in FELT]
+    motion = exact.state(state, inputs)[np.ix_(place, place)]
+    push = exact.controls(state, inputs)[place][:, [CONTROLLED.index("rudder")]]
+    half_beam = ship.model.setting.ship.beam / 2
+    weights = np.diag([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0])
+    try:
+        cost = solve_continuous_are(motion, push, weights, np.array([[HARD**-2]]))
+    except (LinAlgError, ValueError):
+        raise InputError("no autopilot holds this ship on the centreline: her rudder turns nothing") from None
+    return np.asarray(HARD**2 * (push.T @ cost)[0])

@@ -1,0 +1,91 @@
+"""What throws a ship off: a course that is wrong, and a gust."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from narrows.errors import InputError
+
+AIR = 1.225
+"""Mass density of the air [kg/m3]."""
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What throws a ship off.
+
+    Parameters
+    ----------
+    heading_deg : float [deg]
+        Heading off at the start: standard deviation of normal draws.
+    offset : float [m]
+        Off the line at the start: likewise.
+    gust : float [N]
+        Sway force from the start on, to starboard or to port by even odds.
+    gust_lever : float [m]
+        Of that force, forward of midship.
+    gust_time : float [s]
+        How long it lasts.
+
+    Raises
+    ------
+    InputError
+        Where a number is negative (but the lever), or not finite.
+    """
+
+    heading_deg: float = 2.0
+    offset: float = 0.0
+    gust: float = 0.0
+    gust_lever: float = 0.0
+    gust_time: float = 60.0
+
+    def __post_init__(self) -> None:
+        for name in ("heading_deg", "offset", "gust", "gust_time"):
+            if not 0 <= getattr(self, name) < math.inf:
+                raise InputError(f"a disturbance's {name} = {getattr(self, name)} must be a number from 0")
+        if not math.isfinite(self.gust_lever):
+            raise InputError("a gust's lever must be a finite number of metres")
+
+    def drawn(self, draws: int, seed: int) -> dict[str, xr.DataArray]:
+        """Draw disturbances along a dimension ``draw``: psi [rad], y [m], Y [N], N [N m] off.
+
+        Parameters
+        ----------
+        draws : int
+            How many.
+        seed : int
+            Of the draws.
+        """
+        heading, offset, side = np.random.default_rng((seed, 1)).standard_normal((3, draws))
+        gust = np.sign(side)
+        columns = {
+            "psi": math.radians(self.heading_deg) * heading,
+            "y": self.offset * offset,
+            "Y": self.gust * gust,
+            "N": self.gust * self.gust_lever * gust,
+        }
+        return {name: xr.DataArray(column, dims="draw") for name, column in columns.items()}
+
+
+def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
+    """Return the sway force of a beam wind [N], C 1/2 rho A V^2 (the drag law).
+
+    Parameters
+    ----------
+    speed : float [m/s]
+        Of the wind.
+    area : float [m2]
+        Lateral, above the water.
+    coefficient : float [1]
+        Of the side.
+
+    Raises
+    ------
+    InputError
+        Where a number is negative or not finite.
+    """
+    if not all(0 <= number < math.inf for number in (speed, area, coefficient)):
+        raise InputError("a wind's speed, area and coefficient are numbers from 0; check them")
+    return 0.5 * AIR * coefficient * area * speed * speed

@@ -1,0 +1,63 @@
+"""Water under the keel at speed: the sinkage that the forces ask for, and the largest, which takes the bottom first."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.particulars import Setting
+from narrows.sinkage import choke_speed, squat
+
+
+@dataclass(frozen=True)
+class Keel:
+    """Sinkage and clearance at some speeds.
+
+    Parameters
+    ----------
+    midship : array (speeds,) [m]
+        Sinkage midship; zero where the depth is not known, or where the canal is choked.
+    clearance : array (speeds,) [m]
+        Least water under the hull; NaN where the depth is not known, or where the canal is choked.
+    choke : float [m/s]
+        The speed at which the canal is choked; infinite where the depth is not known.
+    notes : tuple of str
+        What the formulas are used beyond.
+    """
+
+    midship: np.ndarray
+    clearance: np.ndarray
+    choke: float
+    notes: tuple[str, ...]
+
+
+def keel_at(setting: Setting, speeds: np.ndarray) -> Keel:
+    """Estimate sinkage and clearance at some speeds (ours).
+
+    Parameters
+    ----------
+    setting : Setting
+        Ship and canal.
+    speeds : array (speeds,) [m/s]
+        Through the water.
+    """
+    if setting.canal.depth is None:
+        unknown = np.full(len(speeds), np.nan)
+        return Keel(np.zeros(len(speeds)), unknown, np.inf, ("the depth is not given: no squat, no choking",))
+    choke, room = choke_speed(setting), setting.canal.depth - setting.ship.draft
+    midship, clearance, notes = np.zeros(len(speeds)), np.full(len(speeds), np.nan), []
+    for place, speed in enumerate(speeds.tolist()):
+        if speed < choke:
+            ends = [squat(setting, speed, gives) for gives in ("bow", "largest")]
+            middle = squat(setting, speed)
+            midship[place], clearance[place] = middle.sinkage, room - max(end.sinkage for end in ends)
+            notes += [f"squat by {own.formula}: {word}" for own in (middle, *ends) for word in own.warnings]
+    return Keel(midship, clearance, choke, tuple(dict.fromkeys(_without_numbers(note) for note in notes)))
+
+
+def _without_numbers(note: str) -> str:
+    """A warning of one speed as one of all: 'blockage 0.24 is outside 0 to 0.03' without its own value."""
+    words = note.split()
+    if "outside" not in words:
+        return note
+    place = words.index("is")
+    return " ".join(words[: place - 1] + words[place:])

@@ -1,0 +1,282 @@
+"""The safe envelope against brute force: SciPy's root finder, voyage after voyage, and limits that need no computer."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import root
+
+import narrows as nw
+from narrows.measured import measured_files
+from narrows.safety.autopilot import track_gains
+from narrows.safety.disturbance import Disturbance
+from narrows.safety.keel import keel_at
+from narrows.safety.trials import LENGTHS, STEPS_A_LENGTH, trials
+from narrows.simulation.ship import SimulatedShip
+from narrows.tables import table_named, with_helm
+
+OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+BEAM, LENGTH = 32.2, 230.0
+
+
+@pytest.fixture(scope="module")
+def doubtful() -> nw.Model:
+    """The KCS at 50 % clearance as she was measured, at full size in a canal 300 m wide, with her covariance."""
+    terms = table_named("speed+helm")
+    tests = nw.read_captive(*measured_files("kcs"), terms, TURNED).by_condition()["C0101A02"]
+    return nw.scale_model(nw.identify(tests, terms).model, LENGTH, 1025.0, width=300.0, depth=16.2).model
+
+
+@pytest.fixture(scope="module")
+def ship(doubtful: nw.Model) -> nw.Model:
+    """The same as if the coefficients were certain, with a bank that pulls."""
+    return replace(doubtful, covariance=None).with_coefficients(b_bank=0.05, c_bank=0.05)
+
+
+class TestSteadyCourse:
+    def test_scipy_finds_the_same(self, ship: nw.Model) -> None:
+        """On the terms themselves, not on what was compiled from them."""
+        found = nw.steady_course(ship, y=OFFSETS, u=5.0)
+
+        def off(z: np.ndarray, y: float) -> np.ndarray:
+            drift, rudder = z
+            psi = -np.arctan(drift)
+            forces = ship.forces(nw.Motion.at(psi, y=y, u=5.0, v=5.0 * drift), rudder)
+            return np.array([forces["Y"] / 1e6, forces["N"] / 1e8])
+
+        for place, y in enumerate(OFFSETS):
+            answer = root(off, [0.0, 0.0], args=(y,), tol=1e-12)
+            assert answer.success
+            assert float(found.rudder[place]) == pytest.approx(answer.x[1], abs=1e-9)
+            assert float(found.v[place]) == pytest.approx(5.0 * answer.x[0], abs=1e-8)
+
+    def test_a_voyage_from_it_stays(self, ship: nw.Model) -> None:
+        at = nw.steady_course(ship, y=40.0, u=5.0)
+        start = {name: float(at[name]) for name in ("rudder", "psi", "v")}
+        voyage = nw.simulate(ship, y=40.0, u=5.0, duration=100.0, dt=0.5, **start)
+        assert np.ptp(voyage.y) < 1e-6
+
+    def test_mirrored(self, ship: nw.Model) -> None:
+        found = nw.steady_course(ship, y=[-35.0, 35.0], u=SPEEDS)
+        for name in ("rudder", "psi", "v"):
+            np.testing.assert_allclose(found[name][0], -found[name][1], rtol=1e-9, atol=1e-12)
+
+    def test_without_banks_she_needs_no_rudder(self, ship: nw.Model) -> None:
+        found = nw.steady_course(ship.with_coefficients(b_bank=0.0, c_bank=0.0), y=OFFSETS, u=SPEEDS)
+        np.testing.assert_array_equal(found["rudder"], 0.0)
+
+    def test_where_the_moment_is_beyond_any_rudder_there_is_none(self, ship: nw.Model) -> None:
+        found = nw.steady_course(ship.with_coefficients(c_bank=20.0), y=[0.0, 60.0], u=5.0)
+        assert float(found.rudder[0]) == 0.0
+        assert np.isnan(found.rudder[1])
+
+    def test_forces_that_go_with_the_square_of_the_speed_ask_for_one_rudder(self, ship: nw.Model) -> None:
+        found = nw.steady_course(ship, y=OFFSETS, u=SPEEDS)
+        np.testing.assert_allclose(found["rudder"][:, 0], found["rudder"][:, 1], rtol=1e-9, atol=1e-12)
+
+    def test_a_model_without_a_rudder_is_refused(self, dtc: nw.Model) -> None:
+        with pytest.raises(nw.InputError, match="no terms of a rudder"):
+            nw.steady_course(dtc, y=0.5)
+
+
+class TestAutopilot:
+    def test_the_loop_is_stable(self, ship: nw.Model) -> None:
+        """Eigenvalues of the motion with the rudder in the loop, by SciPy's Riccati solver against the trace."""
+        own = SimulatedShip(ship)
+        gains = track_gains(own, 5.0)
+        exact = own.program.jacobian(own.values())
+        state = {"cos_psi": 1.0, "u": 5.0}
+        place = [1, 2, 4, 5]
+        motion = exact.state(state)[np.ix_(place, place)]
+        push = exact.controls(state)[place, 3]
+        assert np.linalg.eigvals(motion).real.max() > 0
+        assert np.linalg.eigvals(motion - np.outer(push, gains)).real.max() < 0
+
+    def test_the_derivative_by_the_rudder_is_a_difference(self, ship: nw.Model) -> None:
+        own = SimulatedShip(ship)
+        constants = own.constants
+        pose = (0.0, 12.0, np.cos(0.1), np.sin(0.1), 5.0, 0.2, 0.003)
+
+        def rate(angle: float) -> np.ndarray:
+            return np.array(own.program.rhs(*pose, 0.0, 0.0, 0.0, np.cos(angle), np.sin(angle), 0.0, *constants))
+
+        state = dict(zip(("x", "y", "cos_psi", "sin_psi", "u", "v", "r"), pose, strict=True))
+        exact = own.program.jacobian(own.values())
+        found = exact.controls(state, {"cos_rudder": np.cos(0.2), "sin_rudder": np.sin(0.2)})[:, 3]
+        slope = (rate(0.2 + 1e-6) - rate(0.2 - 1e-6)) / 2e-6
+        np.testing.assert_allclose(found[[0, 1, 4, 5]], slope[[0, 1, 5, 6]], rtol=1e-6, atol=1e-12)
+
+    def test_a_rudder_that_turns_nothing_holds_nothing(self, ship: nw.Model) -> None:
+        dead = ship.with_coefficients(a_helm=0.0, b_helm=0.0, c_helm=0.0)
+        with pytest.raises(nw.InputError, match="turns nothing"):
+            track_gains(SimulatedShip(dead), 5.0)
+
+
+def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, draw: int, time: float) -> nw.Voyage:
+    """One trial by the voyage's own march: gust first, then without."""
+    at = nw.steady_course(model, y=y, u=u)
+    hold = {name: float(at[name]) for name in ("rudder", "psi", "v")}
+    gains = track_gains(SimulatedShip(model), u)
+    pilot = nw.Autopilot(y, tuple(gains.tolist()), **hold)
+    dt = LENGTH / (STEPS_A_LENGTH * u)
+    blown = dt * round(time / dt)
+    push = {name: [(0.0, float(thrown[name][draw])), (blown, 0.0)] for name in ("Y", "N")}
+    return nw.simulate(
+        model, y=y + float(thrown["y"][draw]), u=u, psi=hold["psi"] + float(thrown["psi"][draw]), v=hold["v"],
+        rudder=hold["rudder"], duration=LENGTHS * LENGTH / u, dt=dt, helm=pilot, **push,
+    )  # fmt: skip
+
+
+class TestTrials:
+    def test_each_is_a_voyage_of_its_own(self, ship: nw.Model) -> None:
+        """Brute force: the same trials, one at a time, by another march in plain Python."""
+        gust = Disturbance(3.0, offset=2.0, gust=6e5, gust_lever=20.0, gust_time=90.0)
+        draws = 4
+        tried = trials(ship, OFFSETS, SPEEDS, np.zeros(2), gust, draws, seed=5)
+        thrown = gust.drawn(draws, 5)
+        fates = set()
+        for y in OFFSETS:
+            for u in SPEEDS:
+                for draw in range(draws):
+                    own = tried.sel(y=y, u=u).isel(draw=draw)
+                    voyage = voyage_of(ship, thrown, float(y), float(u), draw, gust.gust_time)
+                    afloat = voyage.outcome.kind == "afloat" and abs(voyage.y[-1] - y) <= BEAM / 2
+                    assert bool(own.held) == afloat, (y, u, draw)
+                    fates.add(afloat)
+                    if afloat:
+                        assert float(own.farthest) == pytest.approx(np.abs(voyage.y - y)[1:].max(), rel=1e-6)
+                        assert float(own.most_rudder) == pytest.approx(np.abs(voyage.rudder).max(), rel=1e-6)
+        assert fates == {True, False}
+
+    def test_the_answer_does_not_depend_on_the_threads(self, doubtful: nw.Model) -> None:
+        one, two = (
+            trials(doubtful, OFFSETS, SPEEDS, np.zeros(2), Disturbance(), 8, 1, workers=workers) for workers in (1, 3)
+        )
+        xr.testing.assert_identical(one, two)
+
+    def test_no_draw_is_no_trial(self, ship: nw.Model) -> None:
+        with pytest.raises(nw.InputError, match="one disturbance at least"):
+            trials(ship, OFFSETS, SPEEDS, np.zeros(2), Disturbance(), 0, 0)
+
+
+@pytest.fixture(scope="module")
+def found(doubtful: nw.Model) -> nw.SafeEnvelope:
+    return nw.safe_envelope(doubtful, np.linspace(-98, 98, 15), np.array([3.0, 5.0, 7.0, 12.0]), draws=60)
+
+
+class TestEnvelope:
+    def test_the_edge_is_where_brute_force_puts_it(self, ship: nw.Model) -> None:
+        """A sure model without disturbance is safe as far as its rudder has the reserve: SciPy's bisection."""
+        from scipy.optimize import brentq
+
+        most = ship.setting.gear.limit * 2 / 3
+        offsets, heave = np.linspace(20.0, 130.0, 45), float(keel_at(ship.setting, np.array([5.0])).midship[0])
+        rudder = nw.steady_course(ship, y=offsets, u=5.0, heave=heave)["rudder"]
+        low, high = offsets[(rudder < most).to_numpy()].max(), offsets[(rudder > most).to_numpy()].min()
+        edge = brentq(lambda y: float(nw.steady_course(ship, y=y, u=5.0, heave=heave)["rudder"]) - most, low, high)
+        offsets = np.array([0.0, edge - 0.05, edge + 0.05])
+        found = nw.safe_envelope(ship, offsets, np.array([5.0]), disturbance=Disturbance(0.0), draws=1)
+        np.testing.assert_array_equal(found.safe()[:, 0], [True, True, False])
+        assert found.limited_by()[-1] == "the rudder"
+
+    def test_mirrored(self, found: nw.SafeEnvelope) -> None:
+        np.testing.assert_allclose(found.data["rudder_95"], found.data["rudder_95"][::-1], rtol=1e-9, atol=1e-12)
+
+    def test_the_five_per_cent_line_is_inside_even_odds(self, found: nw.SafeEnvelope) -> None:
+        assert not (found.safe() & ~found.safe(0.5)).any()
+        assert (found.safe(0.5) & ~found.safe()).any()
+
+    def test_a_choked_canal_is_not_sailed(self, found: nw.SafeEnvelope, doubtful: nw.Model) -> None:
+        assert nw.choke_speed(doubtful.setting) < 12.0
+        assert not found.safe()[:, -1].any()
+        assert found.limited_by()[7] == "the canal chokes"
+        assert float(found.highest_speed()[7]) == 7.0
+
+    def test_the_middle_is_safest(self, found: nw.SafeEnvelope) -> None:
+        np.testing.assert_array_equal(found.safest_offset()[:3], 0.0)
+        assert np.isnan(found.safest_offset()[3])
+
+    def test_the_keel_takes_the_bottom(self, ship: nw.Model) -> None:
+        shallow = replace(ship, setting=replace(ship.setting, canal=nw.Canal(300.0, 11.8)))
+        speeds = np.array([1.0, 4.0])
+        found = nw.safe_envelope(shallow, np.array([0.0]), speeds, draws=1, disturbance=Disturbance(0.0))
+        under = keel_at(shallow.setting, speeds)
+        assert under.clearance[0] > 0.05 * shallow.setting.ship.draft > under.clearance[1]
+        assert found.limited_by() == ["the keel"]
+
+    def test_what_the_rudder_needs_at_any_speed_is_said(self, ship: nw.Model) -> None:
+        dry = replace(ship, setting=replace(ship.setting, canal=nw.Canal(300.0)))
+        found = nw.safe_envelope(dry, OFFSETS, SPEEDS, draws=1)
+        assert found.speed_free
+        assert any("square of the speed" in note for note in found.notes)
+        assert any("the depth is not given" in note for note in found.notes)
+        table = with_helm(nw.PAPER)
+        linear = {"a_u": 0.0, "b_v": 1e6, "b_r": 1e8, "c_v": 1e8, "c_r": 1e10}
+        slow = nw.Model(dry.setting, table, {n: {**ship.coefficients, **linear}[n] for n in table.names})
+        assert not nw.safe_envelope(slow, OFFSETS, SPEEDS, draws=1).speed_free
+
+    @pytest.mark.parametrize(
+        ("given", "words"),
+        [
+            ({"y": [1.0, 0.0]}, "offsets must be finite and rise"),
+            ({"u": [0.0, 1.0]}, "steers nothing"),
+            ({"reserve": 1.0}, "no share of the rudder"),
+        ],
+    )
+    def test_bad_ranges_are_refused(self, ship: nw.Model, given: dict, words: str) -> None:
+        with pytest.raises(nw.InputError, match=words):
+            nw.safe_envelope(ship, **given)
+
+
+class TestCommand:
+    def test_table_chart_data(self, doubtful: nw.Model, cli, tmp_path) -> None:
+        nw.save_model(doubtful, tmp_path / "full.toml")
+        code, out, _ = cli(
+            "envelope", tmp_path / "full.toml", "--offsets=-60:60:7", "--speeds", "6:16:3", "--draws", "20",
+            "--plot", tmp_path / "chart.svg", "-o", tmp_path / "e.nc",
+        )  # fmt: skip
+        assert code == 0
+        assert "Safe up to" in out
+        assert "limited by" in out
+        assert (tmp_path / "chart.svg").stat().st_size > 10_000
+        with xr.open_dataset(tmp_path / "e.nc", engine="scipy") as data:
+            assert data["rudder_95"].sizes == {"y": 7, "u": 3}
+
+    def test_json_in_the_pilots_units(self, doubtful: nw.Model, cli, tmp_path) -> None:
+        nw.save_model(doubtful, tmp_path / "full.toml")
+        words = ("--offsets", "0,30", "--speeds", "8", "--draws", "20", "--json")
+        code, out, _ = cli("envelope", tmp_path / "full.toml", *words)
+        said = json.loads(out)
+        assert code == 0
+        assert said["offsets"][0]["highest_speed"] == pytest.approx(8.0)
+        steady = nw.steady_course(doubtful, y=30.0, u=8 * 1852 / 3600)
+        assert abs(said["offsets"][1]["rudder"] - np.degrees(float(steady["rudder"]))) < 2
+
+    def test_where_nothing_is_safe_it_says_no(self, ship: nw.Model, cli, tmp_path) -> None:
+        nw.save_model(ship.with_coefficients(c_bank=20.0), tmp_path / "full.toml")
+        code, out, _ = cli("envelope", tmp_path / "full.toml", "--offsets", "40,60", "--speeds", "8", "--draws", "5")
+        assert code == 1
+        assert "At no offset and speed" in out
+
+    @pytest.mark.parametrize(
+        ("words", "error"),
+        [
+            (("mikkelsen2025_dtc",), "no terms of a rudder"),
+            (("mikkelsen2025_dtc", "--wind", "20"), "needs both --wind and --windage"),
+            (("mikkelsen2025_dtc", "--rudder-of", "mikkelsen2025_dtc"), "the lender has no a_helm"),
+        ],
+    )
+    def test_mistakes_are_one_line(self, cli, words: tuple[str, ...], error: str) -> None:
+        code, _, err = cli("envelope", *words)
+        assert code == 2
+        assert error in err
+        assert err.count("\n") == 1
+
+
+def test_wind_pushes_with_the_square_of_its_speed() -> None:
+    assert nw.wind_force(20.0, 1000.0) == pytest.approx(0.5 * 1.225 * 1000 * 400)
+    with pytest.raises(nw.InputError, match="numbers from 0"):
+        nw.wind_force(-1.0, 1000.0)

@@ -1,0 +1,148 @@
+"""Helms and steering gear: limits of angle and rate, a helm against held pieces, a zigzag's own rules."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.simulation.steering import turning_rate
+from narrows.tables import HELM, with_helm
+
+COEFFICIENTS = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
+
+
+def steered(dtc: nw.Model, **gear: float) -> nw.Model:
+    """The published model with a rudder as large as the KCS's."""
+    setting = replace(
+        dtc.setting, ship=replace(dtc.setting.ship, flow_straightening=0.5), steering=nw.SteeringGear(**gear)
+    )
+    return nw.Model(setting, with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS})
+
+
+def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order() -> None:
+    gear = nw.SteeringGear(35.0, 10.0)
+    assert turning_rate(gear, 0.0, 1.0, 0.5) == pytest.approx(gear.rate)
+    assert turning_rate(gear, 0.0, -1.0, 0.5) == pytest.approx(-gear.rate)
+    assert 0.1 + 0.5 * turning_rate(gear, 0.1, 0.12, 0.5) == pytest.approx(0.12)
+    assert turning_rate(gear, gear.limit, 2.0, 0.5) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_unless_given_it_is_the_rules(dtc: nw.Model) -> None:
+    """SOLAS II-1/29: from 35 degrees on one side to 30 on the other in 28 s."""
+    gear = dtc.setting.gear
+    assert np.degrees(28 * gear.rate) == pytest.approx(35 + 30)
+    assert np.degrees(gear.limit) == pytest.approx(35)
+
+
+def test_a_voyage_under_a_helm_keeps_to_the_gear(dtc: nw.Model) -> None:
+    model = steered(dtc, limit_deg=20.0, rate_deg=8.0)
+    voyage = nw.simulate(model, y=0.2, duration=8.0, dt=0.05, helm=nw.Held(1.0))
+    assert np.degrees(np.abs(voyage.rudder)).max() <= 20 + 1e-9
+    assert np.degrees(np.abs(np.diff(voyage.rudder) / np.diff(voyage.t))).max() <= 8 + 1e-6
+    np.testing.assert_allclose(np.degrees(voyage.rudder[: int(2 / 0.05)]), 8 * voyage.t[: int(2 / 0.05)], atol=1e-9)
+
+
+def test_an_order_that_is_there_already_changes_nothing(dtc: nw.Model) -> None:
+    model = steered(dtc)
+    helmed = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0, helm=nw.Held(0.1))
+    held = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0)
+    np.testing.assert_array_equal(helmed.y, held.y)
+
+
+def test_the_rudder_within_a_step_is_a_ramp_for_scipy_too(dtc: nw.Model) -> None:
+    """SciPy on the terms themselves with the rudder a function of time."""
+    from scipy.integrate import solve_ivp
+
+    model = steered(dtc, limit_deg=35.0, rate_deg=5.0)
+    voyage = nw.simulate(model, y=0.1, duration=4.0, dt=0.01, helm=nw.Held(3 * np.radians(5.0)))
+
+    def rate(t: float, z: np.ndarray) -> list[float]:
+        y, psi, v, r = z
+        rudder = np.radians(5.0) * min(t, 3.0)
+        still = nw.Motion.at(psi, y=y, u=1.0, v=v, r=r)
+
+        def forces(**more: float) -> np.ndarray:
+            found = model.forces(replace(still, **more), rudder)
+            return np.array([found["Y"], found["N"]])
+
+        rest = forces()
+        mass = np.stack([rest - forces(vdot=1.0), rest - forces(rdot=1.0)], axis=1)
+        vdot, rdot = np.linalg.solve(mass, rest)
+        return [np.sin(psi) + v * np.cos(psi), r, vdot, rdot]
+
+    found = solve_ivp(rate, (0, 4), [0.1, 0, 0, 0], rtol=1e-10, atol=1e-12, max_step=0.05)
+    ends = [voyage.y[-1], voyage.psi[-1], voyage.v[-1], voyage.r[-1]]
+    np.testing.assert_allclose(ends, found.y[:, -1], rtol=1e-7, atol=1e-10)
+
+
+def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw.Model) -> None:
+    quiet = nw.Model(
+        replace(dtc.setting, canal=nw.Canal(500.0)), with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS}
+    )
+    quiet = replace(quiet, setting=replace(quiet.setting, ship=steered(dtc).setting.ship))
+    quiet = replace(quiet, setting=replace(quiet.setting, steering=nw.SteeringGear(35.0, 20.0)))
+    ten = np.radians(10)
+    voyage = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(ten, ten))
+    turned = np.flatnonzero(np.diff(np.sign(np.diff(voyage.rudder).round(12))) < 0)
+    first = np.argmax(voyage.psi >= ten)
+    assert turned.size
+    # The rudder goes back in the step after the heading got there.
+    assert voyage.rudder[first] == pytest.approx(ten)
+    assert voyage.rudder[first + 1] < ten
+    assert voyage.rudder.min() == pytest.approx(-ten)
+    mirrored = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(-ten, ten))
+    np.testing.assert_allclose(mirrored.psi, -voyage.psi, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: nw.SteeringGear(0.0), r"\[steering\] limit_deg = 0.0 must be positive"),
+        (lambda: nw.SteeringGear(120.0), "beyond 90 degrees"),
+        (lambda: nw.Zigzag(0.0, 0.1), "needs a rudder angle"),
+        (lambda: nw.Zigzag(0.1, -0.1), "positive change of heading"),
+        (lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), helm=nw.Held(0.1)), "no terms of a rudder"),
+    ],
+)
+def test_what_cannot_be_is_refused(made, words: str) -> None:
+    with pytest.raises(nw.InputError, match=words):
+        made()
+
+
+def test_the_helm_steps_its_own_way(dtc: nw.Model) -> None:
+    with pytest.raises(nw.InputError, match="takes no orders"):
+        nw.simulate(steered(dtc), helm=nw.Held(0.1), method="dop853")
+
+
+def test_a_borrowed_rudder_is_the_lenders(dtc: nw.Model) -> None:
+    lender = steered(dtc)
+    own = nw.borrow_rudder(dtc, lender)
+    assert own.coefficients == lender.coefficients
+    assert own.covariance is None
+    with pytest.raises(nw.InputError, match="rudder of its own"):
+        nw.borrow_rudder(own, lender)
+    with pytest.raises(nw.InputError, match="lender has no a_helm"):
+        nw.borrow_rudder(dtc, dtc)
+
+
+def test_borrowed_errors_stay_with_their_coefficients(dtc: nw.Model) -> None:
+    lender = steered(dtc)
+    names = lender.terms.names
+    errors = np.diag(np.arange(1.0, len(names) + 1))
+    hull = replace(dtc, covariance=np.diag(np.full(len(dtc.terms.names), 7.0)))
+    own = nw.borrow_rudder(hull, replace(lender, covariance=errors))
+    assert own.covariance is not None
+    for place, name in enumerate(own.terms.names):
+        rudder = any(name == term.name for terms in HELM.values() for term in terms)
+        assert own.covariance[place, place] == (errors[names.index(name), names.index(name)] if rudder else 7.0)
+
+
+def test_gear_goes_through_files_and_scales(dtc: nw.Model, tmp_path) -> None:
+    model = steered(dtc, limit_deg=30.0, rate_deg=20.0)
+    nw.save_model(model, tmp_path / "m.toml")
+    back = nw.load_model(tmp_path / "m.toml")
+    assert back.setting == model.setting
+    full = nw.scale_model(back, 4 * model.setting.ship.length).model
+    assert full.setting.gear.rate_deg == pytest.approx(10.0)
+    assert full.setting.gear.limit_deg == 30.0
