@@ -21,6 +21,9 @@ from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_each as identify_each
+from .machinery import Propeller as Propeller
+from .machinery import Rudder as Rudder
+from .machinery import SteeringGear as SteeringGear
 from .measured import measured_squat as measured_squat
 from .measured import measured_tests as measured_tests
 from .model import Envelope as Envelope
@@ -33,9 +36,7 @@ from .motion import Motion as Motion
 from .particulars import Canal as Canal
 from .particulars import Setting as Setting
 from .particulars import Ship as Ship
-from .particulars import SteeringGear as SteeringGear
 from .particulars import Water as Water
-from .particulars import read_ship as read_ship
 from .planning import Plan as Plan
 from .planning import Tank as Tank
 from .planning import plan_tests as plan_tests
@@ -49,9 +50,11 @@ from .scaling import nondimensional as nondimensional
 from .section import equivalent_wall as equivalent_wall
 from .shallow import AtDepth as AtDepth
 from .shallow import at_depth as at_depth
+from .ship_file import read_ship as read_ship
 from .simulation import Autopilot as Autopilot
 from .simulation import Held as Held
 from .simulation import Outcome as Outcome
+from .simulation import Turning as Turning
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
 from .simulation import bank_stiffness as bank_stiffness
@@ -59,8 +62,10 @@ from .simulation import eigenvalues as eigenvalues
 from .simulation import ensemble as ensemble
 from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
+from .simulation import overshoots as overshoots
 from .simulation import simulate as simulate
 from .simulation import stability as stability
+from .simulation import turning_circle as turning_circle
 from .sinkage import SQUAT as SQUAT
 from .sinkage import Squat as Squat
 from .sinkage import SquatFormula as SquatFormula
@@ -68,6 +73,7 @@ from .sinkage import choke_speed as choke_speed
 from .sinkage import squat as squat
 from .tables import CROSSFLOW as CROSSFLOW
 from .tables import MIXED as MIXED
+from .tables import MMG as MMG
 from .tables import PAPER as PAPER
 from .tables import SPEED as SPEED
 from .tables import STEERED as STEERED
@@ -80,5 +86,6 @@ from .terms import TermTable as TermTable
 from .waterway import Waterway as Waterway
 from .waterway import read_waterway as read_waterway
 from .waterway import straight_waterway as straight_waterway
+from .waterway import write_waterway as write_waterway
 
 __version__: str

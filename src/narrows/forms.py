@@ -10,6 +10,8 @@ from narrows.physics.bank import Cushion, Suction
 from narrows.terms import Term, TermTable
 from narrows.vocabulary import Number
 
+WITH_HELM = "helm"
+"""What the name of a table says where it has the terms of a rudder."""
 PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted", "ours"
 
 
@@ -129,7 +131,8 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     """
     form = _form(form)
     sway, yaw = (tuple(term for term in own if not term.from_bank) for own in (table.sway, table.yaw))
-    own = "+".join(word for word in table.name.split("+") if word not in FORMS)
+    base, *additions = table.name.split("+")
+    own = "+".join([base, *(word for word in additions if word == WITH_HELM)])
     kept = TermTable(name or f"{own}+{form.name}", table.surge, sway, yaw, table.ties)
     return kept.with_terms(kept.name, sway=form.sway, yaw=form.yaw)
 

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass, fields, replace
 from math import log10
+from typing import Any
 
 import numpy as np
 
 from narrows.dimension import KG, KG_M2, METRE, Dimension
 from narrows.errors import InputError
 from narrows.model import Envelope, Model, Range
-from narrows.particulars import Canal, Setting, Ship, SteeringGear, Water
+from narrows.particulars import Canal, Setting, Ship, Water
 from narrows.physics.clearance import GRAVITY
 from narrows.scaling import Units
 
@@ -144,7 +145,7 @@ def scale_model(
     units = Units(ratio**3 * water.density / old.water.density, ratio, ratio**0.5)
     deep = None if old.canal.depth is None else old.canal.depth * ratio
     canal = Canal(old.canal.width * ratio if width is None else width, deep if depth is None else depth)
-    setting = Setting(_scaled_ship(old.ship, units), canal, water, steering=_scaled_steering(old.steering, ratio))
+    setting = Setting(_scaled_ship(old.ship, units), canal, water, **_scaled_actuators(old, ratio))
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
     said = (*_fixed_warnings(model, friction), *_place_warnings(model, setting))
@@ -166,8 +167,16 @@ def _scaled_ship(ship: Ship, units: Units) -> Ship:
     return replace(ship, **given)
 
 
-def _scaled_steering(gear: SteeringGear | None, ratio: float) -> SteeringGear | None:
-    return gear and replace(gear, rate_deg=gear.rate_deg / ratio**0.5)
+def _scaled_actuators(old: Setting, ratio: float) -> dict[str, Any]:
+    """Gear, propeller and rudder at another size; their fractions stay."""
+    gear, propeller, rudder = old.steering, old.propeller, old.rudder
+    pace = ratio**-0.5
+    return {
+        "steering": gear and replace(gear, rate_deg=gear.rate_deg * pace),
+        "propeller": propeller
+        and replace(propeller, diameter=propeller.diameter * ratio, revolutions=propeller.revolutions * pace),
+        "rudder": rudder and replace(rudder, area=rudder.area * ratio**2),
+    }
 
 
 def _scaled_envelope(envelope: Envelope, units: Units) -> Envelope:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from numbers import Real
+from types import MappingProxyType
 
 import numpy as np
 
@@ -118,7 +119,7 @@ class Model:
         """
         return replace(self, coefficients={**self.coefficients, **values})
 
-    def forces(self, motion: Motion, rudder: Number = 0.0) -> dict[str, Number]:
+    def forces(self, motion: Motion, rudder: Number = 0.0, revolutions: Number | None = None) -> dict[str, Number]:
         """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
 
         Parameters
@@ -127,13 +128,16 @@ class Model:
             Floats or columns.
         rudder : number [rad]
             Its angle, positive where it turns the bow to starboard; floats or columns.
+        revolutions : number [1/s], optional
+            Of the propeller; those of the setting unless given.
 
         Raises
         ------
         InputError
             Where a term needs a particular that the setting does not give.
         """
-        values = self._values(motion) | {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
+        turning = {} if revolutions is None else {"revolutions": revolutions}
+        values = self._values(motion, turning) | {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
@@ -150,12 +154,19 @@ class Model:
             for force, terms in self.terms.forces.items()
         }
 
-    def _values(self, motion: Motion) -> dict[str, Number]:
-        values = self.setting.values() | motion.values() | AMIDSHIPS
+    def _values(self, motion: Motion, more: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
+        values = self.setting.values() | motion.values() | AMIDSHIPS | dict(more)
         for name in self.terms.inputs:
             if name not in values:
                 raise InputError(f"the terms of this model need {name}; give it in the ship file")
         return values
+
+    @property
+    def surge_inertia(self) -> float:
+        """What the terms resist a surge acceleration with [kg]."""
+        values = self._values(Motion.at(u=1.0, udot=1.0)) | {"revolutions": 0.0}
+        held = [term for term in self.terms.surge if "udot" in term.inputs]
+        return -float(self._sum(held, values) - self._sum(held, {**values, "udot": 0.0}))
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
         return sum((self.coefficients[term.name] * term.column(values) for term in terms), 0.0)

@@ -11,12 +11,12 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.files import write_whole
 from narrows.model import Envelope, Model, Range, Source
-from narrows.particulars import check_table, load_toml, setting_from
+from narrows.ship_file import check_table, load_toml, setting_from
 from narrows.tables import table_named
 from narrows.terms import TermTable
 
 PARTS = ("ship", "canal", "water")
-MORE_PARTS = ("steering",)
+MORE_PARTS = ("steering", "propeller", "rudder")
 REQUIRED = (*PARTS, "terms", "coefficients")
 OPTIONAL = (*MORE_PARTS, "covariance", "envelope", "source")
 

@@ -40,6 +40,22 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
     return wall
 
 
+def keel_wall(profile: Sequence[Point], clearance: float) -> float:
+    """Return how far from the origin a keel meets a bank [m]: where the bank is as high as the water under it (ours).
+
+    Parameters
+    ----------
+    profile : sequence of (m, m)
+        As in ``equivalent_wall``.
+    clearance : float [m]
+        Of the keel above the bottom.
+    """
+    for (start, low), (stop, high) in pairwise(profile):
+        if high >= clearance:
+            return start if low >= clearance else start + (stop - start) * (clearance - low) / (high - low)
+    return profile[-1][0]
+
+
 def _below(before: Point, after: Point, depth: float) -> float:
     """Area of a straight piece of bank below the water level [m2]."""
     (start, low), (stop, high) = before, after

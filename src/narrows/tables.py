@@ -4,10 +4,15 @@ from dataclasses import replace
 
 from narrows import dimension as dim
 from narrows.errors import InputError, did_you_mean
-from narrows.forms import FORMS, with_bank
-from narrows.physics import bank, damping, inertia, rudder
+from narrows.forms import FORMS, WITH_HELM, with_bank
+from narrows.physics import bank, damping, hull, inertia, propeller, rudder
 from narrows.terms import NONNEGATIVE, Term, TermTable
 
+SURGE_POWERS = (("vv", (2, 0)), ("vr", (1, 1)), ("rr", (0, 2)), ("vvvv", (4, 0)))
+TURNING_POWERS = (
+    ("v", (1, 0)), ("r", (0, 1)), ("vvv", (3, 0)), ("vvr", (2, 1)), ("vrr", (1, 2)), ("rrr", (0, 3)),
+)  # fmt: skip
+"""Powers of v' and r' in the hull's forces of the MMG standard method."""
 SURGE = (
     Term("a_udot", r"a_{\dot u}", inertia.surge_inertia, dim.KG, NONNEGATIVE),
     Term("a_u", r"a_u", damping.linear_surge, dim.KG_PER_S, NONNEGATIVE),
@@ -93,11 +98,39 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
     name : str
         Of the new table; ``table+helm`` unless given.
     """
-    return table.with_terms(name or f"{table.name}+helm", **HELM)
+    return table.with_terms(name or f"{table.name}+{WITH_HELM}", **HELM)
 
 
 STEERED = with_helm(CROSSFLOW, "steered")
 """The terms of ``crossflow`` and a rudder."""
+
+MMG = TermTable(
+    "mmg",
+    surge=(
+        Term("X_mass", r"m", hull.rigid_surge, dim.NUMBER, NONNEGATIVE),
+        Term("X_mx", r"m_x'", hull.added_surge, dim.NUMBER, NONNEGATIVE),
+        Term("X_my", r"m_y'", hull.added_sway_turning, dim.NUMBER, NONNEGATIVE),
+        Term("R_0", r"R_0'", hull.HullPower(0, 0, sign=-1), dim.NUMBER, NONNEGATIVE),
+        *(Term(f"X_{name}", rf"X_{{{name}}}'", hull.HullPower(*powers), dim.NUMBER) for name, powers in SURGE_POWERS),
+        Term("X_thrust", r"1 - t_P", propeller.thrust, dim.NUMBER, NONNEGATIVE),
+        Term("X_rudder", r"1 - t_R", rudder.rudder_surge, dim.NUMBER, NONNEGATIVE),
+    ),
+    sway=(
+        Term("Y_mass", r"m", hull.rigid_sway, dim.NUMBER, NONNEGATIVE),
+        Term("Y_my", r"m_y'", hull.added_sway, dim.NUMBER, NONNEGATIVE),
+        Term("Y_mx", r"m_x'", hull.added_surge_turning, dim.NUMBER, NONNEGATIVE),
+        *(Term(f"Y_{name}", rf"Y_{{{name}}}'", hull.HullPower(*powers), dim.NUMBER) for name, powers in TURNING_POWERS),
+        Term("Y_rudder", r"1 + a_H", rudder.rudder_sway, dim.NUMBER, NONNEGATIVE),
+    ),
+    yaw=(
+        Term("N_mass", r"I_z", hull.rigid_yaw, dim.NUMBER, NONNEGATIVE),
+        Term("N_jz", r"J_z'", hull.added_yaw, dim.NUMBER, NONNEGATIVE),
+        *(Term(f"N_{name}", rf"N_{{{name}}}'", hull.HullPower(*p, lever=1), dim.NUMBER) for name, p in TURNING_POWERS),
+        Term("N_rudder", r"-(x_R' + a_H x_H')", rudder.rudder_yaw, dim.NUMBER, NONNEGATIVE),
+    ),
+    ties=(("X_mass", "Y_mass"), ("X_mass", "N_mass"), ("X_mx", "Y_mx"), ("X_my", "Y_my")),
+)
+"""The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its race."""
 
 TAPERED = with_bank(PAPER, "tapered", name="tapered")
 """The paper's terms with its boundary-layer taper on the bank."""
@@ -105,7 +138,7 @@ TAPERED = with_bank(PAPER, "tapered", name="tapered")
 BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
 """The tables whose bank term is the paper's, for other forms of it to take its place."""
 BASES = {**BARE, "steered": STEERED}
-TABLES = {**BASES, "tapered": TAPERED}
+TABLES = {**BASES, "tapered": TAPERED, "mmg": MMG}
 """The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term."""
 
 
@@ -123,11 +156,12 @@ def table_named(name: str) -> TermTable:
         Where there is no such table or form.
     """
     base, *additions = name.split("+")
-    if base not in TABLES:
-        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, TABLES)}")
+    known = BASES if set(additions) & set(FORMS) else TABLES
+    if base not in known:
+        raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, known)}")
     table = TABLES[base]
     for addition in additions:
-        if addition not in FORMS and addition != "helm":
-            raise InputError(f"unknown form {addition!r} of the bank term{did_you_mean(addition, [*FORMS, 'helm'])}")
-        table = with_helm(table) if addition == "helm" else with_bank(table, addition)
+        if addition not in (*FORMS, WITH_HELM):
+            raise InputError(f"unknown form {addition!r} of the bank term{did_you_mean(addition, [*FORMS, WITH_HELM])}")
+        table = with_helm(table) if addition == WITH_HELM else with_bank(table, addition)
     return table

@@ -2,10 +2,15 @@
 
 import inspect
 from collections.abc import Callable, Iterable
+from functools import wraps
+from types import SimpleNamespace
 from typing import Any, NamedTuple, TypeVar
 
 Number = Any
 """A float, a NumPy array or a symbol: whatever knows arithmetic and ``abs()``."""
+
+Values = Any
+"""Quantities of the vocabulary as attributes: ``at.u``."""
 
 FunctionType = TypeVar("FunctionType", bound=Callable[..., Number])
 
@@ -56,6 +61,23 @@ PARTICULARS = {
     "flow_straightening": Quantity(
         "1", "flow across the rudder over that across the stern, over its flow along, gamma_R"
     ),
+    "propeller_diameter": Quantity("m", "propeller diameter D_P"),
+    "propeller_wake": Quantity("1", "wake fraction at the propeller straight ahead w_P0"),
+    "propeller_thrust_0": Quantity("1", "K_T at no advance k_0"),
+    "propeller_thrust_1": Quantity("1", "slope of K_T by the advance k_1"),
+    "propeller_thrust_2": Quantity("1", "curvature of K_T by the advance k_2"),
+    "propeller_position": Quantity("1", "propeller forward of midship over L, x_P'"),
+    "propeller_wake_rate": Quantity("1", "how soon the wake thins as she turns C_1"),
+    "propeller_wake_starboard": Quantity("1", "inflow turning over inflow straight, flow from starboard C_2"),
+    "propeller_wake_port": Quantity("1", "inflow turning over inflow straight, flow from port C_2"),
+    "rudder_area": Quantity("m2", "rudder area A_R"),
+    "rudder_lift": Quantity("1", "slope of the rudder's lift f_alpha"),
+    "rudder_wake_ratio": Quantity("1", "inflow at the rudder over that at the propeller epsilon"),
+    "rudder_race": Quantity("1", "how far the race is sped up at the rudder kappa"),
+    "rudder_in_race": Quantity("1", "propeller diameter over rudder height eta"),
+    "rudder_position": Quantity("1", "effective place of the rudder over L, l_R'"),
+    "rudder_straightening_starboard": Quantity("1", "flow straightening, flow from starboard gamma_R"),
+    "rudder_straightening_port": Quantity("1", "flow straightening, flow from port gamma_R"),
     "width": Quantity("m", "canal width W"),
     "depth": Quantity("m", "water depth h"),
     "density": Quantity("kg/m3", "mass density of the water rho"),
@@ -79,6 +101,33 @@ def documented(function: FunctionType) -> FunctionType:
     """
     function.__doc__ = described(function.__doc__ or "", inspect.signature(function).parameters)
     return function
+
+
+def asking(*names: str) -> Callable[[Callable[[Values], Number]], Callable[..., Number]]:
+    """Make a physics function of many quantities, written by attributes, into one of named arguments (ours).
+
+    It may also be called with the attributes of another that asks for as much.
+
+    Parameters
+    ----------
+    *names : str
+        Quantities of the vocabulary, each once.
+    """
+    wanted = tuple(dict.fromkeys(names))
+    signature = inspect.Signature([inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in wanted])
+
+    def made(function: Callable[[Values], Number]) -> Callable[..., Number]:
+        @wraps(function)
+        def regressor(*given: Number, **named: Number) -> Number:
+            if len(given) == 1 and isinstance(given[0], SimpleNamespace):
+                return function(given[0])
+            return function(SimpleNamespace(**signature.bind(*given, **named).arguments))
+
+        regressor.__signature__ = signature  # type: ignore[attr-defined]
+        regressor.__doc__ = described(function.__doc__ or "", wanted)
+        return regressor
+
+    return made
 
 
 def described(text: str, names: Iterable[str]) -> str:

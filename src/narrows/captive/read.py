@@ -13,7 +13,8 @@ from narrows.captive.frames import read_frame
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.model import Source
-from narrows.particulars import Setting, read_ship
+from narrows.particulars import Setting
+from narrows.ship_file import read_ship
 from narrows.tables import PAPER
 from narrows.terms import TermTable
 from narrows.vocabulary import CONTROLS, MOTION

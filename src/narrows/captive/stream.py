@@ -15,7 +15,8 @@ from narrows.captive.read import Rows, checked, prepared, sha256_of, tests_of
 from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError
 from narrows.model import Source
-from narrows.particulars import Setting, read_ship
+from narrows.particulars import Setting
+from narrows.ship_file import read_ship
 from narrows.tables import PAPER
 from narrows.terms import TermTable
 

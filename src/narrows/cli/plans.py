@@ -30,9 +30,9 @@ def design(
 ) -> None:
     """Propose the captive tests that make the bank's coefficients best known."""
     from narrows.captive import read_captive
-    from narrows.particulars import read_ship
     from narrows.planning import Tank, plan_tests
     from narrows.report.plans import print_plan, write_plan
+    from narrows.ship_file import read_ship
     from narrows.tables import table_named
 
     chosen = table_named(terms)

@@ -12,7 +12,7 @@ from narrows.cli.output import print_json
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    pass
+    from narrows.waterway import Waterway
 
 
 @app.command(epilog="Example: narrows simulate mikkelsen2025_dtc --y 0.5 --u 1.0 -o voyage.nc --plot voyage.png")
@@ -35,6 +35,12 @@ def simulate(
     surge_inertia: SurgeInertia = None,
     coriolis: Coriolis = False,
     contact: ContactKind = "corners",
+    waterway: Annotated[
+        Path | None, typer.Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
+    ] = None,
+    x: Annotated[float, typer.Option(help="Start along the canal [m].")] = 0.0,
+    current: Annotated[float, typer.Option(help="Of the water along the waterway [m/s].")] = 0.0,
+    level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0,
     method: Annotated[str, typer.Option(help="'rk4', or 'dop853' as the check on it.")] = "rk4",
     output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the voyage to write.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
@@ -50,10 +56,10 @@ def simulate(
     from narrows.simulation.voyage import simulate as run
 
     voyage = run(
-        model_named(model), y, u, duration, dt, psi=radians(psi_deg), v=v, r=radians(r_deg),
+        model_named(model), y, u, duration, dt, x=x, psi=radians(psi_deg), v=v, r=radians(r_deg),
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
         surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
-        contact=contact, method=method,
+        contact=contact, method=method, waterway=_waterway(waterway, current, level),
     )  # fmt: skip
     if output:
         voyage.save(output)
@@ -66,6 +72,16 @@ def simulate(
     else:
         typer.echo(voyage.outcome.sentence)
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
+
+
+def _waterway(file: Path | None, current: float, level: float) -> "Waterway | None":
+    if file is None:
+        if current or level:
+            raise InputError("--current and --level are a waterway's; add --waterway, or leave them out")
+        return None
+    from narrows.waterway import read_waterway
+
+    return read_waterway(file).with_water(current, level)
 
 
 @app.command("map", epilog="Example: narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --u 0.6:1.2:61 --plot map.png")

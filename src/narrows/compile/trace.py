@@ -75,7 +75,8 @@ def symbol(name: str) -> Expr:
     """
     import sympy
 
-    positive = True if name in PARTICULARS and name != "x_g" else None
+    signed = name == "x_g" or name.startswith(("propeller_", "rudder_"))
+    positive = True if name in PARTICULARS and not signed else None
     return sympy.Symbol(name, real=True, positive=positive)
 
 

@@ -1,11 +1,15 @@
-"""What turning the rudder adds to the force on a hull whose tests had it amidships, per unit of each coefficient.
+"""The rudder: its normal force is 1/2 rho A U_R (u_R sin delta - v_R cos delta), as in the MMG standard method.
 
-The rudder's normal force is 1/2 rho A U_R (u_R sin delta - v_R cos delta), as in the MMG standard method; what it is
-with the rudder amidships is the hull's already. The area stands as L T/100, and lift, wake, slipstream and the hull's
-share are in the coefficients, so these hold for the propeller loading of the tests.
+The terms ``helm_*`` are what turning it adds to the force on a hull whose tests had it amidships. The area stands as
+L T/100, and lift, wake, slipstream and the hull's share are in the coefficients, so these hold for the propeller
+loading of the tests. The terms ``rudder_*`` are the whole method, with the race of the propeller.
 """
 
-from narrows.vocabulary import Number, documented
+import math
+
+from narrows.physics.hull import drift, speed
+from narrows.physics.propeller import LOADING, inflow, loading
+from narrows.vocabulary import Number, Values, asking, documented
 
 REFERENCE_AREA = 0.01
 """Of the rudder, over length times draft [1]."""
@@ -62,3 +66,78 @@ def helm_yaw(
     Source: form of Yasukawa and Yoshimura (2015), the MMG standard method, less its value with the rudder amidships.
     """
     return -length * helm_sway(u, v, r, cos_rudder, sin_rudder, length, draft, flow_straightening, density)
+
+
+FLOW = (
+    *LOADING, "rudder_wake_ratio", "rudder_race", "rudder_in_race", "rudder_position", "rudder_straightening_starboard",
+    "rudder_straightening_port",
+)  # fmt: skip
+FORCE = (*FLOW, "cos_rudder", "sin_rudder", "density", "rudder_area", "rudder_lift")
+
+
+@asking(*FLOW)
+def along(at: Values) -> Number:
+    """Velocity of the water along the rudder [m/s], in the race of the propeller over the share eta of its height.
+
+    u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2).
+
+    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    """
+    coming = inflow(at)
+    race = (coming * coming + 8 / math.pi * abs(loading(at))) ** 0.5
+    inside = coming + at.rudder_race * (race - coming)
+    mixed = at.rudder_in_race * inside * inside + (1 - at.rudder_in_race) * coming * coming
+    return at.rudder_wake_ratio * mixed**0.5
+
+
+@asking("u", "v", "r", "length", "rudder_position", "rudder_straightening_starboard", "rudder_straightening_port")
+def across(at: Values) -> Number:
+    """Velocity of the water across the rudder [m/s], U gamma_R beta_R with gamma_R by the side of beta_R.
+
+    beta_R = beta - l_R' r'.
+
+    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    """
+    whole = speed(at.u, at.v)
+    angle = drift(at.u, at.v) - at.rudder_position * at.r * at.length / whole
+    middle = (at.rudder_straightening_starboard + at.rudder_straightening_port) / 2
+    half = (at.rudder_straightening_starboard - at.rudder_straightening_port) / 2
+    return whole * (middle * angle + half * abs(angle))
+
+
+@asking(*FORCE)
+def normal_force(at: Values) -> Number:
+    """Normal force of the rudder [N], 1/2 rho A_R f_alpha U_R (u_R sin delta - v_R cos delta).
+
+    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    """
+    forward, sideways = along(at), across(at)
+    lift = 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
+    return lift * (forward * at.sin_rudder - sideways * at.cos_rudder)
+
+
+@asking(*FORCE)
+def rudder_surge(at: Values) -> Number:
+    """Surge force of the rudder per unit of 1 - t_R [N], -F_N sin delta.
+
+    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    """
+    return -normal_force(at) * at.sin_rudder
+
+
+@asking(*FORCE)
+def rudder_sway(at: Values) -> Number:
+    """Sway force of the rudder per unit of 1 + a_H [N], -F_N cos delta.
+
+    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    """
+    return -normal_force(at) * at.cos_rudder
+
+
+@asking(*FORCE)
+def rudder_yaw(at: Values) -> Number:
+    """Yaw moment of the rudder per unit of -(x_R' + a_H x_H') [N m], L F_N cos delta.
+
+    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    """
+    return at.length * normal_force(at) * at.cos_rudder

@@ -1,4 +1,7 @@
 from .fleets import ensemble as ensemble
+from .manoeuvres import Turning as Turning
+from .manoeuvres import overshoots as overshoots
+from .manoeuvres import turning_circle as turning_circle
 from .maps import grounding_distance as grounding_distance
 from .maps import grounding_probability as grounding_probability
 from .modes import bank_stiffness as bank_stiffness

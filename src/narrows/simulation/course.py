@@ -4,14 +4,16 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from narrows.compile import Limits
 from narrows.simulation.integrate import Rate, State
-from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship import OPEN, SimulatedShip
 from narrows.vocabulary import Number
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 Forces = tuple[float, float, float]
+WIDEST = math.cos(Limits().heading)
 
 
 class Course(Protocol):
@@ -20,6 +22,10 @@ class Course(Protocol):
     @property
     def ship(self) -> SimulatedShip:
         """Who goes."""
+
+    @property
+    def widest(self) -> float:
+        """Cosine of the heading [1] at which she lies across."""
 
     def rate(self, forces: Forces, turning: float) -> Rate:
         """Return the right-hand side under constant forces, the rudder turning steadily.
@@ -61,6 +67,54 @@ class Course(Protocol):
 
 
 @dataclass(frozen=True)
+class OpenWater:
+    """No banks, and no heading that is across.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The ship.
+    """
+
+    ship: SimulatedShip
+    widest: float = -2.0
+
+    def rate(self, forces: Forces, turning: float) -> Rate:
+        """Return the right-hand side under constant forces, the rudder turning steadily.
+
+        Parameters
+        ----------
+        forces : three floats [N, N, N m]
+            From elsewhere.
+        turning : float [rad/s]
+            Rate of the rudder.
+        """
+        return Straight(self.ship).rate(forces, turning)
+
+    def bank_gap(self, state: State) -> float:
+        """Room between hull and bank [m]: without end.
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return math.inf
+
+    gap = bank_gap
+
+    def lean(self, state: State) -> float:
+        """Neither bank is nearer [1].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+        return 0.0
+
+
+@dataclass(frozen=True)
 class Straight:
     """The model's own canal, without end.
 
@@ -71,6 +125,7 @@ class Straight:
     """
 
     ship: SimulatedShip
+    widest: float = WIDEST
 
     def rate(self, forces: Forces, turning: float) -> Rate:
         """Return the right-hand side under constant forces, the rudder turning steadily.
@@ -122,6 +177,7 @@ class Along:
 
     ship: SimulatedShip
     waterway: "Waterway"
+    widest: float = WIDEST
     _known: dict[tuple[float, float], tuple[Number, ...]] = field(init=False, repr=False, default_factory=dict)
 
     def rate(self, forces: Forces, turning: float) -> Rate:
@@ -179,7 +235,7 @@ class Along:
         return float(self.ship.program.lean(*self._seen(state)))
 
     def _seen(self, state: State) -> tuple[Number, ...]:
-        here = self.waterway.section(state[0])
+        here = self.waterway.room(state[0], self.ship.model.setting.ship.draft)
         return (state[1] - float(here.middle), *state[2:4], *self._constants(float(here.width), float(here.depth)))
 
     def _constants(self, width: float, depth: float) -> tuple[Number, ...]:
@@ -209,6 +265,6 @@ def course_of(ship: SimulatedShip, waterway: "Waterway | None") -> Course:
         Where she does not fit the waterway.
     """
     if waterway is None:
-        return Straight(ship)
+        return OpenWater(ship) if ship.contact == OPEN else Straight(ship)
     waterway.check_fits(ship.model.setting.ship)
     return Along(ship, waterway)

@@ -14,6 +14,8 @@ from narrows.model import Model
 from narrows.terms import TermTable
 from narrows.vocabulary import Number
 
+OPEN = "none"
+"""The contact of a ship in open water."""
 Outline = Sequence[Sequence[float]]
 """Points of the waterline: (forward of midship, to starboard) [m]."""
 
@@ -33,14 +35,16 @@ class SimulatedShip:
     coriolis : bool
         Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
     contact : str or points [m]
-        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard).
+        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
+        ``none`` in open water.
     rudder : float [rad]
         Its angle, positive where it turns the bow to starboard.
 
     Raises
     ------
     InputError
-        Where a choice is unknown, or the speed is free and no inertia in surge is known.
+        Where a choice is unknown, the terms need a propeller that is not there, the speed is free and no inertia in
+        surge is known, or a bank is left out that the terms feel.
     """
 
     model: Model
@@ -51,23 +55,28 @@ class SimulatedShip:
     rudder: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.surge == "free" and not self.values()["surge_inertia"] + self.model.coefficients.get("a_udot", 0.0) > 0:
+        if self.contact == OPEN and any(term.from_bank for term in self.model.terms.terms):
+            raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
+        if "revolutions" in self.model.terms.inputs and self.model.setting.propeller is None:
+            raise InputError("this model's terms need a propeller; give [propeller] in its file")
+        if self.surge == "free" and not self.values()["surge_inertia"] + self.model.surge_inertia > 0:
             raise InputError(
-                "this model's a_udot is 0 (its tests held the speed), so a free speed needs an inertia: "
+                "this model has no mass in surge (its tests held the speed), so a free speed needs an inertia: "
                 "give surge_inertia in kg, mass and added mass together, or hold the speed"
             )
 
     @property
     def program(self) -> Program:
         """The compiled equations, shared by all ships with the same terms."""
+        if self.contact == OPEN:
+            return _program(self.model.terms, self.surge, self.coriolis, "corners")
         shape = self.contact if isinstance(self.contact, str) else tuple(tuple(point) for point in self.contact)
         return _program(self.model.terms, self.surge, self.coriolis, shape)
 
     def values(self) -> dict[str, Number]:
         """Every particular and coefficient by name."""
-        own = self.model.coefficients.get("a_udot", 0.0)
         # The equations add this to the table's own mass in surge; the user gives the whole.
-        added = 0.0 if self.surge_inertia is None else self.surge_inertia - own
+        added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         ship = {**self.model.setting.values(), **self.model.coefficients}
         return {**ship, **helm(self.rudder), "heave": 0.0, "surge_inertia": added}
 

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 LIMITS = Limits()
-WIDEST = math.cos(LIMITS.heading)
 CONTACT = 1e-6
 """A gap that counts as closed [m]."""
 
@@ -142,7 +141,8 @@ def simulate(
     coriolis : bool
         Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
     contact : str or points [m]
-        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard).
+        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
+        ``none`` in open water.
     method : str
         ``rk4``, or ``dop853`` as the check on it.
     at : sequence of float [s], optional
@@ -181,7 +181,7 @@ def _rows(
 ) -> list[Row]:
     def gap(state: State) -> float:
         """Metres to the bank, cut off where the model ends."""
-        return min(course.gap(state), state[2] - WIDEST) if _sane(state) else -math.inf
+        return min(course.gap(state), state[2] - course.widest) if _sane(state) else -math.inf
 
     rows = [(0.0, start)]
     gear = course.ship.model.setting.gear
@@ -209,7 +209,7 @@ def _kind_and_side(last: Row, course: Course, stop: float) -> tuple[str, str | N
     t, state = last
     if course.bank_gap(state) <= CONTACT:
         return end.GROUNDED, "starboard" if course.lean(state) > 0 else "port"
-    if state[2] <= WIDEST + CONTACT:
+    if state[2] <= course.widest + CONTACT:
         return end.LEFT_VALIDITY, None
     # What ends before its time, neither aground nor across nor at the end, has run out of sane numbers.
     done = t >= stop or course.gap(state) <= CONTACT
@@ -237,7 +237,7 @@ def _check_finite(**values: float) -> None:
 
 def _check_afloat(course: Course, start: State) -> None:
     _, y, c, s, *_ = start
-    if c <= WIDEST:
+    if c <= course.widest:
         raise InputError(f"psi = {math.degrees(math.atan2(s, c)):.1f} deg lies across the canal; start within 85 deg")
     gap = course.bank_gap(start)
     if gap <= 0:

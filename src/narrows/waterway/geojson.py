@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.waterway.banks import bank_from_points
+from narrows.files import write_whole
+from narrows.section import Point, equivalent_wall
+from narrows.waterway.banks import FAR, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.waterway import Waterway
 
@@ -21,6 +23,7 @@ def read_waterway(path: str | Path) -> Waterway:
 
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``
     as one sails along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points.
+    A bank that is no wall has ``profile``: points [distance beyond its line, height above the bottom], outward [m].
 
     Parameters
     ----------
@@ -39,11 +42,46 @@ def read_waterway(path: str | Path) -> Waterway:
     metres = {role: projected(points, origin) for role, points in lines.items()}
     try:
         line = Centreline(metres["centreline"])
-        banks = {side: bank_from_points(side, metres[side], line) for side in ROLES[1:]}
+        banks = {s: bank_from_points(s, metres[s], line, _profile(collection, s)) for s in ROLES[1:]}
         depths = _depths(collection, line, metres["centreline"])
-        return Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem)
+        at = (float(origin[0]), float(origin[1]))
+        return Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def write_waterway(waterway: Waterway, path: str | Path) -> None:
+    """Write a waterway as GeoJSON that ``read_waterway`` reads.
+
+    Parameters
+    ----------
+    waterway : Waterway
+        One that knows where on earth it is.
+    path : str or Path
+        Where to.
+
+    Raises
+    ------
+    InputError
+        Where it does not know its origin, or the file cannot be written.
+    """
+    if waterway.origin is None:
+        raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
+    line, origin = waterway.line, np.array(waterway.origin)
+    places = line.place(line.points)[0]
+    depth = {} if waterway.depths is None else {"depth": (waterway.depth(places) - waterway.level).tolist()}
+    features = [_feature("centreline", line.points, origin, depth)]
+    for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
+        shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}
+        inside = np.clip(bank.s, 0, line.length)
+        features.append(_feature(bank.side, line.at(inside, sign * bank.distance), origin, shape))
+    write_whole(path, json.dumps({"type": "FeatureCollection", "features": features}, indent=1))
+
+
+def _feature(role: str, points: np.ndarray, origin: np.ndarray, more: Mapping[str, Any]) -> dict[str, Any]:
+    coordinates = unprojected(points, origin).round(9).tolist()
+    geometry = {"type": "LineString", "coordinates": coordinates}
+    return {"type": "Feature", "properties": {"role": role, **more}, "geometry": geometry}
 
 
 def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
@@ -131,12 +169,48 @@ def _coordinates(given: Any, place: str) -> np.ndarray:
     return points
 
 
+def read_line(path: str | Path) -> np.ndarray:
+    """Read a centreline: the LineString with the role ``centreline``, or the only one: (n, 2) [deg].
+
+    Parameters
+    ----------
+    path : str or Path
+        GeoJSON, longitude before latitude.
+
+    Raises
+    ------
+    InputError
+        Where there is none, or more than one.
+    """
+    collection = _loaded(Path(path))
+    lines = [f for f in collection.get("features", []) if (f.get("geometry") or {}).get("type") == "LineString"]
+    own = [f for f in lines if (f.get("properties") or {}).get("role") == "centreline"] or lines
+    if len(own) != 1:
+        raise InputError(f"{path}: has {len(own)} lines that may be the centreline; leave one, or give it its role")
+    return _coordinates(own[0]["geometry"].get("coordinates"), f"{path}: the centreline")
+
+
+def _properties(collection: Mapping[str, Any], role: str) -> Mapping[str, Any]:
+    own = (feature.get("properties") or {} for feature in collection["features"])
+    return next(properties for properties in own if properties.get("role") == role)
+
+
+def _profile(collection: Mapping[str, Any], side: str) -> tuple[Point, ...]:
+    given = _properties(collection, side).get("profile")
+    if given is None:
+        return ()
+    try:
+        profile = tuple((float(out), float(up)) for out, up in given)
+    except (TypeError, ValueError):
+        raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it") from None
+    equivalent_wall([(FAR + out, up) for out, up in profile], 1.0)
+    return profile
+
+
 def _depths(
     collection: Mapping[str, Any], line: Centreline, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    features = collection["features"]
-    own = next(f for f in features if (f.get("properties") or {}).get("role") == "centreline")
-    given = own["properties"].get("depth")
+    given = _properties(collection, "centreline").get("depth")
     if given is None:
         return None
     values = np.array([np.nan if value is None else float(value) for value in np.atleast_1d(np.array(given, object))])

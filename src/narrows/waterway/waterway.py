@@ -52,11 +52,14 @@ class Waterway:
         Of the water over that of the depths.
     name : str
         What it is called.
+    origin : pair of float [deg], optional
+        Longitude and latitude of east 0, north 0.
 
     Raises
     ------
     InputError
-        Where the line bends more sharply than the banks are off, a depth is missing or dry: with the place.
+        Where a sloped bank has no depth to stand in, the line bends more sharply than the banks are off, a depth is
+        missing or dry: with the place.
     """
 
     line: Centreline
@@ -66,8 +69,11 @@ class Waterway:
     current: float = 0.0
     level: float = 0.0
     name: str = "waterway"
+    origin: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        if self.depths is None and (self.starboard.profile or self.port.profile):
+            raise InputError(f"{self.name}: a bank with a profile needs depths of the water; give them")
         s = np.linspace(0, self.line.length, STATIONS)
         bend = self.line.curvature(s)
         reach = np.where(bend > 0, self.starboard.at(s), self.port.at(s))
@@ -95,10 +101,39 @@ class Waterway:
         s : array or float [m]
             Along the line.
         """
-        starboard, port = self.starboard.at(s), self.port.at(s)
-        dry = np.full(np.shape(s), np.nan)
-        depth = dry if self.depths is None else np.interp(s, *self.depths) + self.level
-        return Section(starboard + port, (starboard - port) / 2, np.asarray(depth), self.line.curvature(s))
+        depth = self.depth(s)
+        return self._section(s, self.starboard.wall(s, depth), self.port.wall(s, depth), depth)
+
+    def room(self, s: np.ndarray | float, draft: float) -> Section:
+        """Return the waterway at places as wide as a keel has room: the same where the banks are vertical.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        draft : float [m]
+            Of the ship.
+        """
+        depth = self.depth(s)
+        starboard, port = (
+            np.fmin(bank.wall(s, depth), bank.keel(s, depth - draft)) for bank in (self.starboard, self.port)
+        )
+        return self._section(s, starboard, port, depth)
+
+    def depth(self, s: np.ndarray | float) -> np.ndarray:
+        """Return the depth of the water at places [m], NaN where the waterway has none.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        if self.depths is None:
+            return np.full(np.shape(s), np.nan)
+        return np.asarray(np.interp(s, *self.depths) + self.level)
+
+    def _section(self, s: np.ndarray | float, starboard: np.ndarray, port: np.ndarray, depth: np.ndarray) -> Section:
+        return Section(starboard + port, (starboard - port) / 2, depth, self.line.curvature(s))
 
     def canal(self, s: float) -> Canal:
         """Return the straight canal that the waterway is at a place.
@@ -157,7 +192,7 @@ class Waterway:
             Where the waterway is narrower than she is, or shallower: with the place.
         """
         s = np.linspace(0, self.line.length, STATIONS)
-        here = self.section(s)
+        here = self.room(s, ship.draft)
         for what, room, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
             short = room <= need
             if short.any():

@@ -1,0 +1,79 @@
+"""A waterway in the terminal and as JSON: where it is narrow, where it is shallow, where it bends."""
+
+import math
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from narrows.waterway import Waterway
+
+STATIONS, SHOWN = 2001, 11
+STRAIGHT = 1e-9
+"""Curvature [1/m] of no bend."""
+
+
+def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
+    """Return what a waterway is like as plain values: metres, degrees (ours).
+
+    Parameters
+    ----------
+    waterway : Waterway
+        The waterway.
+    draft : float [m]
+        Of a ship; the width is where her keel has room.
+    """
+    s = np.linspace(0, waterway.line.length, STATIONS)
+    here = waterway.room(s, draft)
+    bend = np.abs(here.curvature)
+    narrow, sharp = int(here.width.argmin()), int(bend.argmax())
+    deep = bool(np.isfinite(here.depth).all())
+    return {
+        "name": waterway.name,
+        "length": waterway.line.length,
+        "narrowest": {"width": float(here.width[narrow]), "at": float(s[narrow])},
+        "shallowest": {"depth": float(here.depth.min()), "at": float(s[int(here.depth.argmin())])} if deep else None,
+        "sharpest": {"radius": float(1 / bend[sharp]), "at": float(s[sharp])} if bend[sharp] > STRAIGHT else None,
+        "stations": _stations(waterway, draft),
+    }
+
+
+def _stations(waterway: Waterway, draft: float) -> list[dict[str, float | None]]:
+    s = np.linspace(0, waterway.line.length, SHOWN)
+    here, heading = waterway.room(s, draft), np.degrees(waterway.line.heading(s)) % 360
+    columns = {
+        "at": s, "heading": heading, "starboard": here.width / 2 + here.middle, "port": here.width / 2 - here.middle,
+        "width": here.width, "depth": here.depth,
+    }  # fmt: skip
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return [{name: v if math.isfinite(v) else None for name, v in zip(columns, row, strict=True)} for row in rows]
+
+
+def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
+    """Print a waterway: a row a station, and its worst places.
+
+    Parameters
+    ----------
+    waterway : Waterway
+        The waterway.
+    draft : float [m]
+        Of a ship; the width is where her keel has room.
+    """
+    console, found = Console(highlight=False), waterway_summary(waterway, draft)
+    table = Table(box=None, pad_edge=False)
+    for head in ("at \\[m]", "heading \\[deg]", "to starboard \\[m]", "to port \\[m]", "width \\[m]", "depth \\[m]"):
+        table.add_column(head, justify="right")
+    for row in found["stations"]:
+        at, heading, *rest = row.values()
+        table.add_row(f"{at:.0f}", f"{heading:.1f}", *("-" if value is None else f"{value:.1f}" for value in rest))
+    console.print(table)
+    console.print(
+        f"{found['name']}: {found['length']:.0f} m long; narrowest {found['narrowest']['width']:.1f} m at "
+        f"{found['narrowest']['at']:.0f} m" + _worst(found["shallowest"], "depth", "shallowest")
+        + _worst(found["sharpest"], "radius", "sharpest bend, radius")
+    )  # fmt: skip
+
+
+def _worst(found: dict[str, float] | None, name: str, word: str) -> str:
+    return "" if found is None else f"; {word} {found[name]:.4g} m at {found['at']:.0f} m"

@@ -1,0 +1,122 @@
+"""Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell."""
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError
+
+BANKS = ("COALNE", "SLCONS", "canbnk", "rivbnk", "CANBNK", "RIVBNK")
+"""Object classes that bound the water: coastline, shoreline construction, banks of canals and rivers."""
+DEPTH_AREAS = ("DEPARE", "depare", "DRGARE")
+"""Object classes of a range of depths: depth areas, at sea and inland, and dredged areas."""
+OPTIONS = {"SPLIT_MULTIPOINT": "ON", "ADD_SOUNDG_DEPTH": "ON", "UPDATES": "APPLY"}
+METRES = 1
+"""The code of depths in metres."""
+BARE = {"Point", "Line", "Area"}
+"""Layers of a cell read without the catalogue of object classes."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What a cell says of banks and depths, in WGS84.
+
+    Parameters
+    ----------
+    banks : tuple of array (n, 2) [deg]
+        Lines, longitude and latitude.
+    areas : tuple of (array (n, 2) [deg], float [m])
+        Outlines of areas, and the least depth in each.
+    name : str
+        Of the cell.
+    """
+
+    banks: tuple[np.ndarray, ...]
+    areas: tuple[tuple[np.ndarray, float], ...]
+    name: str
+
+
+def read_chart(path: str | Path) -> Chart:
+    """Read the banks and depths of a cell of an electronic chart; updates beside it are applied.
+
+    Parameters
+    ----------
+    path : str or Path
+        The base cell, ``.000``.
+
+    Raises
+    ------
+    InputError
+        Where the file is no such cell, its depths are not in metres, or the extra is not installed.
+    """
+    pyogrio, path = _library(), Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: cannot be read (no such file); check the path")
+    try:
+        names = {str(name) for name in pyogrio.list_layers(path)[:, 0]}
+        driver = pyogrio.read_info(path, layer=sorted(names)[0])["driver"]
+        if driver != "S57" or names >= BARE:
+            raise InputError(f"{path}: is not a cell of an electronic chart (S-57); give the .000 file")
+        _check_metres(pyogrio, path)
+        banks = [line for layer in BANKS if layer in names for line in _lines(pyogrio, path, layer)]
+        areas = [area for layer in DEPTH_AREAS if layer in names for area in _areas(pyogrio, path, layer)]
+    except pyogrio.errors.DataSourceError as error:
+        raise InputError(f"{path}: is not a cell of an electronic chart ({str(error).split(';')[0]})") from None
+    return Chart(tuple(banks), tuple(areas), path.stem)
+
+
+def _library() -> Any:
+    try:
+        import pyogrio
+        import pyogrio.errors
+        import shapely  # noqa: F401
+    except ImportError:
+        raise InputError(
+            "charts need pyogrio and shapely: install narrows with its extra, pip install 'narrows[charts]'"
+        ) from None
+    return pyogrio
+
+
+def _check_metres(pyogrio: Any, path: Path) -> None:
+    found = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]
+    unit = found["DSPM_DUNI"]
+    if len(unit) and unit[0] != METRES:
+        raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
+
+
+def _read(pyogrio: Any, path: Path, layer: str, columns: Sequence[str]) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
+    """Geometries as WKB, and columns by name: the file has its own order, and leaves out what it does not have."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Attributes .* ignored", RuntimeWarning)
+        meta, _, shapes, values = pyogrio.raw.read(
+            path, layer=layer, columns=list(columns), read_geometry=layer != "DSID", **OPTIONS
+        )
+    return shapes, {str(name): value for name, value in zip(meta["fields"], values, strict=True)}
+
+
+def _parts(shapes: np.ndarray, kind: str) -> Iterator[tuple[int, Any]]:
+    import shapely
+
+    parts, whose = shapely.get_parts(shapely.from_wkb(shapes), return_index=True)
+    for part, number in zip(parts, whose.tolist(), strict=True):
+        if part.geom_type == kind and not part.is_empty:
+            yield number, part
+
+
+def _lines(pyogrio: Any, path: Path, layer: str) -> Iterator[np.ndarray]:
+    shapes, _ = _read(pyogrio, path, layer, ())
+    for _, line in _parts(shapes, "LineString"):
+        yield np.array(line.coords)[:, :2]
+    for _, area in _parts(shapes, "Polygon"):
+        yield np.array(area.exterior.coords)[:, :2]
+
+
+def _areas(pyogrio: Any, path: Path, layer: str) -> Iterator[tuple[np.ndarray, float]]:
+    shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
+    least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
+    for number, area in _parts(shapes, "Polygon"):
+        yield np.array(area.exterior.coords)[:, :2], float(least[number])
