@@ -54,6 +54,7 @@ from .ship_file import read_ship as read_ship
 from .simulation import Autopilot as Autopilot
 from .simulation import Held as Held
 from .simulation import Outcome as Outcome
+from .simulation import Trials as Trials
 from .simulation import Turning as Turning
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
@@ -63,6 +64,7 @@ from .simulation import ensemble as ensemble
 from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
 from .simulation import overshoots as overshoots
+from .simulation import sail_trials as sail_trials
 from .simulation import simulate as simulate
 from .simulation import stability as stability
 from .simulation import turning_circle as turning_circle

@@ -154,6 +154,22 @@ class Model:
             for force, terms in self.terms.forces.items()
         }
 
+    def in_open_water(self) -> "Model":
+        """Return the model without the terms of the banks; itself where it has none."""
+        if not any(term.from_bank for term in self.terms.terms):
+            return self
+        parts = ([term for term in own if not term.from_bank] for own in self.terms.forces.values())
+        surge, sway, yaw = map(tuple, parts)
+        names = [term.name for term in (*surge, *sway, *yaw)]
+        ties = tuple(tie for tie in self.terms.ties if set(tie) <= set(names))
+        place = [self.terms.names.index(name) for name in names]
+        return replace(
+            self,
+            terms=TermTable(f"{self.terms.name}, open water", surge, sway, yaw, ties),
+            coefficients={name: self.coefficients[name] for name in names},
+            covariance=None if self.covariance is None else self.covariance[np.ix_(place, place)],
+        )
+
     def _values(self, motion: Motion, more: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
         values = self.setting.values() | motion.values() | AMIDSHIPS | dict(more)
         for name in self.terms.inputs:

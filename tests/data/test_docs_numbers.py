@@ -16,6 +16,7 @@ PAGES = {
     "squat": "squat.md",
     "shallow": "squat.md",
     "rudder": "rudder.md",
+    "manoeuvres": "manoeuvres.md",
 }
 
 

@@ -81,10 +81,10 @@ def test_a_slope_needs_a_depth() -> None:
 def test_a_waterway_goes_to_a_file_and_back(tmp_path: Path) -> None:
     t = np.linspace(0, 500, 21)
     line = Centreline(np.stack([20 * np.sin(t / 80), t], axis=1))
-    s = np.linspace(0, line.length, 41)
+    s = np.linspace(0, line.length, 401)  # chords between near points keep to the curve
     banks = (
         Bank("starboard", s, 40 + 5 * np.cos(s / 90), ((0.0, 0.0), (12.0, 8.0))),
-        Bank("port", s, np.full(41, 35.0)),
+        Bank("port", s, np.full(401, 35.0)),
     )
     own = Waterway(line, *banks, (s, 8 + s / 1000), origin=(7.6, 52.0))
     nw.write_waterway(own, tmp_path / "canal.geojson")

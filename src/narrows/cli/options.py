@@ -13,7 +13,9 @@ TimeStep = Annotated[float, typer.Option(help="Time step [s].")]
 Surge = Annotated[str, typer.Option(help="'held': the speed stays; 'free': it is integrated.")]
 SurgeInertia = Annotated[float | None, typer.Option(help="Mass in surge with its added mass [kg], for 'free'.")]
 Coriolis = Annotated[bool, typer.Option("--coriolis", help="Add the rigid body's Coriolis force.")]
-ContactKind = Annotated[str, typer.Option(help="What meets the bank: hull 'corners' or 'midship' clearance.")]
+ContactKind = Annotated[
+    str, typer.Option(help="What meets the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
+]
 TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'speed', 'crossflow', 'paper+keel_gap', ...")]
 Where = Annotated[str | None, typer.Option(help="Rows to take, as in 'u > 0.3', on the table's headers.")]
 Condition = Annotated[str | None, typer.Option(help="Take this condition of the table alone.")]

@@ -5,39 +5,31 @@ from dataclasses import dataclass
 from narrows.vocabulary import Number, documented
 
 
+@documented
 def speed(u: Number, v: Number) -> Number:
-    """Return the whole speed through the water [m/s], (u^2 + v^2)^(1/2) (definition).
+    """Whole speed through the water [m/s], (u^2 + v^2)^(1/2).
 
-    Parameters
-    ----------
-    u, v : number [m/s]
-        Surge and sway velocity.
+    Source: definition.
     """
     return (u * u + v * v) ** 0.5
 
 
+@documented
 def drift(u: Number, v: Number) -> Number:
-    """Return the angle of drift [rad], arctan(-v/u), by a fraction that errs by 1e-5 at 20 degrees, 3e-4 at 30 (ours).
+    """Angle of drift [rad], arctan(-v/u), by a fraction of arithmetic: to 4e-6 at 30 degrees, 2e-4 at 45.
 
-    Parameters
-    ----------
-    u, v : number [m/s]
-        Surge and sway velocity.
+    Source: definition; the fraction is Pade's.
     """
     slope = -v / u
     square = slope * slope
-    return slope * (15 + 4 * square) / (15 + 9 * square)
+    return slope * (945 + square * (735 + 64 * square)) / (945 + square * (1050 + 225 * square))
 
 
+@documented
 def scale_force(length: Number, draft: Number, density: Number) -> Number:
-    """Return what makes the method's forces numbers [kg/m], 1/2 rho L d.
+    """What makes the method's forces numbers [kg/m], 1/2 rho L d.
 
-    Parameters
-    ----------
-    length, draft : number [m]
-        Of the ship.
-    density : number [kg/m3]
-        Of the water.
+    Source: Yasukawa and Yoshimura (2015).
     """
     return 0.5 * density * length * draft
 

@@ -12,5 +12,7 @@ from .reference import accelerations as accelerations
 from .steering import Autopilot as Autopilot
 from .steering import Held as Held
 from .steering import Zigzag as Zigzag
+from .trial_set import Trials as Trials
+from .trial_set import sail_trials as sail_trials
 from .voyage import Voyage as Voyage
 from .voyage import simulate as simulate

@@ -1,0 +1,36 @@
+"""``manoeuvre``: turning circles and zigzags in open water."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from narrows.cli.app import app
+from narrows.cli.options import AsJson, ModelFile, TimeStep
+from narrows.cli.output import print_json
+
+
+@app.command(epilog="Example: narrows manoeuvre yasukawa2015_kvlcc2 --u 1.179 --plot tracks.png")
+def manoeuvre(
+    model: ModelFile,
+    u: Annotated[float, typer.Option(help="Approach speed [m/s].")],
+    turn_deg: Annotated[float, typer.Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
+    zigzags: Annotated[str, typer.Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
+    dt: TimeStep = 0.02,
+    plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
+    json: AsJson = False,
+) -> None:
+    """Turn circles and sail zigzags in open water: advance, tactical diameter, overshoots.
+
+    MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
+    """
+    from narrows.model_file import model_named
+    from narrows.report.manoeuvres import manoeuvres_figure, print_manoeuvres
+    from narrows.simulation.trial_set import parse_zigzags, sail_trials
+
+    found = sail_trials(model_named(model), u, turn_deg, parse_zigzags(zigzags), dt)
+    if plot:
+        from narrows.report.voyages import save_figure
+
+        save_figure(manoeuvres_figure(found), plot)
+    print_json(found.summary()) if json else print_manoeuvres(found)

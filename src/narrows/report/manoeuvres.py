@@ -1,0 +1,66 @@
+"""Turning circles and zigzags: tables and tracks."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, panels
+from narrows.simulation.trial_set import Trials
+
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
+
+
+def print_manoeuvres(trials: Trials) -> None:
+    """Print turning circles and overshoots.
+
+    Parameters
+    ----------
+    trials : Trials
+        What was sailed.
+    """
+    console, found = Console(highlight=False), trials.summary()
+    circles = Table(box=None, pad_edge=False)
+    for head in ("rudder \\[deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach"):
+        circles.add_column(head, justify="right")
+    for order, own in found["turning"].items():
+        circles.add_row(order, *(f"{value:.2f}" for value in own.values()))
+    zigzags = Table(box=None, pad_edge=False)
+    for head in ("zigzag \\[deg]", "overshoots \\[deg]"):
+        zigzags.add_column(head, justify="right")
+    for order, own in found["zigzags"].items():
+        zigzags.add_row(order, ", ".join(f"{angle:.1f}" for angle in own["overshoots_deg"]))
+    console.print(f"{trials.model.setting.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
+    for table in (circles, zigzags):
+        console.print(table)
+    for note in trials.notes:
+        console.print(f"- {note}", style="dim")
+
+
+def manoeuvres_figure(trials: Trials) -> Figure:
+    """Draw the tracks of the circles, and the headings and rudders of the zigzags (ours).
+
+    Parameters
+    ----------
+    trials : Trials
+        What was sailed.
+    """
+    figure, axes = panels(1, 2, 3.6)
+    circles, zigzags = axes[0]
+    length = trials.model.setting.ship.length
+    for (order, (voyage, _)), colour, dash in zip(trials.turning.items(), COLOURS, DASHES, strict=False):
+        circles.plot(voyage.y / length, voyage.x / length, color=colour, ls=dash, label=f"rudder {order} deg")
+    circles.set_aspect("equal")
+    circles.set_xlabel("transfer [ship lengths], starboard positive")
+    circles.set_ylabel("advance [ship lengths]")
+    shown = [(order, voyage) for order, (voyage, _) in trials.zigzags.items() if order.startswith("+")]
+    for (order, voyage), colour in zip(shown, COLOURS, strict=False):
+        time = voyage.t * trials.speed / length
+        zigzags.plot(time, np.degrees(voyage.psi), color=colour, label=f"heading, zigzag {order}")
+        zigzags.plot(time, np.degrees(voyage.rudder), color=colour, ls=":", label="its rudder")
+    zigzags.set_xlabel("time [ship lengths at the approach speed]")
+    zigzags.set_ylabel("heading, rudder [deg], starboard positive")
+    for own in (circles, zigzags):
+        own.grid(alpha=0.3)
+        own.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7)
+    return figure

@@ -1,0 +1,138 @@
+"""The MMG standard method's parts: limits, symmetry, scale."""
+
+from dataclasses import replace
+from inspect import signature
+
+import numpy as np
+import pytest
+from hypothesis import given
+from strategies import numbers
+
+import narrows as nw
+from narrows.physics import hull, propeller, rudder
+
+KVLCC2 = nw.published("yasukawa2015_kvlcc2")
+VALUES = {**KVLCC2.setting.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_rudder": 1.0, "sin_rudder": 0.0}
+
+
+def value(function, **changed: float) -> float:
+    values = VALUES | changed
+    return float(function(**{name: values[name] for name in signature(function).parameters}))
+
+
+@given(degrees=numbers(-45, 45))
+def test_drift_errs_as_little_as_it_says(degrees: float) -> None:
+    angle = np.radians(degrees)
+    error = abs(hull.drift(np.cos(angle), -np.sin(angle)) - angle)
+    assert error < (4e-6 if abs(degrees) <= 30 else 2e-4)
+
+
+@given(u=numbers(0.2, 2.0), n=numbers(1.0, 15.0))
+def test_thrust_is_the_open_water_curve(u: float, n: float) -> None:
+    screw = KVLCC2.setting.propeller
+    j = u * (1 - screw.wake) / (n * screw.diameter)
+    k_t = screw.thrust_0 + screw.thrust_1 * j + screw.thrust_2 * j * j
+    expected = 1000.0 * n * n * screw.diameter**4 * k_t
+    assert value(propeller.thrust, u=u, revolutions=n) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_a_propeller_that_stands_drags() -> None:
+    assert value(propeller.thrust, revolutions=0.0) < 0
+
+
+@given(v=numbers(-0.3, 0.3), r=numbers(-0.15, 0.15))
+def test_the_wake_thins_as_she_turns(v: float, r: float) -> None:
+    straight = value(propeller.inflow)
+    assert straight == pytest.approx(1 - VALUES["propeller_wake"])
+    assert value(propeller.inflow, v=v, r=r) >= straight - 1e-12
+
+
+@given(v=numbers(-0.3, 0.3), r=numbers(-0.15, 0.15), angle=numbers(-0.6, 0.6))
+def test_mirrored_where_propeller_and_rudder_are_alike_on_both_sides(v: float, r: float, angle: float) -> None:
+    alike = {"propeller_wake_port": 1.6, "rudder_straightening_port": 0.640}
+    for function, sign in ((rudder.rudder_surge, 1), (rudder.rudder_sway, -1), (rudder.rudder_yaw, -1)):
+        own, other = (
+            value(function, v=s * v, r=s * r, sin_rudder=s * np.sin(angle), cos_rudder=np.cos(angle), **alike)
+            for s in (1, -1)
+        )
+        assert own == pytest.approx(sign * other, rel=1e-9, abs=1e-9)
+
+
+@given(angle=numbers(0.02, 0.6))
+def test_a_rudder_to_starboard_turns_her_to_starboard_and_holds_her_back(angle: float) -> None:
+    turned = {"sin_rudder": np.sin(angle), "cos_rudder": np.cos(angle)}
+    assert value(rudder.rudder_yaw, **turned) > 0 > value(rudder.rudder_sway, **turned)
+    assert value(rudder.rudder_surge, **turned) < 0
+
+
+def test_the_race_makes_the_rudder_stronger() -> None:
+    turned = {"sin_rudder": 0.3, "cos_rudder": 0.954}
+    assert value(rudder.rudder_yaw, revolutions=15.0, **turned) > value(rudder.rudder_yaw, revolutions=8.0, **turned)
+
+
+@given(power=numbers(0.5, 3.0))
+def test_hull_forces_go_with_the_square_of_the_speed(power: float) -> None:
+    for term in (nw.MMG[name] for name in ("R_0", "X_vvvv", "Y_v", "Y_vvr", "N_rrr")):
+        slow, fast = (float(term.column({**VALUES, "u": k * 1.0, "v": k * 0.2, "r": k * 0.1})) for k in (1.0, power))
+        assert fast == pytest.approx(power**2 * slow, rel=1e-9)
+
+
+def test_a_rigid_body_is_newtons() -> None:
+    """Forces on the rig are those that a point mass at x_G needs, by finite differences of its velocity."""
+    mass, x_g, inertia = 3.0, 0.4, 2.0
+    u, v, r, udot, vdot, rdot = 1.2, 0.3, -0.2, 0.05, -0.07, 0.11
+    ax = udot - v * r - x_g * r * r
+    ay = vdot + u * r + x_g * rdot
+    assert hull.rigid_surge(udot, v, r, mass, x_g) == pytest.approx(-mass * ax)
+    assert hull.rigid_sway(vdot, rdot, u, r, mass, x_g) == pytest.approx(-mass * ay)
+    about_midship = -(inertia - mass * x_g**2) * rdot - mass * x_g * ay
+    assert hull.rigid_yaw(vdot, rdot, u, r, mass, x_g, inertia) == pytest.approx(about_midship)
+
+
+def test_a_geosim_by_froude_turns_the_same_circle() -> None:
+    full = nw.scale_model(KVLCC2, 320.0, 1025.0).model
+    ratio = 320.0 / 7.0
+    small, large = (
+        nw.sail_trials(model, 1.179 * k**0.5, zigzags=(), dt=0.05 * k**0.5).summary()["turning"]["+35"]
+        for model, k in ((KVLCC2, 1.0), (full, ratio))
+    )
+    assert large == pytest.approx(small, rel=1e-9)
+
+
+def test_machinery_goes_through_files(tmp_path) -> None:
+    nw.save_model(KVLCC2, tmp_path / "m.toml")
+    assert nw.load_model(tmp_path / "m.toml").setting == KVLCC2.setting
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [({"wake": 1.2}, "no fraction"), ({"diameter": 0.0}, "must be positive"), ({"thrust_0": float("nan")}, "finite")],
+)
+def test_a_propeller_that_cannot_be_is_named(changed: dict, said: str) -> None:
+    with pytest.raises(nw.InputError, match=rf"\[propeller\].*{said}"):
+        replace(KVLCC2.setting.propeller, **changed)
+
+
+def test_the_command_prints_trials(cli, tmp_path) -> None:
+    code, out, _ = cli(
+        "manoeuvre", "yasukawa2015_kvlcc2", "--u", "1.179", "--zigzags", "20/20", "--plot", tmp_path / "t.svg"
+    )
+    assert code == 0
+    assert "tactical diameter/L" in out
+    assert tracks.stat().st_size > 5_000
+    code, _, error = cli("manoeuvre", "yasukawa2015_kvlcc2", "--u", "1.179", "--zigzags", "ten")
+    assert code == 2
+    assert "write 10/10,20/20" in error
+
+
+def test_without_banks_a_canal_model_turns_in_open_water(dtc: nw.Model) -> None:
+    """Nothing of the bank is left, and the rest is the same."""
+    own = dtc.in_open_water()
+    assert not {"b_bank", "c_bank"} & set(own.terms.names)
+    motion = nw.Motion.at(0.1, y=1.0, u=1.0, v=0.1, r=0.05)
+    bank = dtc.bank_forces(motion)
+    for force, found in own.forces(motion).items():
+        assert found == pytest.approx(dtc.forces(motion)[force] - bank[force])
+    assert own.in_open_water() is own
+    with pytest.raises(nw.InputError, match="feel the banks"):
+        nw.simulate(dtc, contact="none")
