@@ -21,7 +21,7 @@ lint: .venv/dev
 bench: .venv/dev
 	$(BIN)/python -m pip install --quiet 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group bench
-	for work in identify kernel voyages; do $(BIN)/python benchmarks/$$work.py || exit 1; done
+	for work in identify kernel voyages envelope; do $(BIN)/python benchmarks/$$work.py || exit 1; done
 
 .venv/base: requirements/base.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "narrows needs Python 3.11 or newer: make PYTHON=python3.12 ...")'

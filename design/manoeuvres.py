@@ -3,8 +3,8 @@
 python design/manoeuvres.py [--write]
 
 The measured figures were read from the raw records of the 7 m model (files MARIN_FREE_KVLCC2_tc_*, _zz_* as published
-by github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models): distances from the start of the file,
-overshoots over the nominal heading. Their rudder counts the other way round.
+by github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models): distances from the start of the
+file, overshoots over the nominal heading. Their rudder counts the other way round.
 """
 
 from pages import markdown, publish

@@ -17,6 +17,7 @@ PAGES = {
     "shallow": "squat.md",
     "rudder": "rudder.md",
     "manoeuvres": "manoeuvres.md",
+    "suez": "suez.md",
 }
 
 

@@ -38,9 +38,7 @@ def rates(z: np.ndarray, delta: float) -> list[float]:
     q = 0.5 * RHO * L * D * whole * whole
     hull_x = q * (-0.022 - 0.040 * vp**2 + 0.002 * vp * rp + 0.011 * rp**2 + 0.771 * vp**4)
     hull_y = q * (-0.315 * vp + 0.083 * rp - 1.607 * vp**3 + 0.379 * vp**2 * rp - 0.391 * vp * rp**2 + 0.008 * rp**3)
-    hull_n = (
-        q * L * (-0.137 * vp - 0.049 * rp - 0.030 * vp**3 - 0.294 * vp**2 * rp + 0.055 * vp * rp**2 - 0.013 * rp**3)
-    )
+    hull_n = -0.137 * vp - 0.049 * rp - 0.030 * vp**3 - 0.294 * vp**2 * rp + 0.055 * vp * rp**2 - 0.013 * rp**3
     fx = hull_x + thrust - (1 - 0.387) * f_n * sin(delta)
     fy = hull_y - (1 + A_H) * f_n * cos(delta)
     fn = q * L * hull_n - (X_R + A_H * X_H) * L * f_n * cos(delta)

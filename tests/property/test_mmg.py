@@ -114,9 +114,8 @@ def test_a_propeller_that_cannot_be_is_named(changed: dict, said: str) -> None:
 
 
 def test_the_command_prints_trials(cli, tmp_path) -> None:
-    code, out, _ = cli(
-        "manoeuvre", "yasukawa2015_kvlcc2", "--u", "1.179", "--zigzags", "20/20", "--plot", tmp_path / "t.svg"
-    )
+    tracks = tmp_path / "t.svg"
+    code, out, _ = cli("manoeuvre", "yasukawa2015_kvlcc2", "--u", 1.179, "--zigzags", "20/20", "--plot", tracks)
     assert code == 0
     assert "tactical diameter/L" in out
     assert tracks.stat().st_size > 5_000

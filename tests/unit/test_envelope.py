@@ -280,3 +280,23 @@ def test_wind_pushes_with_the_square_of_its_speed() -> None:
     assert nw.wind_force(20.0, 1000.0) == pytest.approx(0.5 * 1.225 * 1000 * 400)
     with pytest.raises(nw.InputError, match="numbers from 0"):
         nw.wind_force(-1.0, 1000.0)
+
+
+def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli, tmp_path) -> None:
+    from narrows.waterway import Bank, Centreline, Waterway
+
+    ends, line = np.array([0.0, 5000.0]), Centreline(np.array([[0.0, 0.0], [0.0, 5000.0]]))
+    slope = ((0.0, 0.0), (32.4, 16.2))
+    banks = Bank("starboard", ends, np.array([130.0, 110.0]), slope), Bank("port", ends, np.full(2, 150.0))
+    way = Waterway(line, *banks, (ends, np.full(2, 16.2)), origin=(7.6, 52.0))
+    nw.write_waterway(way, tmp_path / "canal.geojson")
+    nw.save_model(doubtful, tmp_path / "full.toml")
+    words = ("envelope", tmp_path / "full.toml", "--offsets", "0,30", "--speeds", "8", "--draws", "20", "--json")
+    code, out, _ = cli(*words, "--waterway", tmp_path / "canal.geojson", "--at", "2500")
+    said = json.loads(out)
+    assert code == 0
+    assert "286.2 m wide" in said["setting"]  # 120 and half of 32.4 to starboard, 150 to port
+    assert any("the middle is -6.9 m off its centreline" in note for note in said["notes"])
+    code, _, error = cli(*words, "--waterway", tmp_path / "canal.geojson", "--at", "9000")
+    assert code == 2
+    assert "beyond the waterway" in error

@@ -1,8 +1,9 @@
 """``envelope``: how fast and how far off the middle a ship is still in hand."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,6 +11,9 @@ from narrows.cli.app import app
 from narrows.cli.options import AsJson, ModelFile
 from narrows.cli.output import print_json
 from narrows.errors import InputError
+
+if TYPE_CHECKING:
+    from narrows.model import Model
 
 
 @app.command(epilog="Example: narrows envelope full.toml --speeds 4:12:17 --plot chart.png -o envelope.nc")
@@ -25,6 +29,10 @@ def envelope(
     rudder_of: Annotated[
         str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
     ] = None,
+    waterway: Annotated[
+        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
+    ] = None,
+    at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0,
     heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0,
     wind: Annotated[float, typer.Option(help="Speed of a beam gust, from either side [m/s].")] = 0.0,
     windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0,
@@ -58,6 +66,7 @@ def envelope(
         raise InputError("a gust needs both --wind and --windage; give both, or neither")
     ship = model_named(model)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
+    ship, where = _placed(ship, waterway, at) if waterway else (ship, ())
     disturbance = Disturbance(heading_deg, gust=wind_force(wind, windage), gust_lever=gust_lever, gust_time=gust_time)
     found = safe_envelope(
         ship,
@@ -66,6 +75,7 @@ def envelope(
         disturbance=disturbance, reserve=reserve, keel=keel, draws=draws, seed=seed,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip
+    found = replace(found, notes=(*where, *found.notes))
     if output:
         save_netcdf(found.data, output)
     if plot:
@@ -75,3 +85,16 @@ def envelope(
         save_figure(envelope_chart(found, ship, reserve), plot)
     print_json(envelope_summary(found)) if json else print_envelope(found)
     raise SystemExit(int(bool(found.highest_speed().isnull().all())))
+
+
+def _placed(model: "Model", file: Path, at: float) -> "tuple[Model, tuple[str, ...]]":
+    """The model in the section of a waterway at a place, and where its middle is."""
+    from narrows.waterway import read_waterway
+
+    found = read_waterway(file)
+    if not 0 <= at <= found.line.length:
+        raise InputError(f"--at {at:g} is beyond the waterway, which is {found.line.length:.0f} m long")
+    found.check_fits(model.setting.ship)
+    setting, middle = replace(model.setting, canal=found.canal(at)), float(found.section(at).middle)
+    said = f"at {at:.0f} m along {found.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
+    return replace(model, setting=setting), (said,)

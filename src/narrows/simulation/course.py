@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from narrows.compile import Limits
 from narrows.simulation.integrate import Rate, State
@@ -23,9 +23,8 @@ class Course(Protocol):
     def ship(self) -> SimulatedShip:
         """Who goes."""
 
-    @property
-    def widest(self) -> float:
-        """Cosine of the heading [1] at which she lies across."""
+    widest: ClassVar[float]
+    """Cosine of the heading [1] at which she lies across."""
 
     def rate(self, forces: Forces, turning: float) -> Rate:
         """Return the right-hand side under constant forces, the rudder turning steadily.
@@ -77,7 +76,7 @@ class OpenWater:
     """
 
     ship: SimulatedShip
-    widest: float = -2.0
+    widest: ClassVar[float] = -2.0
 
     def rate(self, forces: Forces, turning: float) -> Rate:
         """Return the right-hand side under constant forces, the rudder turning steadily.
@@ -125,7 +124,7 @@ class Straight:
     """
 
     ship: SimulatedShip
-    widest: float = WIDEST
+    widest: ClassVar[float] = WIDEST
 
     def rate(self, forces: Forces, turning: float) -> Rate:
         """Return the right-hand side under constant forces, the rudder turning steadily.
@@ -177,7 +176,7 @@ class Along:
 
     ship: SimulatedShip
     waterway: "Waterway"
-    widest: float = WIDEST
+    widest: ClassVar[float] = WIDEST
     _known: dict[tuple[float, float], tuple[Number, ...]] = field(init=False, repr=False, default_factory=dict)
 
     def rate(self, forces: Forces, turning: float) -> Rate:

@@ -1,6 +1,6 @@
 """How often the 95 % intervals hold the truth, on synthetic tests whose truth is known.
 
-    python design/coverage.py [--write]
+    python design/interval_coverage.py [--write]
 
 Two sets of tests (the paper's three, and sixteen runs with both kinds at several speeds), white noise and noise that
 is correlated over a second, and a truth with two coefficients on their bounds: b_v = c_r = 0. A cell is the share of

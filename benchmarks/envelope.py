@@ -1,0 +1,80 @@
+"""An envelope of a million points beside one voyage after another, and a million positions to a waterway and back.
+
+python benchmarks/envelope.py
+"""
+
+import time
+
+import numpy as np
+from common import median_seconds, show
+from scipy.optimize import root
+
+import narrows as nw
+from narrows.measured import measured_files
+from narrows.safety.autopilot import track_gains
+from narrows.safety.disturbance import Disturbance
+from narrows.safety.trials import LENGTHS, STEPS_A_LENGTH, trials
+from narrows.simulation.ship import SimulatedShip
+from narrows.tables import table_named
+from narrows.waterway import Centreline, Waterway
+from narrows.waterway.banks import Bank
+
+OFFSETS, SPEEDS, DRAWS = np.linspace(-60, 60, 41), np.linspace(2.0, 7.0, 25), 1000
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+
+
+def full_scale() -> nw.Model:
+    """The KCS at 50 % clearance, 230 m long in a canal 300 m wide."""
+    terms = table_named("speed+helm")
+    tests = nw.read_captive(*measured_files("kcs"), terms, TURNED).by_condition()["C0101A02"]
+    return nw.scale_model(nw.identify(tests, terms).model, 230.0, 1025.0, width=300.0, depth=16.2).model
+
+
+def one_by_one(model: nw.Model, y: float, u: float) -> None:
+    """SciPy's root finder on the terms, then a voyage in plain Python under the autopilot."""
+
+    def off(z: np.ndarray) -> np.ndarray:
+        found = model.forces(nw.Motion.at(-np.arctan(z[0]), y=y, u=u, v=u * z[0]), z[1])
+        return np.array([found["Y"] / 1e6, found["N"] / 1e8])
+
+    drift, rudder = root(off, [0.0, 0.0]).x
+    gains = track_gains(SimulatedShip(model), u)
+    pilot = nw.Autopilot(y, tuple(gains.tolist()), rudder, -np.arctan(drift), u * drift)
+    length = model.setting.ship.length
+    nw.simulate(
+        model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, helm=pilot,
+        duration=LENGTHS * length / u, dt=length / (STEPS_A_LENGTH * u),
+    )  # fmt: skip
+
+
+def winding() -> Waterway:
+    """20 km of a river."""
+    t = np.linspace(0, 20_000, 60)
+    line = Centreline(np.stack([600 * np.sin(t / 2500), t], axis=1))
+    s = np.array([0.0, line.length])
+    return Waterway(line, Bank("starboard", s, np.full(2, 100.0)), Bank("port", s, np.full(2, 100.0)))
+
+
+def main() -> None:
+    """Measure and print."""
+    model, calm = full_scale(), np.zeros(len(SPEEDS))
+    trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0)
+    start = time.perf_counter()
+    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), DRAWS, 0)["held"].size
+    each = (time.perf_counter() - start) / points
+    alone = median_seconds(lambda: one_by_one(model, 20.0, 5.0), 3)
+    rows = [("narrows", each, f"{points} points in {each * points:.1f} s"), ("one by one, plain Python", alone, "")]
+    show("a point of the envelope: steady course and trial", rows, "us", 1e6)
+
+    way, draw = winding(), np.random.default_rng(0)
+    s, n, psi = draw.uniform(0, way.line.length, 10**6), draw.uniform(-90, 90, 10**6), draw.uniform(-1, 1, 10**6)
+    positions, heading = way.to_map(s, n, psi)
+    rows = [
+        ("to the waterway", median_seconds(lambda: way.to_channel(positions, heading), 3), ""),
+        ("to the map", median_seconds(lambda: way.to_map(s, n, psi), 3), ""),
+    ]
+    show("a million poses", rows, "s", 1.0)
+
+
+if __name__ == "__main__":
+    main()
