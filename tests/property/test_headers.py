@@ -80,3 +80,12 @@ def test_suffixes_and_brackets_mix(short: nw.CaptiveTests, table: pd.DataFrame, 
     again = nw.read_captive(written(spelled, tmp_path / "t.csv"), short.setting)
     for name in ("psi", "r", "heave", "cos_psi"):
         np.testing.assert_allclose(again.columns[name], short.columns[name], rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("header", "scale"), [("revolutions [rpm]", 1 / 60), ("revolutions_rpm", 1 / 60), ("revolutions [rps]", 1)]
+)
+def test_a_revolution_is_one_turn(header: str, scale: float) -> None:
+    column = parse_header(header)
+    assert column is not None
+    assert column.scale == pytest.approx(scale)

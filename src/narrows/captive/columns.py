@@ -5,13 +5,14 @@ from functools import cache
 from typing import NamedTuple
 
 from narrows.errors import InputError
-from narrows.vocabulary import FORCES, MOTION, PARTICULARS, Quantity
+from narrows.vocabulary import CONTROLS, FORCES, MOTION, PARTICULARS, Quantity
 
 COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},
     "t": Quantity("s", "time"),
     "psi": Quantity("rad", "heading, clockwise seen from above"),
     "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
+    "revolutions": CONTROLS["revolutions"],
     **{name: PARTICULARS[name] for name in ("draft", "depth", "width")},
     **FORCES,
 }
@@ -23,6 +24,8 @@ LABELS = ("test", "condition")
 # How headers spell units, where that is not how the units library does.
 SPELLINGS = {
     "1": "dimensionless", "°": "deg", "Nm": "N*m", "N m": "N*m", "kNm": "kN*m", "Nmm": "N*mm", "kn": "knot",
+    # A revolution is one turn here, and not 2 pi of anything.
+    "rpm": "1/minute", "rps": "1/s",
     "mps": "m/s", "mps2": "m/s^2", "degps": "deg/s", "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2",
 }  # fmt: skip
 SUFFIXES = (
@@ -40,6 +43,7 @@ SUFFIXES = (
     "N",
     "kN",
     "Nm",
+    "rpm",
 )
 
 

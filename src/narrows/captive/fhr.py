@@ -12,7 +12,12 @@ from narrows.captive import check
 HARMONIC = ("PMMY2", "PMMPSI2")
 """Harmonic sway and harmonic yaw: the tests that the paper's terms can explain."""
 
-RENAMED = {"env": "condition", "sinkage_mm": "heave [mm]", "rud_given_deg": "rudder [deg]"}
+RENAMED = {
+    "env": "condition",
+    "sinkage_mm": "heave [mm]",
+    "rud_given_deg": "rudder [deg]",
+    "n_meas_rpm": "revolutions [rpm]",
+}
 
 
 def recognises(frame: pd.DataFrame) -> bool:
