@@ -30,7 +30,8 @@ def members(module: Any) -> Iterator[tuple[str, Any]]:
         if inspect.isclass(thing):
             for own, method in vars(thing).items():
                 function = method.__func__ if isinstance(method, classmethod | staticmethod) else method
-                if inspect.isfunction(function) and not own.startswith("_"):
+                inherited = any(getattr(getattr(base, own, None), "__doc__", None) for base in thing.__mro__[1:])
+                if inspect.isfunction(function) and not own.startswith("_") and not inherited:
                     yield f"{module.__name__}.{name}.{own}", function
 
 
@@ -46,8 +47,11 @@ EXPORTED = {name: getattr(nw, name) for name in nw.__all__ if callable(getattr(n
 
 
 def has_own_signature(thing: Any) -> bool:
-    """Whether there is something to document: neither an exception nor a protocol has parameters of its own."""
-    return not (inspect.isclass(thing) and (issubclass(thing, Exception) or getattr(thing, "_is_protocol", False)))
+    """Whether there is something to document: an exception, a protocol and a heir have no parameters of their own."""
+    if not inspect.isclass(thing):
+        return True
+    inherits = "__init__" not in vars(thing) and any("__init__" in vars(base) for base in thing.__mro__[1:-1])
+    return not (inherits or issubclass(thing, Exception) or getattr(thing, "_is_protocol", False))
 
 
 def parsed(thing: Any) -> docstring_parser.Docstring:

@@ -1,8 +1,9 @@
 """Where a voyage goes: a straight canal, or a waterway seen at each place as the straight canal that it is there."""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar
 
 from narrows.compile import Limits
 from narrows.simulation.integrate import Rate, State
@@ -16,16 +17,21 @@ Forces = tuple[float, float, float]
 WIDEST = math.cos(Limits().heading)
 
 
-class Course(Protocol):
-    """What a voyage asks of where it goes; x is along it, y to starboard of its line, the heading is to its line."""
+@dataclass
+class Course(ABC):
+    """What a voyage asks of where it goes; x is along it, y to starboard of its line, the heading is to its line.
 
-    @property
-    def ship(self) -> SimulatedShip:
-        """Who goes."""
+    Parameters
+    ----------
+    ship : SimulatedShip
+        Who goes.
+    """
 
-    widest: ClassVar[float]
+    ship: SimulatedShip
+    widest: ClassVar[float] = WIDEST
     """Cosine of the heading [1] at which she lies across."""
 
+    @abstractmethod
     def rate(self, forces: Forces, turning: float) -> Rate:
         """Return the right-hand side under constant forces, the rudder turning steadily.
 
@@ -35,6 +41,26 @@ class Course(Protocol):
             From elsewhere.
         turning : float [rad/s]
             Rate of the rudder.
+        """
+
+    @abstractmethod
+    def bank_gap(self, state: State) -> float:
+        """Room between hull and bank [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
+        """
+
+    @abstractmethod
+    def lean(self, state: State) -> float:
+        """Positive where the starboard bank is nearer [1].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Of the voyage.
         """
 
     def gap(self, state: State) -> float:
@@ -45,150 +71,51 @@ class Course(Protocol):
         state : tuple of float
             Of the voyage.
         """
-
-    def bank_gap(self, state: State) -> float:
-        """Room between hull and bank [m].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
-
-    def lean(self, state: State) -> float:
-        """Positive where the starboard bank is nearer [1].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
+        return self.bank_gap(state)
 
 
-@dataclass(frozen=True)
-class OpenWater:
-    """No banks, and no heading that is across.
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    """
-
-    ship: SimulatedShip
-    widest: ClassVar[float] = -2.0
+class Straight(Course):
+    """The model's own canal, without end."""
 
     def rate(self, forces: Forces, turning: float) -> Rate:
-        """Return the right-hand side under constant forces, the rudder turning steadily.
-
-        Parameters
-        ----------
-        forces : three floats [N, N, N m]
-            From elsewhere.
-        turning : float [rad/s]
-            Rate of the rudder.
-        """
-        return Straight(self.ship).rate(forces, turning)
-
-    def bank_gap(self, state: State) -> float:
-        """Room between hull and bank [m]: without end.
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
-        return math.inf
-
-    gap = bank_gap
-
-    def lean(self, state: State) -> float:
-        """Neither bank is nearer [1].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
-        return 0.0
-
-
-@dataclass(frozen=True)
-class Straight:
-    """The model's own canal, without end.
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    """
-
-    ship: SimulatedShip
-    widest: ClassVar[float] = WIDEST
-
-    def rate(self, forces: Forces, turning: float) -> Rate:
-        """Return the right-hand side under constant forces, the rudder turning steadily.
-
-        Parameters
-        ----------
-        forces : three floats [N, N, N m]
-            From elsewhere.
-        turning : float [rad/s]
-            Rate of the rudder.
-        """
         rhs, controls, constants = self.ship.program.rhs, self.ship.controls, self.ship.constants
         return lambda state: (*rhs(*state[:-1], *forces, *controls(state[-1]), *constants), turning)
 
     def bank_gap(self, state: State) -> float:
-        """Room between hull and bank [m].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
         return float(self.ship.program.gap(*state[1:4], *self.ship.constants))
 
-    gap = bank_gap
-
     def lean(self, state: State) -> float:
-        """Positive where the starboard bank is nearer [1].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
         return float(self.ship.program.lean(*state[1:4], *self.ship.constants))
 
 
+class OpenWater(Straight):
+    """No banks, and no heading that is across."""
+
+    widest: ClassVar[float] = -2.0
+
+    def bank_gap(self, state: State) -> float:
+        return math.inf
+
+    def lean(self, state: State) -> float:
+        return 0.0
+
+
 @dataclass
-class Along:
+class Along(Course):
     """A waterway: width, depth and the place of its middle change along it, its line turns, its water may flow.
 
     Parameters
     ----------
     ship : SimulatedShip
-        The ship.
+        Who goes.
     waterway : Waterway
         The waterway.
     """
 
-    ship: SimulatedShip
     waterway: "Waterway"
-    widest: ClassVar[float] = WIDEST
     _known: dict[tuple[float, float], tuple[Number, ...]] = field(init=False, repr=False, default_factory=dict)
 
     def rate(self, forces: Forces, turning: float) -> Rate:
-        """Return the right-hand side under constant forces, the rudder turning steadily.
-
-        Parameters
-        ----------
-        forces : three floats [N, N, N m]
-            From elsewhere.
-        turning : float [rad/s]
-            Rate of the rudder.
-        """
         rhs, current, controls = self.ship.program.rhs, self.waterway.current, self.ship.controls
 
         def derivatives(state: State) -> State:
@@ -204,33 +131,12 @@ class Along:
         return derivatives
 
     def bank_gap(self, state: State) -> float:
-        """Room between hull and bank [m].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
         return float(self.ship.program.gap(*self._seen(state)))
 
     def gap(self, state: State) -> float:
-        """Room between hull and bank, or to either end of the waterway [m].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
         return min(self.bank_gap(state), self.waterway.line.length - state[0])
 
     def lean(self, state: State) -> float:
-        """Positive where the starboard bank is nearer [1].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Of the voyage.
-        """
         return float(self.ship.program.lean(*self._seen(state)))
 
     def _seen(self, state: State) -> tuple[Number, ...]:
