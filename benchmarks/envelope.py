@@ -4,6 +4,7 @@ python benchmarks/envelope.py
 """
 
 import time
+from dataclasses import replace
 
 import numpy as np
 from common import median_seconds, show
@@ -11,10 +12,8 @@ from scipy.optimize import root
 
 import narrows as nw
 from narrows.measured import measured_files
-from narrows.safety.autopilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.trials import LENGTHS, STEPS_A_LENGTH, trials
-from narrows.simulation.ship import SimulatedShip
 from narrows.tables import table_named
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
@@ -38,8 +37,7 @@ def one_by_one(model: nw.Model, y: float, u: float) -> None:
         return np.array([found["Y"] / 1e6, found["N"] / 1e8])
 
     drift, rudder = root(off, [0.0, 0.0]).x
-    gains = track_gains(SimulatedShip(model), u)
-    pilot = nw.Autopilot(y, tuple(gains.tolist()), rudder, -np.arctan(drift), u * drift)
+    pilot = replace(nw.track_pilot(model, y, u), rudder=rudder, psi=-np.arctan(drift), v=u * drift)
     length = model.setting.ship.length
     nw.simulate(
         model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, helm=pilot,

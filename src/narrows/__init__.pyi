@@ -44,6 +44,7 @@ from .safety import Disturbance as Disturbance
 from .safety import SafeEnvelope as SafeEnvelope
 from .safety import safe_envelope as safe_envelope
 from .safety import steady_course as steady_course
+from .safety import track_pilot as track_pilot
 from .safety import wind_force as wind_force
 from .scaling import dimensional as dimensional
 from .scaling import nondimensional as nondimensional

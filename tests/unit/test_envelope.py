@@ -109,6 +109,29 @@ class TestAutopilot:
         slope = (rate(0.2 + 1e-6) - rate(0.2 - 1e-6)) / 2e-6
         np.testing.assert_allclose(found[[0, 1, 4, 5]], slope[[0, 1, 5, 6]], rtol=1e-6, atol=1e-12)
 
+    def test_the_command_holds_her(self, ship: nw.Model, cli, tmp_path) -> None:
+        nw.save_model(ship, tmp_path / "full.toml")
+        words = (
+            "simulate",
+            tmp_path / "full.toml",
+            "--u",
+            "5",
+            "--y",
+            "30",
+            "--duration",
+            "900",
+            "--dt",
+            "1",
+            "--json",
+        )
+        code, out, _ = cli(*words, "--hold", "25")
+        assert code == 0
+        assert json.loads(out)["state"]["y"] == pytest.approx(25.0, abs=0.5)
+        assert json.loads(cli(*words)[1])["outcome"] == "grounded"
+        code, _, error = cli(*words, "--hold", "140")
+        assert code == 2
+        assert "no rudder holds this ship 140 m off" in error
+
     def test_a_rudder_that_turns_nothing_holds_nothing(self, ship: nw.Model) -> None:
         dead = ship.with_coefficients(a_helm=0.0, b_helm=0.0, c_helm=0.0)
         with pytest.raises(nw.InputError, match="turns nothing"):
@@ -117,16 +140,13 @@ class TestAutopilot:
 
 def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, draw: int, time: float) -> nw.Voyage:
     """One trial by the voyage's own march: gust first, then without."""
-    at = nw.steady_course(model, y=y, u=u)
-    hold = {name: float(at[name]) for name in ("rudder", "psi", "v")}
-    gains = track_gains(SimulatedShip(model), u)
-    pilot = nw.Autopilot(y, tuple(gains.tolist()), **hold)
+    pilot = nw.track_pilot(model, y, u)
     dt = LENGTH / (STEPS_A_LENGTH * u)
     blown = dt * round(time / dt)
     push = {name: [(0.0, float(thrown[name][draw])), (blown, 0.0)] for name in ("Y", "N")}
     return nw.simulate(
-        model, y=y + float(thrown["y"][draw]), u=u, psi=hold["psi"] + float(thrown["psi"][draw]), v=hold["v"],
-        rudder=hold["rudder"], duration=LENGTHS * LENGTH / u, dt=dt, helm=pilot, **push,
+        model, y=y + float(thrown["y"][draw]), u=u, psi=pilot.psi + float(thrown["psi"][draw]), v=pilot.v,
+        rudder=pilot.rudder, duration=LENGTHS * LENGTH / u, dt=dt, helm=pilot, **push,
     )  # fmt: skip
 
 

@@ -12,6 +12,8 @@ from narrows.cli.output import print_json
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
+    from narrows.model import Model
+    from narrows.simulation.steering import Autopilot
     from narrows.waterway import Waterway
 
 
@@ -29,6 +31,9 @@ def simulate(
     rudder_deg: Annotated[
         float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")
     ] = 0.0,
+    hold: Annotated[
+        float | None, typer.Option(help="Offset that an autopilot holds [m], for models with a rudder.")
+    ] = None,
     duration: Duration = 60.0,
     dt: TimeStep = 0.02,
     surge: Surge = "held",
@@ -55,23 +60,34 @@ def simulate(
     from narrows.model_file import model_named
     from narrows.simulation.voyage import simulate as run
 
+    chosen = model_named(model)
+    course = _waterway(waterway, current, level)
     voyage = run(
-        model_named(model), y, u, duration, dt, x=x, psi=radians(psi_deg), v=v, r=radians(r_deg),
+        chosen, y, u, duration, dt, x=x, psi=radians(psi_deg), v=v, r=radians(r_deg),
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
         surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
-        contact=contact, method=method, waterway=_waterway(waterway, current, level),
+        contact=contact, method=method, waterway=course,
+        helm=_pilot(chosen, hold, u),
     )  # fmt: skip
     if output:
         voyage.save(output)
     if plot:
         from narrows.report.voyages import save_figure, voyage_figure
 
-        save_figure(voyage_figure(voyage, model_named(model).setting), plot)
+        save_figure(voyage_figure(voyage, chosen.setting, course), plot)
     if json:
         print_json(voyage.outcome.as_json())
     else:
         typer.echo(voyage.outcome.sentence)
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
+
+
+def _pilot(model: "Model", hold: float | None, u: float) -> "Autopilot | None":
+    if hold is None:
+        return None
+    from narrows.safety import track_pilot
+
+    return track_pilot(model, hold, u)
 
 
 def _waterway(file: Path | None, current: float, level: float) -> "Waterway | None":

@@ -16,8 +16,10 @@ from narrows.files import write_whole
 from narrows.particulars import Setting
 from narrows.simulation.maps import grounding_distance, grounding_probability
 from narrows.simulation.voyage import Voyage
+from narrows.waterway.waterway import Waterway
 
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#5A5A5A"
+BANK_POINTS = 400
 SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oranges_r")}
 LABELS = {
     "y": "start to starboard of the centreline y(0) [m]",
@@ -52,7 +54,7 @@ def save_figure(figure: Figure, path: Path) -> None:
     write_whole(path, memory.getvalue())
 
 
-def voyage_figure(voyage: Voyage, setting: Setting) -> Figure:
+def voyage_figure(voyage: Voyage, setting: Setting, waterway: Waterway | None = None) -> Figure:
     """Draw one voyage: her path with the hull at intervals, heading and velocities below.
 
     Parameters
@@ -61,13 +63,17 @@ def voyage_figure(voyage: Voyage, setting: Setting) -> Figure:
         What to draw.
     setting : Setting
         Ship and canal.
+    waterway : Waterway, optional
+        Where she sailed instead of that canal.
     """
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     above, middle, below = figure.subplots(3, 1, height_ratios=[2.2, 1, 1])
-    paths_on(above, [voyage], setting)
+    paths_on(above, [voyage], setting, waterway)
     above.set_title(voyage.outcome.sentence.split(". ")[0].rstrip(".") + ".", fontsize=9, loc="left")
     middle.plot(voyage.t, np.degrees(voyage.psi), color=BLUE, label="heading [deg]")
     middle.plot(voyage.t, np.degrees(voyage.r), color=ORANGE, linestyle="--", label="yaw rate [deg/s]")
+    if np.ptp(voyage.rudder) > 0:
+        middle.plot(voyage.t, np.degrees(voyage.rudder), color=GREY, linestyle=":", label="rudder [deg]")
     middle.set_ylabel("[deg], [deg/s]")
     below.plot(voyage.t, voyage.u, color=BLUE, label="surge u [m/s]")
     below.plot(voyage.t, voyage.v, color=ORANGE, linestyle="--", label="sway v [m/s]")
@@ -94,7 +100,7 @@ def paths_figure(voyages: Sequence[Voyage], setting: Setting) -> Figure:
     return figure
 
 
-def paths_on(axes: Axes, voyages: Sequence[Voyage], setting: Setting) -> None:
+def paths_on(axes: Axes, voyages: Sequence[Voyage], setting: Setting, waterway: Waterway | None = None) -> None:
     """Draw paths and banks, bow to the right, starboard down (ours).
 
     Parameters
@@ -105,12 +111,12 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], setting: Setting) -> None:
         What to draw.
     setting : Setting
         Ship and canal.
+    waterway : Waterway, optional
+        Where they sailed instead of that canal; its line is drawn straight.
     """
-    half, far = setting.canal.width / 2, max(float(v.x.max()) for v in voyages) + setting.ship.length
+    far = max(float(v.x.max()) for v in voyages) + setting.ship.length
     near = min(float(v.x.min()) for v in voyages) - setting.ship.length
-    for bank in (-half, half):
-        axes.axhline(bank, color=GREY, linewidth=2)
-        axes.fill_between([near, far], bank, bank * 1.12, color=GREY, alpha=0.35, linewidth=0)
+    half = _banks_on(axes, near, far, setting, waterway)
     for voyage in voyages:
         side = {"starboard": 1, "port": -1}.get(voyage.outcome.side or "", 0)
         colour = SIDES[side][1] if side else GREY
@@ -122,6 +128,21 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], setting: Setting) -> None:
     axes.set(xlim=(near, far), ylim=(half * 1.12, -half * 1.12), aspect="equal")
     axes.set_xlabel("along the canal x [m]")
     axes.set_ylabel("to starboard y [m]")
+
+
+def _banks_on(axes: Axes, near: float, far: float, setting: Setting, waterway: Waterway | None) -> float:
+    """Draw both banks, and return how far off the farther one is."""
+    x = np.linspace(near, far, BANK_POINTS)
+    half, middle = np.full(BANK_POINTS, setting.canal.width / 2), np.zeros(BANK_POINTS)
+    if waterway is not None:
+        room = waterway.room(x, setting.ship.draft)
+        half, middle = room.width / 2, room.middle
+    reach = float((half + np.abs(middle)).max())
+    for sign in (-1, 1):
+        bank = middle + sign * half
+        axes.plot(x, bank, color=GREY, linewidth=2)
+        axes.fill_between(x, bank, sign * reach * 1.12, color=GREY, alpha=0.35, linewidth=0)
+    return reach
 
 
 def hull(voyage: Voyage, i: int, setting: Setting, colour: str, alpha: float = 0.7) -> Polygon:

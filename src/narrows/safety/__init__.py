@@ -1,5 +1,6 @@
 """How fast, and how far off the middle of a canal, a ship is still in hand."""
 
+from narrows.safety.autopilot import track_pilot as track_pilot
 from narrows.safety.disturbance import Disturbance as Disturbance
 from narrows.safety.disturbance import wind_force as wind_force
 from narrows.safety.envelope import FIVE_PERCENT as FIVE_PERCENT

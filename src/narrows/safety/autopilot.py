@@ -1,19 +1,51 @@
 """A course-keeping autopilot: the best linear one for the ship on the centreline, with the gear that she has."""
 
 import math
+from typing import Any
 
 import numpy as np
 
 from narrows.compile import LINEARISED
 from narrows.compile.jacobian import CONTROLLED
 from narrows.errors import InputError
+from narrows.model import Model
+from narrows.safety.equilibrium import steady_course
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import Autopilot
 from narrows.vocabulary import CONTROLS
 
 FELT = ("y", "psi", "v", "r")
 OFF_COURSE = math.radians(5)
 """A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder."""
 HARD = math.radians(10)
+
+
+def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
+    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold her there (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    y : float [m]
+        To starboard of the middle.
+    u : float [m/s]
+        Surge velocity.
+    **values : float
+        Particulars and coefficients other than the model's, as in ``ensemble``.
+
+    Raises
+    ------
+    InputError
+        Where no rudder holds her there, or no autopilot on the centreline.
+    """
+    asked: dict[str, Any] = {"y": y, "u": u, **values}
+    found = steady_course(model, **asked)
+    held = {name: float(found[name]) for name in ("rudder", "psi", "v")}
+    if math.isnan(held["rudder"]):
+        raise InputError(f"no rudder holds this ship {y:g} m off the middle at {u:g} m/s; choose a place nearer to it")
+    gains = track_gains(SimulatedShip(model), u, **values)
+    return Autopilot(y, (float(gains[0]), float(gains[1]), float(gains[2]), float(gains[3])), **held)
 
 
 def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
