@@ -75,22 +75,25 @@ def adrift(models: dict[str, nw.Model]) -> str:
 
 
 def steered(models: dict[str, nw.Model]) -> str:
-    """The rudder that holds her, by offset: median of the draws, and what 90 % of them are between."""
+    """The rudder that holds her, by offset: median of the draws, what 90 % of them are between, how many there are."""
     rows = []
     for name, model in models.items():
         draws = {} if model.covariance is None else {"draws": DRAWS}
+        limit = model.setting.gear.limit_deg
         for offset in OFFSETS:
-            angle = nw.steady_course(model, y=offset, u=10 * KNOT, **draws)["rudder"]
-            size = np.degrees(np.abs(np.atleast_1d(angle.to_numpy())))
-            low, middle, high = np.quantile(np.nan_to_num(size, nan=np.inf), (0.05, 0.5, 0.95), method="higher")
-            known = "-" if not draws else f"{said(low)} to {said(high)}"
-            rows.append((name, f"{offset:g}", said(middle), known))
-    return markdown(("model", "offset [m]", "rudder [deg]", "5 to 95 % of the draws [deg]"), rows)
+            angle = np.degrees(np.atleast_1d(nw.steady_course(model, y=offset, u=10 * KNOT, **draws)["rudder"]))
+            within = np.abs(angle) <= limit
+            low, middle, high = np.quantile(
+                np.where(np.isnan(angle), np.inf, angle), (0.05, 0.5, 0.95), method="higher"
+            )
+            known = f"{said(low, limit)} to {said(high, limit)}" if draws else "-"
+            rows.append((name, f"{offset:g}", said(middle, limit), known, f"{100 * within.mean():.0f} %"))
+    return markdown(("model", "offset [m]", "rudder [deg]", "90 % of the draws [deg]", "the gear reaches it in"), rows)
 
 
-def said(angle: float) -> str:
-    """An angle, or that none holds her."""
-    return f"{angle:.1f}" if np.isfinite(angle) else "none holds her"
+def said(angle: float, limit: float) -> str:
+    """An angle, or that it is beyond the gear."""
+    return f"{angle:+.1f}" if abs(angle) <= limit else "beyond the gear"
 
 
 def text() -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 UNIT, FIELD = b"\x1f", b"\x1e"
 SCALE = 10_000_000
 """Coordinates are whole numbers of its inverse [deg]."""
-COASTLINE, SHORE_CONSTRUCTION, CANAL_BANK, DEPTH_AREA, INLAND_DEPTH_AREA = 30, 122, 17002, 42, 17003
+COASTLINE, SHORE_AREA, CANAL_BANK, DEPTH_AREA, INLAND_DEPTH_AREA = 30, 122, 17002, 42, 17003
 LEAST_DEPTH, MOST_DEPTH = 87, 88
 LINE, AREA = 2, 3
 NODE, EDGE, FEATURE = 120, 130, 100
@@ -66,8 +66,10 @@ class Cell:
     def line(self, kind: int, points: list[Point], **attributes: str) -> None:
         self._feature(kind, LINE, self._edge(points), attributes)
 
-    def area(self, kind: int, points: list[Point], least: str = "", most: str = "") -> None:
-        self._feature(kind, AREA, self._edge(points), {LEAST_DEPTH: least, MOST_DEPTH: most})
+    def area(self, kind: int, points: list[Point], least: str = "", most: str = "", hole: list[Point] = ()) -> None:
+        depths = {LEAST_DEPTH: least, MOST_DEPTH: most}
+        inner = [self._edge(hole)] if hole else []
+        self._feature(kind, AREA, self._edge(points), depths if least else {}, inner)
 
     def save(self, path: Path) -> Path:
         path.write_bytes(b"".join(self.records))
@@ -89,13 +91,15 @@ class Cell:
         inner = [("SG2D", packed(points[1:-1]))] if len(points) > 2 else []
         return self._vector(EDGE, ("VRPT", ends), *inner)
 
-    def _feature(self, kind: int, shape: int, edge: bytes, attributes: dict) -> None:
+    def _feature(self, kind: int, shape: int, edge: bytes, attributes: dict, inner: list[bytes] = ()) -> None:
         self.used[FEATURE] += 1
         number = self.used[FEATURE]
         said = b"".join(struct.pack("<H", code) + text.encode() + UNIT for code, text in attributes.items())
         fields = [("FRID", struct.pack("<BIBBHHB", FEATURE, number, shape, 2, kind, 1, 1))]
         fields += [("FOID", struct.pack("<HIH", 540, number, 1))] + ([("ATTF", said)] if said else [])
-        self._add([*fields, ("FSPT", edge + bytes([1, 1 if shape == AREA else 255, 255]))])
+        pointers = edge + bytes([1, 1 if shape == AREA else 255, 255])
+        pointers += b"".join(ring + bytes([1, 2, 255]) for ring in inner)
+        self._add([*fields, ("FSPT", pointers)])
 
 
 def packed(points: list[Point]) -> bytes:

@@ -43,6 +43,7 @@ from .planning import plan_tests as plan_tests
 from .safety import Disturbance as Disturbance
 from .safety import SafeEnvelope as SafeEnvelope
 from .safety import safe_envelope as safe_envelope
+from .safety import self_propulsion as self_propulsion
 from .safety import steady_course as steady_course
 from .safety import track_pilot as track_pilot
 from .safety import wind_force as wind_force

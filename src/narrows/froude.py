@@ -20,6 +20,7 @@ ENVELOPE = {
     "abs_psi": Dimension(),
     "abs_r": Dimension(0, 0, -1),
     "depth_to_draft": Dimension(),
+    "width_to_beam": Dimension(),
 }
 LONGEST = 1e4
 """Length [m] that no ship has."""

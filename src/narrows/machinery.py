@@ -26,7 +26,7 @@ class Propeller:
     wake_rate : float [1]
         How soon the wake thins as she turns, C_1.
     wake_starboard, wake_port : float [1]
-        Inflow turning over inflow straight, C_2, with flow from starboard (beta_P > 0) and from port.
+        Inflow turning over inflow straight, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
 
     Raises
     ------
@@ -71,7 +71,7 @@ class Rudder:
     position : float [1]
         Effective place over L, l_R'.
     straightening_starboard, straightening_port : float [1]
-        gamma_R with flow from starboard (beta_R > 0) and from port.
+        gamma_R in a turn to starboard (beta_R > 0, flow from port) and to port.
 
     Raises
     ------

@@ -33,6 +33,8 @@ class Envelope:
         Size of the yaw rate.
     depth_to_draft : pair of float [1]
         h/T.
+    width_to_beam : pair of float [1]
+        W/B.
     """
 
     speed: Range | None = None
@@ -40,6 +42,7 @@ class Envelope:
     abs_psi: Range | None = None
     abs_r: Range | None = None
     depth_to_draft: Range | None = None
+    width_to_beam: Range | None = None
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway.chart import read_chart
 from narrows.waterway.from_chart import waterway_from_chart
 from narrows.waterway.geojson import read_line, unprojected
-from s57 import CANAL_BANK, COASTLINE, DEPTH_AREA, INLAND_DEPTH_AREA, Cell
+from s57 import CANAL_BANK, COASTLINE, DEPTH_AREA, INLAND_DEPTH_AREA, SHORE_AREA, Cell
 
 DTC = nw.published("mikkelsen2025_dtc")
 LINE = Centreline(np.array([[0.0, 0.0], [0.0, 500.0]]))
@@ -166,6 +166,25 @@ class TestChart:
         with pytest.raises(nw.InputError, match=r"no depth of water at 31\d m"):
             waterway_from_chart(read_chart(cell(tmp_path, hole=True)), AXIS)
 
+    def test_a_basin_in_the_land_and_a_deep_in_the_shallows(self, tmp_path: Path) -> None:
+        """Rings within an area bound it too: the near one is the bank, a hole is not as shallow as the rest."""
+        made = Cell("1W7TEST2.000")
+        basin = [(-40, -80), (35, -80), (35, 580), (-40, 580), (-40, -80)]
+        made.area(SHORE_AREA, at([(-300, -300), (300, -300), (300, 900), (-300, 900), (-300, -300)]), hole=at(basin))
+        deep = [(-20, -70), (20, -70), (20, 570), (-20, 570), (-20, -70)]
+        made.area(DEPTH_AREA, at(basin), "2.0", "4.0", hole=at(deep))
+        made.area(DEPTH_AREA, at(deep), "12.0", "14.0")
+        way = waterway_from_chart(read_chart(made.save(tmp_path / "1W7TEST2.000")), AXIS)
+        assert float(way.section(250.0).width) == pytest.approx(75.0, abs=0.05)
+        assert float(way.section(250.0).depth) == 12.0
+
+    @pytest.mark.parametrize(
+        "lengths", [{"reach": float("nan")}, {"reach": -100.0}, {"spacing": 0.0}, {"spacing": -5.0}]
+    )
+    def test_lengths_that_are_none_are_refused(self, tmp_path: Path, lengths: dict) -> None:
+        with pytest.raises(nw.InputError, match="give lengths over 0"):
+            waterway_from_chart(read_chart(cell(tmp_path)), AXIS, **lengths)
+
     def test_what_is_no_chart_is_refused(self, tmp_path: Path, cli) -> None:
         (tmp_path / "bad.000").write_bytes(b"no chart at all")
         for path in (tmp_path / "bad.000", tmp_path / "absent.000"):
@@ -187,3 +206,47 @@ def test_a_current_without_a_waterway_is_refused(cli) -> None:
     code, _, error = cli("simulate", "mikkelsen2025_dtc", "--current", 0.5)
     assert code == 2
     assert "add --waterway" in error
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"features": None}, "no list of GeoJSON features"),
+        ({"features": ["a"]}, "no list of GeoJSON features"),
+        ({"depth": "deep"}, "is not a number or one for each point"),
+        ({"depth": True}, "is not a number or one for each point"),
+        ({"depth": {"a": 1}}, "is not a number or one for each point"),
+    ],
+)
+def test_files_that_cannot_be_are_named(tmp_path: Path, change: dict, said: str) -> None:
+    nw.write_waterway(canal(SLOPE, origin=(7.6, 52.0)), tmp_path / "canal.geojson")
+    found = json.loads((tmp_path / "canal.geojson").read_text())
+    if "depth" in change:
+        found["features"][0]["properties"] |= change
+    else:
+        found |= change
+    (tmp_path / "canal.geojson").write_text(json.dumps(found))
+    with pytest.raises(nw.InputError, match=said):
+        nw.read_waterway(tmp_path / "canal.geojson")
+
+
+def test_a_voyage_starts_on_the_waterway() -> None:
+    for x in (-1.0, 500.0):
+        with pytest.raises(nw.InputError, match="start on it"):
+            nw.simulate(DTC, x=x, waterway=canal())
+
+
+def test_water_that_is_none_is_named() -> None:
+    with pytest.raises(nw.InputError, match="give numbers"):
+        canal().with_water(current=float("nan"))
+    with pytest.raises(nw.InputError, match="raise the level of -1 m"):
+        canal().with_water(level=-1.0)
+
+
+def test_a_waterway_that_is_shut_is_named(cli, tmp_path: Path) -> None:
+    nw.write_waterway(canal(SLOPE, origin=(7.6, 52.0)), tmp_path / "canal.geojson")
+    code, _, error = cli("waterway", tmp_path / "canal.geojson", "--draft", 0.4)
+    assert code == 2
+    assert "no room for a draft of 0.4 m at 0 m" in error
+    assert cli("waterway", tmp_path / "canal.geojson", "--draft", "nan")[0] == 2
+    assert cli("waterway", tmp_path / "canal.geojson", "--reach", 50)[0] == 2

@@ -65,6 +65,25 @@ def test_a_rudder_to_starboard_turns_her_to_starboard_and_holds_her_back(angle: 
     assert value(rudder.rudder_surge, **turned) < 0
 
 
+@given(slow=numbers(1.4, 15.0), more=numbers(0.01, 5.0))
+def test_more_revolutions_never_slow_the_race(slow: float, more: float) -> None:
+    """From where the thrust itself rises, dragging too; where it neither drives nor drags the race is the inflow."""
+    flows = [value(rudder.along, revolutions=n) for n in (slow, slow + more)]
+    assert flows[0] <= flows[1] + 1e-12
+    screw = KVLCC2.setting.propeller
+    idle = np.roots([screw.thrust_2, screw.thrust_1, screw.thrust_0]).max()  # J of no thrust
+    n = value(propeller.inflow) / (idle * screw.diameter)
+    assert value(rudder.along, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
+
+
+def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
+    for asked in ({"turn_deg": 60.0}, {"turn_deg": np.nan}, {"zigzags": ((60.0, 10.0),)}):
+        with pytest.raises(nw.InputError, match="the gear's 35"):
+            nw.sail_trials(KVLCC2, 1.179, **asked)
+    with pytest.raises(nw.InputError, match="give its angle"):
+        nw.Held(np.nan)
+
+
 def test_the_race_makes_the_rudder_stronger() -> None:
     turned = {"sin_rudder": 0.3, "cos_rudder": 0.954}
     assert value(rudder.rudder_yaw, revolutions=15.0, **turned) > value(rudder.rudder_yaw, revolutions=8.0, **turned)

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from narrows.measured import measured_files
 from narrows.safety.autopilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.keel import keel_at
-from narrows.safety.trials import LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
 from narrows.simulation.ship import SimulatedShip
 from narrows.tables import table_named, with_helm
 
@@ -25,9 +26,15 @@ BEAM, LENGTH = 32.2, 230.0
 @pytest.fixture(scope="module")
 def doubtful() -> nw.Model:
     """The KCS at 50 % clearance as she was measured, at full size in a canal 300 m wide, with her covariance."""
+    return nw.scale_model(steered_kcs(), LENGTH, 1025.0, width=300.0, depth=16.2).model
+
+
+@cache
+def steered_kcs() -> nw.Model:
+    """The tank's own, to lend its rudder."""
     terms = table_named("speed+helm")
     tests = nw.read_captive(*measured_files("kcs"), terms, TURNED).by_condition()["C0101A02"]
-    return nw.scale_model(nw.identify(tests, terms).model, LENGTH, 1025.0, width=300.0, depth=16.2).model
+    return nw.identify(tests, terms).model
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +83,14 @@ class TestSteadyCourse:
     def test_forces_that_go_with_the_square_of_the_speed_ask_for_one_rudder(self, ship: nw.Model) -> None:
         found = nw.steady_course(ship, y=OFFSETS, u=SPEEDS)
         np.testing.assert_allclose(found["rudder"][:, 0], found["rudder"][:, 1], rtol=1e-9, atol=1e-12)
+
+    @pytest.mark.parametrize(
+        ("given", "words"),
+        [({"y": 140.0}, "hull in the bank"), ({"u": 0.0}, "a speed over 0"), ({"psi": 0.1}, "does not take 'psi'")],
+    )
+    def test_what_it_does_not_take_is_refused(self, ship: nw.Model, given: dict, words: str) -> None:
+        with pytest.raises(nw.InputError, match=words):
+            nw.steady_course(ship, **given)
 
     def test_a_model_without_a_rudder_is_refused(self, dtc: nw.Model) -> None:
         with pytest.raises(nw.InputError, match="no terms of a rudder"):
@@ -130,7 +145,7 @@ class TestAutopilot:
         assert json.loads(cli(*words)[1])["outcome"] == "grounded"
         code, _, error = cli(*words, "--hold", "140")
         assert code == 2
-        assert "no rudder holds this ship 140 m off" in error
+        assert "hull in the bank" in error
 
     def test_a_rudder_that_turns_nothing_holds_nothing(self, ship: nw.Model) -> None:
         dead = ship.with_coefficients(a_helm=0.0, b_helm=0.0, c_helm=0.0)
@@ -144,32 +159,58 @@ def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, draw: int, time
     dt = LENGTH / (STEPS_A_LENGTH * u)
     blown = dt * round(time / dt)
     push = {name: [(0.0, float(thrown[name][draw])), (blown, 0.0)] for name in ("Y", "N")}
+    steps = np.ceil(time / dt) + LENGTHS * STEPS_A_LENGTH
     return nw.simulate(
         model, y=y + float(thrown["y"][draw]), u=u, psi=pilot.psi + float(thrown["psi"][draw]), v=pilot.v,
-        rudder=pilot.rudder, duration=LENGTHS * LENGTH / u, dt=dt, helm=pilot, **push,
+        rudder=pilot.rudder, duration=steps * dt, dt=dt, helm=pilot, **push,
     )  # fmt: skip
+
+
+def was_held(model: nw.Model, thrown: dict, y: float, u: float, draw: int, time: float) -> bool:
+    try:
+        voyage = voyage_of(model, thrown, y, u, draw, time)
+    except nw.InputError:  # no rudder holds her there
+        return False
+    last = voyage.t > voyage.t[-1] - LATE * LENGTH / u + 1e-9
+    return voyage.outcome.kind == "afloat" and bool(np.abs(voyage.y - y)[last].max() <= BEAM / 2)
+
+
+def hull_reach(voyage: nw.Voyage) -> float:
+    """Farthest to starboard that a corner of the hull comes."""
+    return float((voyage.y + LENGTH / 2 * np.abs(np.sin(voyage.psi)) + BEAM / 2 * np.cos(voyage.psi)).max())
 
 
 class TestTrials:
     def test_each_is_a_voyage_of_its_own(self, ship: nw.Model) -> None:
-        """Brute force: the same trials, one at a time, by another march in plain Python."""
+        """Brute force: the same trials, one at a time, by another march in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=6e5, gust_lever=20.0, gust_time=90.0)
-        draws = 4
-        tried = trials(ship, OFFSETS, SPEEDS, np.zeros(2), gust, draws, seed=5)
+        offsets, draws = np.array([-70.0, -25.0, 0.0, 10.0, 45.0, 85.0]), 4
+        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, draws, seed=5)
         thrown = gust.drawn(draws, 5)
         fates = set()
-        for y in OFFSETS:
+        for y in offsets:
             for u in SPEEDS:
                 for draw in range(draws):
-                    own = tried.sel(y=y, u=u).isel(draw=draw)
-                    voyage = voyage_of(ship, thrown, float(y), float(u), draw, gust.gust_time)
-                    afloat = voyage.outcome.kind == "afloat" and abs(voyage.y[-1] - y) <= BEAM / 2
-                    assert bool(own.held) == afloat, (y, u, draw)
-                    fates.add(afloat)
-                    if afloat:
-                        assert float(own.farthest) == pytest.approx(np.abs(voyage.y - y)[1:].max(), rel=1e-6)
-                        assert float(own.most_rudder) == pytest.approx(np.abs(voyage.rudder).max(), rel=1e-6)
+                    held = was_held(ship, thrown, float(y), float(u), draw, gust.gust_time)
+                    assert bool(tried.held.sel(y=y, u=u)[draw]) == held, (y, u, draw)
+                    fates.add(held)
         assert fates == {True, False}
+
+    def test_a_keel_wall_stops_her_before_the_canals(self, ship: nw.Model) -> None:
+        """A wall between where a gust to starboard and one to port carry her hull stops the former alone."""
+        gust, speed, draws = Disturbance(0.0, gust=4e5, gust_time=100.0), np.array([5.0]), 6
+        thrown = gust.drawn(draws, 0)
+        voyages = [voyage_of(ship, thrown, 30.0, 5.0, draw, gust.gust_time) for draw in range(draws)]
+        reach = np.array([hull_reach(voyage) for voyage in voyages])
+        to_starboard = thrown["Y"].to_numpy() > 0
+        wall = (reach[to_starboard].min() + reach[~to_starboard].max()) / 2
+        assert reach[to_starboard].min() > reach[~to_starboard].max() + 1.0
+        free, walled = (
+            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, draws, 0, walls=walls)["held"].to_numpy().ravel()
+            for walls in ((np.inf, np.inf), (np.inf, wall))
+        )
+        assert free.all()
+        np.testing.assert_array_equal(walled, ~to_starboard)
 
     def test_the_answer_does_not_depend_on_the_threads(self, doubtful: nw.Model) -> None:
         one, two = (
@@ -178,7 +219,7 @@ class TestTrials:
         xr.testing.assert_identical(one, two)
 
     def test_no_draw_is_no_trial(self, ship: nw.Model) -> None:
-        with pytest.raises(nw.InputError, match="one disturbance at least"):
+        with pytest.raises(nw.InputError, match="one draw at least"):
             trials(ship, OFFSETS, SPEEDS, np.zeros(2), Disturbance(), 0, 0)
 
 
@@ -203,7 +244,24 @@ class TestEnvelope:
         assert found.limited_by()[-1] == "the rudder"
 
     def test_mirrored(self, found: nw.SafeEnvelope) -> None:
-        np.testing.assert_allclose(found.data["rudder_95"], found.data["rudder_95"][::-1], rtol=1e-9, atol=1e-12)
+        data = found.data
+        pairs = (("rudder", "rudder"), ("rudder_low", "rudder_high"), ("rudder_high", "rudder_low"))
+        for own, other in pairs:
+            np.testing.assert_allclose(data[own], -data[other][::-1], rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(data["rudder_95"], data["rudder_95"][::-1], rtol=1e-9, atol=1e-12)
+
+    def test_quantiles_are_those_of_the_draws(self, doubtful: nw.Model, found: nw.SafeEnvelope) -> None:
+        """NumPy on the steady courses of the same draws; those without one are beyond hard over."""
+        heave = keel_at(doubtful.setting, np.array([5.0])).midship[0]
+        for y in (28.0, 84.0):
+            rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, draws=60)["rudder"].to_numpy()
+            beyond = np.sign(np.nanmedian(rudder)) * np.inf
+            signed, own = np.where(np.isnan(rudder), beyond, rudder), found.data.sel(y=y, u=5.0)
+            assert float(own["rudder_low"]) == np.quantile(signed, 0.05, method="lower")
+            assert float(own["rudder_high"]) == np.quantile(signed, 0.95, method="higher")
+            assert float(own["found"]) == np.isfinite(rudder).mean()
+            limit = doubtful.setting.gear.limit * 2 / 3
+            assert float(own["holds"]) == (np.abs(signed) <= limit).mean()
 
     def test_the_five_per_cent_line_is_inside_even_odds(self, found: nw.SafeEnvelope) -> None:
         assert not (found.safe() & ~found.safe(0.5)).any()
@@ -227,6 +285,38 @@ class TestEnvelope:
         assert under.clearance[0] > 0.05 * shallow.setting.ship.draft > under.clearance[1]
         assert found.limited_by() == ["the keel"]
 
+    def test_a_gust_may_make_a_slow_ship_the_unsafe_one(self, ship: nw.Model) -> None:
+        blow = Disturbance(0.0, gust=6e5, gust_time=120.0)
+        found = nw.safe_envelope(ship, np.array([0.0, 20.0]), np.array([0.4, 2.0, 5.0]), disturbance=blow, draws=20)
+        np.testing.assert_array_equal(found.safe().to_numpy(), [[False, True, True]] * 2)
+        np.testing.assert_array_equal(found.lowest_speed(), 2.0)
+        assert "Safe from 3.9 to 9.7 knots between +0.0 and +20.0 m" in found.says
+
+    def test_what_the_tests_did_not_cover_is_said(self, found: nw.SafeEnvelope) -> None:
+        said = [note for note in found.notes if note.startswith("beyond the tests")]
+        assert [note.split()[3] for note in said] == ["speed", "offset", "W/B"]
+
+    def test_a_models_gear_is_asked_for(self, kcs_tests: dict) -> None:
+        tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
+        found = nw.safe_envelope(tank, np.array([0.0]), np.array([0.5]), draws=1)
+        assert any("a model's size" in note for note in found.notes)
+
+    def test_a_rudder_that_is_not_needed_or_not_enough_says_nothing_of_speed(self, ship: nw.Model) -> None:
+        """Zero on the middle, or no course at all, is the same at every speed and no proof of anything."""
+        tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
+        for y in (np.array([0.0]), np.array([-2.0, 0.0, 2.0])):
+            assert not nw.safe_envelope(tank, y, np.array([0.4, 1.0]), draws=1).speed_free
+
+    def test_a_propeller_turns_as_the_speed_asks(self) -> None:
+        """All forces of the MMG method then go with the square of the speed, so one rudder serves at every speed."""
+        kvlcc2 = nw.published("yasukawa2015_kvlcc2")
+        slow, fast = (nw.self_propulsion(kvlcc2, u) for u in (0.5, 1.0))
+        assert fast == pytest.approx(2 * slow, rel=1e-9)
+        assert nw.self_propulsion(kvlcc2, 1.179) == pytest.approx(11.85, abs=0.01)
+        found = nw.steady_course(kvlcc2, y=0.0, u=[0.5, 1.0], N=xr.DataArray([0.25, 1.0], dims="u"))
+        assert float(found.rudder[0]) == pytest.approx(float(found.rudder[1]), rel=1e-7)
+        assert abs(float(found.rudder[0])) > 1e-4
+
     def test_what_the_rudder_needs_at_any_speed_is_said(self, ship: nw.Model) -> None:
         dry = replace(ship, setting=replace(ship.setting, canal=nw.Canal(300.0)))
         found = nw.safe_envelope(dry, OFFSETS, SPEEDS, draws=1)
@@ -243,7 +333,11 @@ class TestEnvelope:
         [
             ({"y": [1.0, 0.0]}, "offsets must be finite and rise"),
             ({"u": [0.0, 1.0]}, "steers nothing"),
-            ({"reserve": 1.0}, "no share of the rudder"),
+            ({"reserve": 1.0}, "give a share from 0 to less than 1"),
+            ({"keel": float("nan")}, "metres from 0"),
+            ({"y": [0.0, 140.0]}, "have the hull in a bank"),
+            ({"seed": -1}, "a seed from 0"),
+            ({"draws": 10**8}, "take fewer draws"),
         ],
     )
     def test_bad_ranges_are_refused(self, ship: nw.Model, given: dict, words: str) -> None:
@@ -259,7 +353,7 @@ class TestCommand:
             "--plot", tmp_path / "chart.svg", "-o", tmp_path / "e.nc",
         )  # fmt: skip
         assert code == 0
-        assert "Safe up to" in out
+        assert "Safe from" in out
         assert "limited by" in out
         assert (tmp_path / "chart.svg").stat().st_size > 10_000
         with xr.open_dataset(tmp_path / "e.nc", engine="scipy") as data:
@@ -317,6 +411,13 @@ def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli,
     assert code == 0
     assert "286.2 m wide" in said["setting"]  # 120 and half of 32.4 to starboard, 150 to port
     assert any("the middle is -6.9 m off its centreline" in note for note in said["notes"])
+    # Her keel meets the slope before the wall that her forces feel.
+    edge = 120.0 + 2 * (16.2 - doubtful.setting.ship.draft) + 6.9 - BEAM / 2
+    for offset, known in ((edge - 0.1, True), (edge + 0.1, False)):
+        spot = ("envelope", tmp_path / "full.toml", f"--offsets={offset}", *words[4:])
+        code, _, error = cli(*spot, "--waterway", tmp_path / "canal.geojson", "--at", "2500")
+        assert (code != 2) == known
+    assert "have the hull in a bank" in error
     code, _, error = cli(*words, "--waterway", tmp_path / "canal.geojson", "--at", "9000")
     assert code == 2
     assert "beyond the waterway" in error

@@ -33,6 +33,7 @@ def envelope(
         Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
     ] = None,
     at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0,
+    level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0,
     heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0,
     wind: Annotated[float, typer.Option(help="Speed of a beam gust, from either side [m/s].")] = 0.0,
     windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0,
@@ -62,20 +63,23 @@ def envelope(
     from narrows.simulation.maps import parse_range
     from narrows.simulation.netcdf import save_netcdf
 
+    if waterway is None and (at or level):
+        raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
     if bool(wind) != bool(windage):
         raise InputError("a gust needs both --wind and --windage; give both, or neither")
     ship = model_named(model)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
-    ship, where = _placed(ship, waterway, at) if waterway else (ship, ())
+    ship, walls, where = _placed(ship, waterway, at, level) if waterway else (ship, None, "")
     disturbance = Disturbance(heading_deg, gust=wind_force(wind, windage), gust_lever=gust_lever, gust_time=gust_time)
     found = safe_envelope(
         ship,
         None if offsets is None else parse_range("--offsets", offsets),
         None if speeds is None else parse_range("--speeds", speeds) * KNOT,
-        disturbance=disturbance, reserve=reserve, keel=keel, draws=draws, seed=seed,
+        disturbance=disturbance, reserve=reserve, keel=keel, draws=draws, seed=seed, walls=walls,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip
-    found = replace(found, notes=(*where, *found.notes))
+    if where:
+        found = found.noting(where)
     if output:
         save_netcdf(found.data, output)
     if plot:
@@ -87,14 +91,16 @@ def envelope(
     raise SystemExit(int(bool(found.highest_speed().isnull().all())))
 
 
-def _placed(model: "Model", file: Path, at: float) -> "tuple[Model, tuple[str, ...]]":
-    """The model in the section of a waterway at a place, and where its middle is."""
+def _placed(model: "Model", file: Path, at: float, level: float) -> "tuple[Model, tuple[float, float], str]":
+    """The model in the section of a waterway at a place; where her keel meets its banks, and where its middle is."""
     from narrows.waterway import read_waterway
 
-    found = read_waterway(file)
+    found, ship = read_waterway(file).with_water(level=level), model.setting.ship
     if not 0 <= at <= found.line.length:
         raise InputError(f"--at {at:g} is beyond the waterway, which is {found.line.length:.0f} m long")
-    found.check_fits(model.setting.ship)
-    setting, middle = replace(model.setting, canal=found.canal(at)), float(found.section(at).middle)
+    found.check_fits(ship, at)
+    canal, middle, room = found.canal(at), float(found.section(at).middle), found.room(at, ship.draft)
+    canal = canal if canal.depth else replace(canal, depth=model.setting.canal.depth)
+    aside, half = float(room.middle) - middle, float(room.width) / 2
     said = f"at {at:.0f} m along {found.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
-    return replace(model, setting=setting), (said,)
+    return replace(model, setting=replace(model.setting, canal=canal)), (half - aside, half + aside), said

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, ModelFile, TimeStep
+from narrows.cli.options import AsJson, ModelFile
 from narrows.cli.output import print_json
 
 
@@ -16,7 +16,7 @@ def manoeuvre(
     u: Annotated[float, typer.Option(help="Approach speed [m/s].")],
     turn_deg: Annotated[float, typer.Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
     zigzags: Annotated[str, typer.Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
-    dt: TimeStep = 0.02,
+    dt: Annotated[float | None, typer.Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
     json: AsJson = False,
 ) -> None:

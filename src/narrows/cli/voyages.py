@@ -67,7 +67,7 @@ def simulate(
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
         surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
         contact=contact, method=method, waterway=course,
-        helm=_pilot(chosen, hold, u),
+        helm=_pilot(chosen, hold, u, x, course),
     )  # fmt: skip
     if output:
         voyage.save(output)
@@ -82,12 +82,21 @@ def simulate(
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
-def _pilot(model: "Model", hold: float | None, u: float) -> "Autopilot | None":
+def _pilot(model: "Model", hold: float | None, u: float, x: float, way: "Waterway | None") -> "Autopilot | None":
+    """A track pilot for the model's own canal, or for the section of a waterway where she starts."""
     if hold is None:
         return None
-    from narrows.safety import track_pilot
+    from dataclasses import replace
 
-    return track_pilot(model, hold, u)
+    from narrows.safety.autopilot import track_pilot
+
+    if way is None:
+        return track_pilot(model, hold, u)
+    canal = way.canal(x)
+    canal = canal if canal.depth else replace(canal, depth=model.setting.canal.depth)
+    there = replace(model, setting=replace(model.setting, canal=canal))
+    # Her section counts from its middle, the voyage from the line.
+    return replace(track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
 
 
 def _waterway(file: Path | None, current: float, level: float) -> "Waterway | None":

@@ -10,6 +10,9 @@ from narrows.cli.options import AsJson
 from narrows.cli.output import print_json
 from narrows.errors import InputError
 
+REACH = 1000.0
+"""How far off a bank of a chart is looked for [m]."""
+
 
 @app.command(epilog="Example: narrows waterway 1W7RH001.000 --line axis.geojson -o canal.geojson")
 def waterway(
@@ -18,7 +21,7 @@ def waterway(
         Path | None, typer.Option(help="Centreline for a chart: GeoJSON with a LineString, as she sails it.")
     ] = None,
     spacing: Annotated[float | None, typer.Option(help="Between stations in a chart [m].")] = None,
-    reach: Annotated[float, typer.Option(help="How far off a bank is looked for in a chart [m].")] = 1000.0,
+    reach: Annotated[float, typer.Option(help="How far off a bank is looked for in a chart [m].")] = REACH,
     draft: Annotated[float, typer.Option(help="Of a ship [m]: the width is then where her keel has room.")] = 0.0,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="GeoJSON to write.")] = None,
     json: AsJson = False,
@@ -29,6 +32,10 @@ def waterway(
 
     if (file.suffix == ".000") != (line is not None):
         raise InputError("a chart (.000) goes with --line, its centreline as GeoJSON; a GeoJSON waterway goes without")
+    if line is None and (spacing is not None or reach != REACH):
+        raise InputError("--spacing and --reach measure a chart; leave them out for a GeoJSON waterway")
+    if not 0 <= draft < 1000:
+        raise InputError(f"--draft {draft} is no draft; give metres from 0")
     if line is None:
         found = read_waterway(file)
     else:

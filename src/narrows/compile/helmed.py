@@ -52,31 +52,27 @@ class Helmed:
     ----------
     outcome : array (n,) of int
         An ``Outcome``.
-    time : array (n,) [s]
-        When the voyage ended.
     farthest : array (n,) [m]
         Largest distance from the offset to hold.
-    end : array (n,) [m]
-        To starboard of the offset to hold, at the end.
+    late : array (n,) [m]
+        The same over the last steps.
     rudder : array (n,) [rad]
         Largest angle.
-    hard_over : array (n,) [s]
-        Time at the limit of the gear.
     """
 
     outcome: np.ndarray
-    time: np.ndarray
     farthest: np.ndarray
-    end: np.ndarray
+    late: np.ndarray
     rudder: np.ndarray
-    hard_over: np.ndarray
 
 
 PILOT = (
     "hold_y", "hold_psi", "hold_v", "hold_rudder", "by_y", "by_psi", "by_v", "by_r",
     "limit", "rate", "revolutions", "push_Y", "push_N", "push_time",
+    "wall_port", "wall_starboard", "half_length", "half_beam", "late",
 )  # fmt: skip
-"""What is known of each helm: what to hold, the rudder for each thing off, the gear, and a push with its time."""
+"""What is known of each helm: what to hold, the rudder for each thing off, the gear, a push with its time, where a keel
+meets the banks and the hull that does, and how many steps count as the end."""
 
 
 def sail_helmed(
@@ -97,14 +93,14 @@ def sail_helmed(
         Most steps of each vessel.
     pace : array (n,) [s]
         The time step of each vessel.
-    pilots : array (n, 14)
+    pilots : array (n, 19)
         As ``PILOT`` orders it.
     limits : array
         What else ends a voyage.
     workers : int, optional
         Threads; a core each if absent.
     """
-    kept, codes = np.empty((len(pace), 5)), np.empty(len(pace), np.int8)
+    kept, codes = np.empty((len(pace), 3)), np.empty(len(pace), np.int8)
 
     def run(rows: slice) -> None:
         kernel.helmed(
@@ -112,5 +108,4 @@ def sail_helmed(
         )
 
     on_all_cores(run, len(pace), workers)
-    time, farthest, end, rudder, hard = kept.T
-    return Helmed(codes, time, farthest, end, rudder, hard)
+    return Helmed(codes, *kept.T)

@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 # columns of a pilot: what is held, the gains, the gear; then the push and until when
 HOLD_Y, HOLD_PSI, HOLD_V, HOLD_RUDDER, BY_Y, BY_PSI, BY_V, BY_R = 0, 1, 2, 3, 4, 5, 6, 7
 LIMIT, RATE, REVOLUTIONS, PUSH_Y, PUSH_N, PUSH_TIME = 8, 9, 10, 11, 12, 13
+# where a keel meets the banks, and the hull's half length and beam; the last steps, that count as the end
+WALL_PORT, WALL_STARBOARD, HALF_LENGTH, HALF_BEAM, LATE = 14, 15, 16, 17, 18
 # columns of what is kept
-KEPT_TIME, KEPT_OFFSET, KEPT_END, KEPT_RUDDER, KEPT_HARD = 0, 1, 2, 3, 4
+KEPT_FARTHEST, KEPT_LATE, KEPT_RUDDER = 0, 1, 2
 AFLOAT, GROUNDED, DIVERGED, OUTSIDE = 0, 1, 2, 3
 LEAST_COS, MOST_SPEED, MOST_RATE = 0, 1, 2
 
@@ -68,12 +70,13 @@ def stepped(state: "Any", rudder: float, rate: float, push: "Any", revolutions: 
 
 
 @jit
-def fate_of(state: "Any", limits: "Array", own: "Any") -> int:
+def fate_of(state: "Any", limits: "Array", own: "Any", pilot: "Array") -> int:
     """An outcome, or AFLOAT for a vessel that sails on."""
     _, y, c, s, u, v, r = state
     if not (abs(u) < limits[MOST_SPEED] and abs(v) < limits[MOST_SPEED] and abs(r) < limits[MOST_RATE]):
         return DIVERGED
-    if not gap(y, c, s, *own) > 0.0:
+    reach = pilot[HALF_LENGTH] * abs(s) + pilot[HALF_BEAM] * c
+    if y + reach >= pilot[WALL_STARBOARD] or reach - y >= pilot[WALL_PORT] or not gap(y, c, s, *own) > 0.0:
         return GROUNDED
     return OUTSIDE if c <= limits[LEAST_COS] else AFLOAT
 
@@ -88,18 +91,17 @@ def helmed(
         own, pilot, h = of_vessel(constants, vessel), pilots[vessel], pace[vessel]
         z = start[vessel]
         state = (z[0], z[1], z[2], z[3], z[4], z[5], z[6])
-        rudder, hard, most, far, fate, step = pilot[HOLD_RUDDER], 0.0, abs(pilot[HOLD_RUDDER]), 0.0, AFLOAT, 0
+        rudder, most, far, late, fate, step = pilot[HOLD_RUDDER], abs(pilot[HOLD_RUDDER]), 0.0, 0.0, AFLOAT, 0
         while step < steps[vessel] and fate == AFLOAT:
             rate = turning(pilot, rudder, state[1], state[2], state[3], state[5], state[6], h)
             blown = 1.0 if (step + 0.5) * h < pilot[PUSH_TIME] else 0.0
             push = (blown * pilot[PUSH_Y], blown * pilot[PUSH_N])
             state = stepped(state, rudder, rate, push, pilot[REVOLUTIONS], h, own)
             rudder += h * rate
-            hard += 1.0 if abs(rudder) >= (1.0 - 1e-9) * pilot[LIMIT] else 0.0
-            most, far = max(most, abs(rudder)), max(far, abs(state[1] - pilot[HOLD_Y]))
-            fate = fate_of(state, limits, own)
+            off = abs(state[1] - pilot[HOLD_Y])
+            most, far = max(most, abs(rudder)), max(far, off)
+            late = max(late, off) if step >= steps[vessel] - pilot[LATE] else late
+            fate = fate_of(state, limits, own, pilot)
             step += 1
-        kept[vessel, KEPT_TIME], kept[vessel, KEPT_OFFSET] = step * h, far
-        kept[vessel, KEPT_END], kept[vessel, KEPT_RUDDER] = state[1] - pilot[HOLD_Y], most
-        kept[vessel, KEPT_HARD] = hard * h
+        kept[vessel, KEPT_FARTHEST], kept[vessel, KEPT_LATE], kept[vessel, KEPT_RUDDER] = far, late, most
         codes[vessel] = fate

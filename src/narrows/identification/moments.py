@@ -260,12 +260,14 @@ def design_rows(tests: Tests, terms: TermTable) -> Iterator[tuple[Layout, np.nda
 def _covered(block: Block) -> Envelope:
     values = block.values
     ratio = np.divide(values["depth"], values["draft"]) if "depth" in values else None
+    wide = np.divide(values["width"], values["beam"])
     return Envelope(
         speed=_range(values.get("u")),
         abs_y=_range(_size(values.get("y"))),
         abs_psi=_range(_size(values.get("psi"))),
         abs_r=_range(_size(values.get("r"))),
         depth_to_draft=_range(ratio),
+        width_to_beam=_range(wide),
     )
 
 

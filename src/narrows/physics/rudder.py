@@ -84,7 +84,9 @@ def along(at: Values) -> Number:
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
     """
     coming = inflow(at)
-    race = (coming * coming + 8 / math.pi * abs(loading(at))) ** 0.5
+    # A propeller that drags slows its race down, to nothing at most.
+    pushed = coming * coming + 8 / math.pi * loading(at)
+    race = ((pushed + abs(pushed)) / 2) ** 0.5
     inside = coming + at.rudder_race * (race - coming)
     mixed = at.rudder_in_race * inside * inside + (1 - at.rudder_in_race) * coming * coming
     return at.rudder_wake_ratio * mixed**0.5

@@ -8,7 +8,7 @@ from matplotlib.patches import Patch
 
 from narrows.model import Model
 from narrows.physics.squat import KNOT
-from narrows.report.style import BLACK, BLUE, DASHES, GREY, ORANGE, panels
+from narrows.report.style import BLACK, BLUE, DASHES, GREY, ORANGE, PURPLE, panels
 from narrows.safety import FIVE_PERCENT, MEDIAN, RESERVE, SafeEnvelope
 
 PALE, PALER = "#A9CFE8", "#DCEBF5"
@@ -28,7 +28,7 @@ def envelope_chart(envelope: SafeEnvelope, model: Model, reserve: float = RESERV
     """
     figure, axes = panels(2, 1, 7.0, sharex=True, height_ratios=(3, 2))
     speeds, rudder = axes[:, 0]
-    _draw_speeds(speeds, envelope)
+    _draw_speeds(speeds, envelope, model)
     _draw_rudder(rudder, envelope, model, reserve)
     for own in (speeds, rudder):
         _draw_banks(own, model)
@@ -36,30 +36,53 @@ def envelope_chart(envelope: SafeEnvelope, model: Model, reserve: float = RESERV
     return figure
 
 
-def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
+def _draw_speeds(axes: Axes, envelope: SafeEnvelope, model: Model) -> None:
+    """Each colour reaches from one offset that is safe to the next, and no farther; a safe one alone is its line."""
     y, u = envelope.data["y"].to_numpy(), envelope.data["u"].to_numpy() / KNOT
-    for share, colour in ((MEDIAN, PALER), (FIVE_PERCENT, PALE)):
-        safe = envelope.safe(share).transpose("u", "y").to_numpy()
-        axes.contourf(_edges(y), _edges(u), _padded(safe), levels=[0.5, 1.5], colors=[colour])
-        axes.contour(_edges(y), _edges(u), _padded(safe), levels=[0.5], colors=[BLACK], linewidths=[1.8 * share],
-                     linestyles=["-" if share == FIVE_PERCENT else "--"])  # fmt: skip
+    for share, colour, dash in ((MEDIAN, PALER, "--"), (FIVE_PERCENT, PALE, "-")):
+        low, high = (own(share).to_numpy() / KNOT for own in (envelope.lowest_speed, envelope.highest_speed))
+        axes.fill_between(y, low, high, where=np.isfinite(high), color=colour, lw=0)
+        for edge in (low, high):
+            axes.plot(y, edge, color=BLACK, ls=dash, lw=1.8 * share, marker=".", markersize=3)
+        axes.vlines(y[_ends_of_runs(high)], low[_ends_of_runs(high)], high[_ends_of_runs(high)], color=BLACK, ls=dash,
+                    lw=1.8 * share)  # fmt: skip
     blocked = u[~envelope.data["clear"].to_numpy()]
+    step = (u[-1] - u[0]) / max(len(u) - 1, 1) or 1.0
     if blocked.size:
-        below = u[u < blocked.min()]
-        bottom = (blocked.min() + below[-1]) / 2 if below.size else _edges(u)[0]
-        axes.axhspan(bottom, _edges(u)[-1], facecolor="none", edgecolor=ORANGE, hatch="///", lw=0)
+        axes.axhspan(blocked.min() - step / 2, u[-1] + step / 2, facecolor="none", edgecolor=ORANGE, hatch="///", lw=0)
+    _draw_tested(axes, model)
     axes.set_ylabel("speed through the water [knots]")
-    axes.set_ylim(_edges(u)[0], _edges(u)[-1])
+    axes.set_ylim(u[0] - step / 2, u[-1] + step / 2)
     axes.legend(
         handles=_speed_legend(bool(blocked.size)), loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2
     )
     axes.grid(alpha=0.3)
 
 
+def _ends_of_runs(high: np.ndarray) -> np.ndarray:
+    """Places where safe offsets begin or end."""
+    safe = np.isfinite(high)
+    around = np.concatenate([[False], safe, [False]])
+    return np.flatnonzero(safe & ~(around[:-2] & around[2:]))
+
+
+def _draw_tested(axes: Axes, model: Model) -> None:
+    """The offsets and speeds that the tests covered, at this size."""
+    speed, offset = model.envelope.speed, model.envelope.abs_y
+    half = model.setting.canal.width / 2
+    across = half if offset is None else offset[1]
+    for sign in (-1, 1):
+        if across < half:
+            axes.axvline(sign * across, color=PURPLE, ls=":", lw=1.4)
+    if speed is not None:
+        axes.axhline(speed[1] / KNOT, color=PURPLE, ls=":", lw=1.4)
+
+
 def _speed_legend(blocked: bool) -> list[Patch | Line2D]:
     handles: list[Patch | Line2D] = [
         Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 95 % of the draws (the 5 % line)"),
         Patch(facecolor=PALER, edgecolor=BLACK, ls="--", label="safe in half of them"),
+        Line2D([], [], color=PURPLE, ls=":", label="as far as the tests went"),
     ]
     if blocked:
         handles.append(Patch(facecolor="none", edgecolor=ORANGE, hatch="///", label="keel or choked canal"))
@@ -75,8 +98,8 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: floa
         own = data.isel(u=place)
         label = "at every speed" if envelope.speed_free else f"at {float(own['u']) / KNOT:.1f} knots"
         axes.plot(y, np.degrees(own["rudder"]), color=BLUE, ls=style, label=f"median, {label}")
-        size = np.degrees(np.where(np.isfinite(own["rudder_95"]), own["rudder_95"], np.nan))
-        axes.plot(y, np.sign(y) * size, color=ORANGE, ls=style, label=f"5 % line, {label}")
+        for name, said in (("rudder_low", f"90 % of the draws, {label}"), ("rudder_high", None)):
+            axes.plot(y, np.degrees(own[name].where(np.isfinite(own[name]))), color=ORANGE, ls=style, label=said)
     for sign in (1, -1):
         axes.axhline(sign * limit, color=BLACK, lw=1.4)
         axes.axhline(sign * limit * (1 - reserve), color=GREY, lw=1.0, ls="--")
@@ -87,7 +110,7 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: floa
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
     axes.set_ylabel("rudder that holds her [deg]\npositive turns the bow to starboard")
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
-    axes.legend(frameon=False, loc="upper right", bbox_to_anchor=(0.88, 0.5))
+    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2)
     axes.grid(alpha=0.3)
 
 
@@ -98,15 +121,3 @@ def _draw_banks(axes: Axes, model: Model) -> None:
         axes.axvspan(sign * (half - side), sign * half, color=GREY, alpha=0.35, lw=0)
         axes.axvline(sign * half, color=BLACK, lw=3)
     axes.set_xlim(-1.02 * half, 1.02 * half)
-
-
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Places of cells with half a cell more at either end."""
-    if len(values) < 2:
-        return np.array([values[0] - 0.5, values[0], values[0] + 0.5])
-    step = np.diff(values)
-    return np.concatenate([[values[0] - step[0] / 2], values, [values[-1] + step[-1] / 2]])
-
-
-def _padded(safe: np.ndarray) -> np.ndarray:
-    return np.pad(safe.astype(float), 1, mode="edge")

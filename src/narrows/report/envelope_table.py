@@ -20,6 +20,7 @@ def offset_rows(envelope: SafeEnvelope) -> list[dict[str, Any]]:
         The answer.
     """
     data, top, likely = envelope.data, envelope.highest_speed(), envelope.highest_speed(MEDIAN)
+    bottom = envelope.lowest_speed()
     rows = []
     for place, (y, why) in enumerate(zip(data["y"].to_numpy().tolist(), envelope.limited_by(), strict=True)):
         best, even = float(top[place]), float(likely[place])
@@ -31,6 +32,7 @@ def offset_rows(envelope: SafeEnvelope) -> list[dict[str, Any]]:
                 "rudder": _known(np.degrees(float(here["rudder"]))),
                 "rudder_95": _known(np.degrees(float(here["rudder_95"]))),
                 "held": float(here["held"]),
+                "lowest_speed": _known(float(bottom[place]) / KNOT),
                 "highest_speed": _known(best / KNOT),
                 "highest_speed_median": _known(even / KNOT),
                 "limited_by": why,
@@ -114,7 +116,7 @@ def _by_offset(envelope: SafeEnvelope) -> Table:
     for row in offset_rows(envelope):
         table.add_row(
             f"{row['offset']:+.1f}", _cell(row["rudder"], "+.1f"), _cell(row["rudder_95"], ".1f"),
-            f"{100 * row['held']:.0f} %", _cell(row["highest_speed"], ".1f"),
+            f"{100 * row['held']:.0f} %", _span(row["lowest_speed"], row["highest_speed"]),
             _cell(row["highest_speed_median"], ".1f"), row["limited_by"],
         )  # fmt: skip
     return table
@@ -128,6 +130,10 @@ def _by_speed(envelope: SafeEnvelope) -> Table:
         under = _cell(row["keel_clearance"], ".2f") + ("" if row["keel_clear"] else " !")
         table.add_row(f"{row['speed']:.1f}", under, _cell(row["safest_offset"], "+.1f"))
     return table
+
+
+def _span(low: float | None, high: float | None) -> str:
+    return "-" if low is None or high is None else f"{low:.1f} to {high:.1f}"
 
 
 def _cell(value: float | None, form: str) -> str:

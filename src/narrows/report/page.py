@@ -23,6 +23,7 @@ ENVELOPE = {
     "abs_psi": ("heading |psi|", "deg", 180 / np.pi),
     "abs_r": ("yaw rate |r|", "deg/s", 180 / np.pi),
     "depth_to_draft": ("h/T", "1", 1.0),
+    "width_to_beam": ("W/B", "1", 1.0),
 }
 
 

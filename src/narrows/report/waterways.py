@@ -7,6 +7,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from narrows.errors import InputError
 from narrows.waterway import Waterway
 
 STATIONS, SHOWN = 2001, 11
@@ -23,9 +24,22 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         The waterway.
     draft : float [m]
         Of a ship; the width is where her keel has room.
+
+    Raises
+    ------
+    InputError
+        Where there is no room for her, with the place.
     """
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.room(s, draft)
+    shut = ~(here.width > 0) | (here.depth <= draft)
+    if shut.any():
+        place = int(shut.argmax())
+        size = f"{here.width[place]:.4g} m wide and {here.depth[place]:.4g} m deep"
+        raise InputError(
+            f"{waterway.name}: no room for a draft of {draft:g} m at {s[place]:.0f} m along it, {size}; mend its banks "
+            "or depths there"
+        )
     bend = np.abs(here.curvature)
     narrow, sharp = int(here.width.argmin()), int(bend.argmax())
     deep = bool(np.isfinite(here.depth).all())

@@ -1,7 +1,6 @@
 """A course-keeping autopilot: the best linear one for the ship on the centreline, with the gear that she has."""
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -9,7 +8,8 @@ from narrows.compile import LINEARISED
 from narrows.compile.jacobian import CONTROLLED
 from narrows.errors import InputError
 from narrows.model import Model
-from narrows.safety.equilibrium import steady_course
+from narrows.safety.equilibrium import check_inside, check_rudder, solved
+from narrows.safety.propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Autopilot
 from narrows.vocabulary import CONTROLS
@@ -31,7 +31,7 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
         To starboard of the middle.
     u : float [m/s]
         Surge velocity.
-    **values : float
+    **values : float [SI]
         Particulars and coefficients other than the model's, as in ``ensemble``.
 
     Raises
@@ -39,13 +39,19 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     InputError
         Where no rudder holds her there, or no autopilot on the centreline.
     """
-    asked: dict[str, Any] = {"y": y, "u": u, **values}
-    found = steady_course(model, **asked)
-    held = {name: float(found[name]) for name in ("rudder", "psi", "v")}
-    if math.isnan(held["rudder"]):
-        raise InputError(f"no rudder holds this ship {y:g} m off the middle at {u:g} m/s; choose a place nearer to it")
-    gains = track_gains(SimulatedShip(model), u, **values)
-    return Autopilot(y, (float(gains[0]), float(gains[1]), float(gains[2]), float(gains[3])), **held)
+    check_rudder(model)
+    check_inside(y, model.setting.canal.width, model.setting.ship.beam)
+    ship, limit = SimulatedShip(model), model.setting.gear.limit
+    own = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
+    (v,), (rudder,) = solved(ship, {"y": y, "u": u, **own, **values}, 1, 1)
+    if not abs(rudder) <= limit:
+        raise InputError(
+            f"no rudder to {math.degrees(limit):g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose "
+            "a place nearer to it"
+        )
+    gains = track_gains(ship, u, **own, **values)
+    by_y, by_psi, by_v, by_r = gains.tolist()
+    return Autopilot(y, (by_y, by_psi, by_v, by_r), float(rudder), -math.atan(v / u), float(v))
 
 
 def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
@@ -60,7 +66,7 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
         Model with a rudder.
     speed : float [m/s]
         Surge velocity.
-    **values : float
+    **values : float [SI]
         Particulars and coefficients other than the model's, as in ``ensemble``.
 
     Raises
@@ -76,6 +82,7 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
 
     exact = ship.program.jacobian({**ship.values(), **values})
     state, inputs = {"cos_psi": 1.0, "u": speed}, dict(zip(CONTROLS, ship.controls(0.0), strict=True))
+    inputs["revolutions"] = values.get("revolutions", inputs["revolutions"])
     place = [LINEARISED.index(name) for name in FELT]
     motion = exact.state(state, inputs)[np.ix_(place, place)]
     push = exact.controls(state, inputs)[place][:, [CONTROLLED.index("rudder")]]

@@ -57,7 +57,14 @@ class Disturbance:
             How many.
         seed : int
             Of the draws.
+
+        Raises
+        ------
+        InputError
+            Where there is no draw, or the seed is negative.
         """
+        if draws < 1 or seed < 0:
+            raise InputError(f"draws = {draws} and seed = {seed}: give one draw at least, and a seed from 0")
         heading, offset, side = np.random.default_rng((seed, 1)).standard_normal((3, draws))
         gust = np.sign(side)
         columns = {

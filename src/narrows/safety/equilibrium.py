@@ -10,12 +10,15 @@ import xarray as xr
 from narrows.compile.fleet import on_all_cores
 from narrows.errors import InputError
 from narrows.model import Model
+from narrows.safety.propulsion import with_propulsion
 from narrows.simulation.grid import INPUTS, grid_of
 from narrows.simulation.ship import SimulatedShip
 
+SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
+"""What a steady course answers or does not feel."""
 ROUNDS = 40
 SMALL = 1e-7
-"""Step of the central differences, over the speed [1] and in the rudder's angle [rad]."""
+"""Step of the central differences, in drift over speed [1] and in the rudder's angle [rad]."""
 DONE = 1e-11
 FURTHEST = 1.2
 """Beyond this size of drift over speed, or of rudder angle [rad], nothing is looked for."""
@@ -27,10 +30,11 @@ Residual = Callable[[np.ndarray, np.ndarray, slice | np.ndarray], tuple[np.ndarr
 
 def steady_course(
     model: Model, *, draws: int = 0, seed: int = 0, workers: int | None = None, **vary: Any
-) -> xr.Dataset:
+) -> xr.Dataset:  # fmt: skip
     """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal (ours).
 
-    The speed is held. Where no angle below 69 degrees holds her, there is no such course: the answer is NaN.
+    The speed is held; a propeller turns as the speed asks straight ahead. Where no angle below 69 degrees holds her,
+    there is no such course: the answer is NaN.
 
     Parameters
     ----------
@@ -53,10 +57,16 @@ def steady_course(
     Raises
     ------
     InputError
-        Where the model has no terms of a rudder, or a value does not fit.
+        Where the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
     """
     check_rudder(model)
-    ship, grid = SimulatedShip(model), grid_of(model, vary, draws, seed)
+    for name in SOUGHT:
+        if name in vary:
+            raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
+    ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, {"u": 1.0, **vary}), draws, seed)
+    check_inside(grid.values["y"], grid.values["width"], grid.values["beam"])
+    if not (grid.values["u"] > 0).all():
+        raise InputError("a steady course needs a speed over 0; give u in m/s")
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     v, rudder = solved(ship, values, grid.vessels, workers)
     psi = -np.arctan(v / values["u"])
@@ -83,6 +93,26 @@ def check_rudder(model: Model) -> None:
         raise InputError(
             "this model has no terms of a rudder; identify it with the terms steered, or borrow a rudder from one"
         )
+
+
+def check_inside(y: Any, width: Any, beam: Any) -> None:
+    """Raise where a hull beside her line is in a bank (ours).
+
+    Parameters
+    ----------
+    y : array [m]
+        From the middle.
+    width, beam : array [m]
+        Of canal and ship.
+
+    Raises
+    ------
+    InputError
+        Names the farthest offset.
+    """
+    if not np.all(np.abs(y) < (width - beam) / 2):
+        far, room = float(np.abs(y).max()), float(np.min((width - beam) / 2))
+        raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
 
 
 def solved(
@@ -114,17 +144,18 @@ def solved(
 
 def _residual(ship: SimulatedShip, values: Mapping[str, Any]) -> Residual:
     """Accelerations in sway and yaw, by the drift (v over u) and the rudder's angle of some of the vessels."""
-    given = {**ship.values(), **values}
+    given = {**dict.fromkeys(INPUTS, 0.0), "revolutions": 0.0, **ship.values(), **values}
     constants = ship.program.constants(given)
-    pushes = [given[name] for name in INPUTS]
-    _, _, revolutions = ship.controls(0.0)
 
     def residual(drift: np.ndarray, angle: np.ndarray, rows: slice | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        y, u, *rest = (value[rows] if np.size(value) > 1 else value for value in (given["y"], given["u"], *pushes))
-        own = (value[rows] if np.size(value) > 1 else value for value in constants)
+        def own(value: Any) -> Any:
+            return value[rows] if np.size(value) > 1 else value
+
         cosine = 1 / np.sqrt(1 + drift * drift)
-        state = (0.0, y, cosine, -drift * cosine, u, drift * u, 0.0)
-        rate = ship.program.rhs(*state, *rest, np.cos(angle), np.sin(angle), revolutions, *own)
+        u = own(given["u"])
+        state = (0.0, own(given["y"]), cosine, -drift * cosine, u, drift * u, 0.0)
+        controls = (*(own(given[name]) for name in INPUTS), np.cos(angle), np.sin(angle), own(given["revolutions"]))
+        rate = ship.program.rhs(*state, *controls, *map(own, constants))
         return rate[5], rate[6]
 
     return residual

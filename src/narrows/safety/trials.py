@@ -13,25 +13,31 @@ from narrows.model import Model
 from narrows.safety.autopilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.equilibrium import solved
+from narrows.safety.propulsion import with_propulsion
 from narrows.simulation.fleets import bar
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.ship import SimulatedShip
 
-LENGTHS = 15.0
-"""Ship lengths that a trial lasts."""
+LENGTHS, LATE = 15.0, 3.0
+"""Ship lengths that a trial lasts after a gust, and the last of them, through which she is to be back."""
 STEPS_A_LENGTH = 40
 BLOCK = 65_536
-KEPT = ("rudder", "psi", "held", "farthest", "most_rudder")
+MOST = 50_000_000
+"""Points of one call: beyond it the answer does not fit in memory."""
+KEPT = ("rudder", "held")
+Walls = tuple[float, float]
+"""Where a keel meets the banks [m]: to port and to starboard of the middle."""
 
 
 def trials(
     model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, draws: int, seed: int,
-    workers: int | None = None, progress: bool = False,
+    walls: Walls = (math.inf, math.inf), workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, her coefficients drawn where their covariance is known.
 
     Every draw starts from the steady course that its own coefficients ask for, and is thrown off it. She is held where
-    she touches no bank, stays within 85 degrees of the canal, and ends within half a beam of her line (ours).
+    she touches no bank, stays within 85 degrees of the canal, and is back within half a beam of her line for the last
+    three ship lengths of the trial (ours).
 
     Parameters
     ----------
@@ -49,6 +55,8 @@ def trials(
         Of coefficients and disturbance.
     seed : int
         Of the draws.
+    walls : pair of float [m]
+        Where her keel meets the banks, to port and to starboard of the middle, if nearer than the walls of the canal.
     workers : int, optional
         Threads; all cores unless given.
     progress : bool
@@ -57,22 +65,21 @@ def trials(
     Returns
     -------
     xarray.Dataset
-        Over y, u and draw: ``rudder`` [rad] and ``psi`` [rad] of the steady course (NaN where there is none), ``held``,
-        ``farthest`` [m] off her line, ``most_rudder`` [rad].
+        Over y, u and draw: ``rudder`` [rad] of the steady course (NaN where there is none), and ``held``.
 
     Raises
     ------
     InputError
-        Where the model has no rudder, or there is no draw.
+        Where the model has no rudder, there is no draw, or there are more points than fit.
     """
-    if draws < 1:
-        raise InputError(f"draws = {draws}: a trial needs one disturbance at least")
+    if draws * len(y) * len(u) > MOST:
+        raise InputError(f"{draws * len(y) * len(u)} points are more than {MOST}; take fewer draws, offsets or speeds")
     ship = SimulatedShip(model)
     drawn = draws if model.covariance is not None else 0
     thrown = disturbance.drawn(draws, seed)
     steady = {"y": y, "u": u, "heave": xr.DataArray(heave, dims="u"), "x": xr.DataArray(np.zeros(draws), dims="draw")}
-    grid = grid_of(model, steady, drawn, seed)
-    gains = np.array([track_gains(ship, float(speed), heave=float(z)) for speed, z in zip(u, heave, strict=True)])
+    grid = grid_of(model, with_propulsion(model, steady), drawn, seed)
+    gains = _gains(ship, grid, len(u))
     extra = {f"off_{name}": column for name, column in thrown.items()}
     extra |= {f"by_{i}": xr.DataArray(gains[:, i], dims="u") for i in range(4)}
     whole = Grid({**grid.values, **extra}, grid.sizes)
@@ -80,7 +87,7 @@ def trials(
     with bar(grid.vessels, progress) as advance:
         for block in whole.blocks(BLOCK):
             values, shape = whole.flat(block)
-            for name, column in _sailed(ship, values, math.prod(shape), disturbance, workers).items():
+            for name, column in _sailed(ship, values, math.prod(shape), disturbance.gust_time, walls, workers).items():
                 kept[name][whole.region(block)] = column.reshape(shape)
             advance(math.prod(shape))
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
@@ -88,29 +95,38 @@ def trials(
     return found.assign(held=found["held"] > 0)
 
 
+def _gains(ship: SimulatedShip, grid: Grid, speeds: int) -> np.ndarray:
+    """The gains at each speed, (speeds, 4)."""
+    felt = [name for name in ("u", "heave", "revolutions") if name in grid.values]
+    columns = {name: np.broadcast_to(grid.values[name].to_numpy(), speeds) for name in felt}
+    rows = ({name: float(column[place]) for name, column in columns.items()} for place in range(speeds))
+    return np.array([track_gains(ship, row.pop("u"), **row) for row in rows])
+
+
 def _sailed(
-    ship: SimulatedShip, values: Mapping[str, Any], count: int, disturbance: Disturbance, workers: int | None
+    ship: SimulatedShip, values: Mapping[str, Any], count: int, gust_time: float, walls: Walls, workers: int | None
 ) -> dict[str, np.ndarray]:
     extra = {name: value for name, value in values.items() if name.startswith(("off_", "by_"))}
     own = {name: value for name, value in values.items() if name not in extra}
     v, rudder = solved(ship, own, count, workers)
-    psi = -np.arctan(v / own["u"])
-    gear, setting = ship.model.setting.gear, ship.model.setting
-    limit = gear.limit
-    steady = np.isfinite(rudder) & (np.abs(rudder) <= limit)
-    hold = {"y": own["y"], "psi": np.nan_to_num(psi), "v": np.nan_to_num(v), "rudder": np.nan_to_num(rudder)}
-    pilot = {f"hold_{name}": value for name, value in hold.items()} | {
+    hull, gear = ship.model.setting.ship, ship.model.setting.gear
+    steady = np.abs(rudder) <= gear.limit  # false where there is none
+    hold = {"v": np.where(steady, v, 0.0), "rudder": np.where(steady, rudder, 0.0)}
+    psi, pace = -np.arctan(hold["v"] / own["u"]), hull.length / (STEPS_A_LENGTH * np.asarray(own["u"]))
+    gusty = gust_time if np.any(extra["off_Y"]) else 0.0
+    pilot = {
+        "hold_y": own["y"], "hold_psi": psi, "hold_v": hold["v"], "hold_rudder": hold["rudder"],
         "by_y": extra["by_0"], "by_psi": extra["by_1"], "by_v": extra["by_2"], "by_r": extra["by_3"],
-        "limit": limit, "rate": gear.rate, "revolutions": ship.controls(0.0)[2],
-        "push_Y": extra["off_Y"], "push_N": extra["off_N"], "push_time": disturbance.gust_time,
+        "limit": gear.limit, "rate": gear.rate, "revolutions": own.get("revolutions", 0.0),
+        "push_Y": extra["off_Y"], "push_N": extra["off_N"], "push_time": gusty,
+        "wall_port": walls[0], "wall_starboard": walls[1], "half_length": hull.length / 2, "half_beam": hull.beam / 2,
+        "late": LATE * STEPS_A_LENGTH,
     }  # fmt: skip
-    pace = setting.ship.length / (STEPS_A_LENGTH * np.asarray(own["u"]))
     # No course to hold: no steps are sailed.
-    steps = np.where(steady, LENGTHS * STEPS_A_LENGTH, 0)
+    steps = np.where(steady, np.ceil(gusty / pace) + LENGTHS * STEPS_A_LENGTH, 0)
     ended = ship.program.helmed(
         {**ship.values(), **own}, pilot, y=own["y"] + extra["off_y"], u=own["u"], v=hold["v"],
-        psi=hold["psi"] + extra["off_psi"], dt=pace, steps=steps, workers=workers,
+        psi=psi + extra["off_psi"], dt=pace, steps=steps, workers=workers,
     )  # fmt: skip
-    back = np.abs(ended.end) <= setting.ship.beam / 2
-    held = steady & (ended.outcome == Outcome.AFLOAT) & back
-    return {"rudder": rudder, "psi": psi, "held": held, "farthest": ended.farthest, "most_rudder": ended.rudder}
+    held = steady & (ended.outcome == Outcome.AFLOAT) & (ended.late <= hull.beam / 2)
+    return {"rudder": rudder, "held": held}

@@ -129,7 +129,8 @@ def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Gr
     InputError
         Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
     """
-    particulars = {name: value for name, value in model.setting.values().items() if name in PARTICULARS}
+    known_here = {*PARTICULARS, "revolutions"}
+    particulars = {name: value for name, value in model.setting.values().items() if name in known_here}
     known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
     words = {*known, *PARTICULARS}
     for name in given:

@@ -28,9 +28,18 @@ class Held:
     ----------
     rudder : float [rad]
         Positive where it turns the bow to starboard.
+
+    Raises
+    ------
+    InputError
+        Where it is not finite.
     """
 
     rudder: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.rudder):
+            raise InputError(f"a rudder held at {self.rudder} is no order; give its angle")
 
     def begin(self) -> Order:
         """Return what gives the orders of one voyage."""
@@ -62,7 +71,7 @@ class Zigzag:
     heading: float
 
     def __post_init__(self) -> None:
-        if not (self.heading > 0 and self.rudder):
+        if not (0 < self.heading < math.inf and self.rudder and math.isfinite(self.rudder)):
             raise InputError("a zigzag needs a rudder angle and a positive change of heading; give both")
 
     def begin(self) -> Order:

@@ -1,7 +1,7 @@
 """The trials that ships are judged by: a turning circle to either side, zigzags to either side first."""
 
+import math
 from dataclasses import dataclass
-from math import degrees, radians
 from typing import Any
 
 from narrows.errors import InputError
@@ -10,6 +10,9 @@ from narrows.simulation.manoeuvres import Turning, overshoots, turning_circle
 from narrows.simulation.steering import Held, Zigzag
 from narrows.simulation.voyage import Voyage, simulate
 
+STEPS_A_LENGTH = 120
+MODEL_LENGTH = 30.0
+"""Below this [m] a hull is taken for a model's."""
 TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 """Ship lengths at the approach speed that a trial lasts."""
 
@@ -53,7 +56,8 @@ class Trials:
                 for order, (voyage, own) in self.turning.items()
             },
             "zigzags": {
-                order: {"overshoots_deg": [degrees(angle) for angle in own]} for order, (_, own) in self.zigzags.items()
+                order: {"overshoots_deg": [math.degrees(angle) for angle in own]}
+                for order, (_, own) in self.zigzags.items()
             },
             "notes": list(self.notes),
         }
@@ -61,7 +65,7 @@ class Trials:
 
 def sail_trials(
     model: Model, speed: float, turn_deg: float = 35.0, zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)),
-    dt: float = 0.05,
+    dt: float | None = None,
 ) -> Trials:  # fmt: skip
     """Sail turning circles and zigzags in open water (ours).
 
@@ -77,31 +81,39 @@ def sail_trials(
         Rudder of the circles.
     zigzags : pairs of float [deg]
         Rudder and heading.
-    dt : float [s]
-        Step.
+    dt : float [s], optional
+        Step; a hundred and twentieth of the time for a ship length unless given.
 
     Raises
     ------
     InputError
-        Where the model has no rudder, the speed is not positive, or she does not turn far enough.
+        Where the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or she
+        does not turn far enough.
     """
-    if not speed > 0:
+    if not 0 < speed < math.inf:
         raise InputError(f"an approach at {speed} m/s is none; give its speed over 0")
+    limit = model.setting.gear.limit_deg
+    for angle in (turn_deg, *(rudder for rudder, _ in zigzags)):
+        if not 0 < angle <= limit:
+            raise InputError(f"a rudder of {angle:g} degrees is not between 0 and the gear's {limit:g}; choose another")
     ship = model.in_open_water()
     free = ship.surge_inertia > 0
-    options: dict[str, Any] = {"u": speed, "dt": dt, "contact": "none", "surge": "free" if free else "held"}
     pace = ship.setting.ship.length / speed
+    step = pace / STEPS_A_LENGTH if dt is None else dt
+    options: dict[str, Any] = {"u": speed, "dt": step, "contact": "none", "surge": "free" if free else "held"}
     turning, tacking = {}, {}
     for sign in (1, -1):
-        order = Held(radians(sign * turn_deg))
+        order = Held(math.radians(sign * turn_deg))
         voyage = simulate(ship, duration=TURNING_LENGTHS * pace, helm=order, **options)
         turning[f"{sign * turn_deg:+g}"] = (voyage, turning_circle(voyage))
     for rudder, heading in zigzags:
         for sign in (1, -1):
-            zigzag = Zigzag(radians(sign * rudder), radians(heading))
+            zigzag = Zigzag(math.radians(sign * rudder), math.radians(heading))
             voyage = simulate(ship, duration=ZIGZAG_LENGTHS * pace, helm=zigzag, **options)
             tacking[f"{sign * rudder:+g}/{heading:g}"] = (voyage, overshoots(voyage, zigzag))
     notes = () if free else ("the speed is held: nothing in the model says what resists its change",)
+    if model.setting.steering is None and model.setting.ship.length < MODEL_LENGTH:
+        notes = (*notes, "the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
     if ship is not model:
         notes = (*notes, "the terms of the banks are left out: open water, and the depth that the others hold for")
     return Trials(ship, speed, turning, tacking, notes)

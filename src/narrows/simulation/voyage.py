@@ -168,6 +168,8 @@ def simulate(
     _check_finite(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, duration=duration, dt=dt)
     _check_helm(model, helm, method)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, rudder)
+    if waterway is not None and not 0 <= x < waterway.line.length:
+        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
     course = course_of(ship, waterway)
     start = (x, y, math.cos(psi), math.sin(psi), u, v, r, rudder)
     _check_afloat(course, start)

@@ -29,14 +29,14 @@ class Chart:
     ----------
     banks : tuple of array (n, 2) [deg]
         Lines, longitude and latitude.
-    areas : tuple of (array (n, 2) [deg], float [m])
-        Outlines of areas, and the least depth in each.
+    areas : tuple of (Polygon [deg], float [m])
+        Areas with their holes, as Shapely has them, and the least depth in each.
     name : str
         Of the cell.
     """
 
     banks: tuple[np.ndarray, ...]
-    areas: tuple[tuple[np.ndarray, float], ...]
+    areas: tuple[tuple[Any, float], ...]
     name: str
 
 
@@ -112,11 +112,12 @@ def _lines(pyogrio: Any, path: Path, layer: str) -> Iterator[np.ndarray]:
     for _, line in _parts(shapes, "LineString"):
         yield np.array(line.coords)[:, :2]
     for _, area in _parts(shapes, "Polygon"):
-        yield np.array(area.exterior.coords)[:, :2]
+        for ring in (area.exterior, *area.interiors):
+            yield np.array(ring.coords)[:, :2]
 
 
-def _areas(pyogrio: Any, path: Path, layer: str) -> Iterator[tuple[np.ndarray, float]]:
+def _areas(pyogrio: Any, path: Path, layer: str) -> Iterator[tuple[Any, float]]:
     shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
     least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
     for number, area in _parts(shapes, "Polygon"):
-        yield np.array(area.exterior.coords)[:, :2], float(least[number])
+        yield area, float(least[number])

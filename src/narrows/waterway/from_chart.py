@@ -10,6 +10,8 @@ from narrows.waterway.geojson import projected
 from narrows.waterway.waterway import Waterway
 
 STATIONS = 400
+MOST = 1e5
+"""Longer [m] than any waterway's width or spacing."""
 REACH = 1000.0
 """How far off a bank is looked for [m]."""
 
@@ -36,10 +38,12 @@ def waterway_from_chart(
     Raises
     ------
     InputError
-        Where a bank or the depth is missing at a place, or the geometry is impossible.
+        Where a length is not positive, a bank or the depth is missing at a place, or the geometry is impossible.
     """
     import shapely
 
+    if not (0 < reach < MOST and (spacing is None or 0 < spacing < MOST)):
+        raise InputError(f"a reach of {reach} m and a spacing of {spacing} m: give lengths over 0")
     origin = np.mean(centreline, axis=0)
     line = Centreline(projected(centreline, origin))
     count = STATIONS if spacing is None else max(2, round(line.length / spacing))
@@ -75,7 +79,7 @@ def _depth(chart: Chart, places: np.ndarray, origin: np.ndarray) -> np.ndarray:
     import shapely
 
     points, depth = shapely.points(places), np.full(len(places), np.nan)
-    for outline, least in chart.areas:
-        inside = shapely.contains(shapely.Polygon(projected(outline, origin)), points)
+    for area, least in chart.areas:
+        inside = shapely.contains(shapely.transform(area, lambda ring: projected(ring, origin)), points)
         depth[inside] = np.fmin(depth[inside], least)
     return depth

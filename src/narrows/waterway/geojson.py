@@ -133,6 +133,9 @@ def _loaded(path: Path) -> Mapping[str, Any]:
     crs = str(found.get("crs", {}))
     if found.get("crs") and not any(known in crs for known in KNOWN_CRS):
         raise InputError(f"{path}: its coordinates are in {crs}; convert them to WGS84 (CRS84)")
+    features = found.get("features")
+    if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
+        raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
     return found
 
 
@@ -213,7 +216,10 @@ def _depths(
     given = _properties(collection, "centreline").get("depth")
     if given is None:
         return None
-    values = np.array([np.nan if value is None else float(value) for value in np.atleast_1d(np.array(given, object))])
+    listed = given if isinstance(given, list) else [given]
+    if not all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in listed):
+        raise InputError(f"the depth of the centreline, {given!r}, is not a number or one for each point; mend it")
+    values = np.array([np.nan if value is None else float(value) for value in listed])
     if values.size == 1:
         return np.array([0.0, line.length]), np.repeat(values, 2)
     if len(values) != len(points):

@@ -72,6 +72,8 @@ class Waterway:
     origin: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        if not (np.isfinite(self.current) and np.isfinite(self.level)):
+            raise InputError(f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers")
         if self.depths is None and (self.starboard.profile or self.port.profile):
             raise InputError(f"{self.name}: a bank with a profile needs depths of the water; give them")
         s = np.linspace(0, self.line.length, STATIONS)
@@ -89,9 +91,8 @@ class Waterway:
             hole = ~(np.isfinite(wet) & (wet > 0))
             if hole.any():
                 place = float(np.asarray(self.depths[0])[int(hole.argmax())])
-                raise InputError(
-                    f"{self.name}: no depth of water at {place:.0f} m along it; fill the hole in the depths"
-                )
+                remedy = "fill the hole in the depths" if not self.level else f"raise the level of {self.level:g} m"
+                raise InputError(f"{self.name}: no depth of water at {place:.0f} m along it; {remedy}")
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.
@@ -178,20 +179,22 @@ class Waterway:
         """
         return self.line.at(s, n), _turned(np.asarray(psi) + self.line.heading(s))
 
-    def check_fits(self, ship: Ship) -> None:
+    def check_fits(self, ship: Ship, at: float | None = None) -> None:
         """Raise where a ship does not fit.
 
         Parameters
         ----------
         ship : Ship
             The ship.
+        at : float [m], optional
+            Along the line; the whole of it unless given.
 
         Raises
         ------
         InputError
             Where the waterway is narrower than she is, or shallower: with the place.
         """
-        s = np.linspace(0, self.line.length, STATIONS)
+        s = np.linspace(0, self.line.length, STATIONS) if at is None else np.array([at])
         here = self.room(s, ship.draft)
         for what, room, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
             short = room <= need

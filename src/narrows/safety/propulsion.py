@@ -1,0 +1,60 @@
+"""Revolutions that keep a speed: what a propeller turns at when nothing but the hull resists."""
+
+import numpy as np
+import xarray as xr
+
+from narrows.errors import InputError
+from narrows.model import Model
+from narrows.motion import Motion
+
+DOUBLINGS = 30
+
+
+def self_propulsion(model: Model, u: float) -> float:
+    """Return the revolutions at which thrust and resistance balance straight ahead, amidships [1/s] (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a propeller.
+    u : float [m/s]
+        Surge velocity.
+
+    Raises
+    ------
+    InputError
+        Where the model has no propeller, or none is fast enough.
+    """
+    from scipy.optimize import brentq
+
+    if "revolutions" not in model.terms.inputs:
+        raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
+    straight = Motion.at(u=u)
+
+    def surplus(revolutions: float) -> float:
+        return float(model.forces(straight, revolutions=revolutions)["X"])
+
+    fast = next((n for n in 2.0 ** np.arange(-10, DOUBLINGS - 10) if surplus(float(n)) > 0), None)
+    if fast is None:
+        raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
+    return float(brentq(surplus, 0.0, float(fast))) if surplus(0.0) < 0 else 0.0
+
+
+def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
+    """Return what varies, with revolutions that go with the speed where the terms ask for them (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    vary : dict of str to number, sequence or DataArray
+        With u [m/s].
+    """
+    if "revolutions" not in model.terms.inputs or "revolutions" in vary:
+        return vary
+    speed = vary["u"]
+    u = speed if isinstance(speed, xr.DataArray) else np.asarray(speed, float)
+    found = np.vectorize(lambda own: self_propulsion(model, float(own)), otypes=[float])(u)
+    if isinstance(speed, xr.DataArray):
+        return {**vary, "revolutions": speed.copy(data=found)}
+    return {**vary, "revolutions": xr.DataArray(found, dims=["u"], coords={"u": u}) if found.ndim else float(found)}
