@@ -26,6 +26,8 @@ LONGEST = 1e4
 """Length [m] that no ship has."""
 SLACK = 0.02
 """Of a range of the data, by which a place may leave it without a word."""
+RESISTANCE, CROSSFLOW_DRAG = ("a_uu", "R_0"), ("b_vv", "c_vv", "Y_vvv", "N_vvv")
+"""Coefficients that hold friction, and those that hold the drag of a bluff section."""
 ONE_SPEED = ("b_v", "b_r", "c_v", "c_r")
 """Coefficients that hold a part proportional to the speed of the tests."""
 
@@ -207,20 +209,26 @@ def _with_friction(model: Model, friction: Friction, ratio: float, units: Units,
 
 
 def _fixed_warnings(model: Model, friction: Friction | None) -> tuple[str, ...]:
-    said = []
-    if "a_uu" in model.terms.names and not friction:
+    said, names = [], model.terms.names
+    if resisting := [name for name in RESISTANCE if name in names and not friction]:
+        remedy = " (give a form factor)" if "a_uu" in names else ""
+        said.append(f"The friction in {resisting[0]} does not follow Froude's law: a ship has less than this{remedy}.")
+    if drags := [name for name in CROSSFLOW_DRAG if name in names]:
         said.append(
-            "The friction in a_uu does not follow Froude's law: a ship has less than this (give a form factor)."
+            f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which is not kept."
         )
-    if {"b_vv", "c_vv"} & set(model.terms.names):
-        said.append("The drag of crossflow in b_vv and c_vv depends on the Reynolds number, which is not kept.")
+    if "propeller_wake" in model.terms.inputs:
+        said.append(
+            "The wake of a ship is thinner than her model's, and her propeller is loaded less; both are kept here."
+        )
     held = [name for name in ONE_SPEED if name in model.terms.names]
     if held and (pair := model.envelope.speed):
         said.append(
             f"{', '.join(held)} hold parts proportional to the speed of the tests, {pair[0]:.3g} to {pair[1]:.3g} m/s: "
             "far from that speed, scaled, they do not hold."
         )
-    said.append("The banks of the tests are the only shape that the coefficients know.")
+    if any(term.from_bank for term in model.terms.terms):
+        said.append("The banks of the tests are the only shape that the coefficients know.")
     return tuple(said)
 
 
