@@ -70,6 +70,7 @@ def main() -> None:
     rows = [
         ("to the waterway", median_seconds(lambda: way.to_channel(positions, heading), 3), ""),
         ("to the map", median_seconds(lambda: way.to_map(s, n, psi), 3), ""),
+        ("there and back", median_seconds(lambda: way.to_channel(*way.to_map(s, n, psi)), 3), ""),
     ]
     show("a million poses", rows, "s", 1.0)
 

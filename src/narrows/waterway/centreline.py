@@ -1,6 +1,6 @@
 """A centreline that bends: a cubic spline through points, and the nearest place on it to any position."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -132,8 +132,28 @@ class Centreline:
         n : array or float [m]
             To starboard of it.
         """
-        t = self._from_distance(s)
-        return np.asarray(self._spline(t) + np.asarray(n)[..., None] * _starboard(self._rate(t)))
+        return self.pose(s, n)[0]
+
+    def pose(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions, (..., 2): east and north [m], and the line's heading there [rad].
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        n : array or float [m]
+            To starboard of it.
+        """
+        s, n = np.broadcast_arrays(np.asarray(s, float), np.asarray(n, float))
+
+        def posed(part: slice) -> tuple[np.ndarray, ...]:
+            t = self._from_distance(s.reshape(-1)[part])
+            rate = self._rate(t)
+            east, north = (self._spline(t) + n.reshape(-1)[part, None] * _starboard(rate)).T
+            return east, north, np.arctan2(rate[:, 0], rate[:, 1])
+
+        east, north, heading = _in_blocks(posed, s.size)
+        return np.stack([east, north], axis=-1).reshape(*s.shape, 2), heading.reshape(s.shape)
 
     def place(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Return the nearest place on the line to positions: how far along it, and to starboard of it [m].
@@ -145,16 +165,24 @@ class Centreline:
         positions : array (..., 2) [m]
             East and north.
         """
-        positions = np.asarray(positions, float)
-        flat = positions.reshape(-1, 2)
-        nearest = self._samples[0][self._tree.query(flat, workers=-1)[1]]
-        parts = [slice(i, i + BLOCK) for i in range(0, len(flat), BLOCK)]
-        with ThreadPoolExecutor() as pool:
-            found = list(pool.map(lambda part: self._placed(nearest[part], flat[part]), parts))
-        s, n = (np.concatenate([own[i] for own in found] or [np.empty(0)]) for i in (0, 1))
-        return s.reshape(positions.shape[:-1]), n.reshape(positions.shape[:-1])
+        s, n, _ = self.placed(positions)
+        return s, n
 
-    def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def placed(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the nearest place as ``place`` does [m], and the line's heading there [rad].
+
+        Parameters
+        ----------
+        positions : array (..., 2) [m]
+            East and north.
+        """
+        positions = np.asarray(positions, float)
+        flat, shape = positions.reshape(-1, 2), positions.shape[:-1]
+        nearest = self._samples[0][self._tree.query(flat, workers=-1)[1]]
+        s, n, heading = _in_blocks(lambda part: self._placed(nearest[part], flat[part]), len(flat))
+        return s.reshape(shape), n.reshape(shape), heading.reshape(shape)
+
+    def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, ...]:
         """Search the nearest places from near ones."""
         left = np.arange(len(t))
         for _ in range(ROUNDS if len(self.points) > 2 else 1):
@@ -163,8 +191,8 @@ class Centreline:
             left = left[np.abs(step) > STEP * self._knots[-1]]
             if not left.size:
                 break
-        apart = positions - self._spline(t)
-        return self._to_distance(t), (apart * _starboard(self._rate(t))).sum(axis=1)
+        apart, rate = positions - self._spline(t), self._rate(t)
+        return self._to_distance(t), (apart * _starboard(rate)).sum(axis=1), np.arctan2(rate[:, 0], rate[:, 1])
 
     def _step(self, t: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Newton's step towards the place where the line is square to the way to a position."""
@@ -177,6 +205,14 @@ class Centreline:
         speed = np.einsum("ij,ij->i", rate, rate)
         steep = speed - np.einsum("ij,ij->i", apart, bend)
         return np.asarray(np.einsum("ij,ij->i", apart, rate) / np.where(steep > 0, steep, speed))
+
+
+def _in_blocks(work: Callable[[slice], tuple[np.ndarray, ...]], count: int) -> tuple[np.ndarray, ...]:
+    """Work on positions block by block on every core, and join the three columns that come out."""
+    parts = [slice(i, i + BLOCK) for i in range(0, count, BLOCK)]
+    with ThreadPoolExecutor() as pool:
+        found = list(pool.map(work, parts))
+    return tuple(np.concatenate([own[i] for own in found] or [np.empty(0)]) for i in range(3))
 
 
 def _starboard(rate: np.ndarray) -> np.ndarray:

@@ -160,8 +160,8 @@ class Waterway:
         heading : array or float [rad]
             Clockwise from north.
         """
-        s, n = self.line.place(positions)
-        return s, n, _turned(np.asarray(heading) - self.line.heading(s))
+        s, n, along = self.line.placed(positions)
+        return s, n, _turned(np.asarray(heading) - along)
 
     def to_map(
         self, s: np.ndarray | float, n: np.ndarray | float, psi: np.ndarray | float = 0.0
@@ -177,7 +177,8 @@ class Waterway:
         psi : array or float [rad]
             Heading to the line, positive to starboard.
         """
-        return self.line.at(s, n), _turned(np.asarray(psi) + self.line.heading(s))
+        positions, along = self.line.pose(s, n)
+        return positions, _turned(np.asarray(psi) + along)
 
     def check_fits(self, ship: Ship, at: float | None = None) -> None:
         """Raise where a ship does not fit.
