@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import narrows as nw
+from narrows.simulation.course import Straight
 from narrows.simulation.fleet import Fleet
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.reference import accelerations
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.step_error import track_error
 
 AWAY = st.one_of(st.floats(0.3, 2.2), st.floats(-2.2, -0.3), st.floats(2.45, 2.6))
 """Starts away from the switch between the banks."""
@@ -236,3 +238,24 @@ def test_eigenvalues_are_those_of_differences(dtc: nw.Model) -> None:
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(expected), atol=1e-6)
     fleet = nw.stability(dtc, y=[0.0, 1.0], u=[0.5, 1.0, 1.5])
     assert fleet["growth"].shape == (2, 3)
+
+
+@pytest.mark.parametrize("dt", [1.5, 2.0, 3.0])
+def test_a_step_too_long_is_told_by_about_how_much(dtc: nw.Model, dt: float) -> None:
+    """Against the same voyage in fine steps."""
+    fine = nw.simulate(dtc, y=0.2, duration=12.0, dt=0.01)
+    ship = SimulatedShip(dtc)
+    coarse = nw.simulate(dtc, y=0.2, duration=12.0, dt=dt)
+    rate = Straight(ship).rate((0.0, 0.0, 0.0), 0.0)
+    columns = (coarse.x, coarse.y, np.cos(coarse.psi), np.sin(coarse.psi), coarse.u, coarse.v, coarse.r, coarse.rudder)
+    rows = [(t, tuple(state)) for t, *state in zip(coarse.t.tolist(), *(c.tolist() for c in columns), strict=True)]
+    told = track_error(rate, rows, dt)
+    true = np.hypot(coarse.x[-1] - fine.x[-1], coarse.y[-1] - fine.y[-1])
+    assert true / 5 < told < 5 * true
+    beam = dtc.setting.ship.beam
+    assert ("too long" in coarse.outcome.sentence) == (told > 0.02 * beam)
+
+
+def test_a_step_that_is_short_enough_is_silent(dtc: nw.Model) -> None:
+    assert not nw.simulate(dtc, y=0.5).outcome.coarse
+    assert "too long" in nw.simulate(dtc, y=0.2, duration=15.0, dt=5.0).outcome.sentence

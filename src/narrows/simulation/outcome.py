@@ -29,6 +29,8 @@ class Outcome:
         x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
     beyond : tuple of str
         In what she left the ranges that the model's data covered; the voyage went on.
+    coarse : str
+        By how much her track is off where the time step was too long for it.
     """
 
     kind: str
@@ -37,6 +39,7 @@ class Outcome:
     side: str | None = None
     state: dict[str, float] = field(default_factory=dict)
     beyond: tuple[str, ...] = ()
+    coarse: str = ""
 
     @property
     def impact_speed(self) -> float:
@@ -54,7 +57,7 @@ class Outcome:
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
         }[self.kind]
-        return " ".join([said, *self.beyond])
+        return " ".join(filter(None, [said, *self.beyond, self.coarse]))
 
     def as_json(self) -> dict[str, Any]:
         """The outcome as plain values, in the documented JSON shape."""

@@ -20,6 +20,7 @@ from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
 from narrows.simulation.ship import Outline, SimulatedShip
 from narrows.simulation.steering import Helm, steered
+from narrows.simulation.step_error import track_error
 from narrows.simulation.validity import beyond_envelope
 from narrows.vocabulary import MOTION
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 LIMITS = Limits()
+COARSE = 0.02
+"""Of the beam, by which a track may be off without a word."""
 CONTACT = 1e-6
 """A gap that counts as closed [m]."""
 
@@ -175,7 +178,8 @@ def simulate(
     _check_afloat(course, start)
     times = _times(duration, dt, at)
     rows = _rows(course, start, times, stretches(X, Y, N, times[-1]), dt, method, helm)
-    return _voyage(rows, ship, course, psi, times[-1])
+    coarse = _coarse(course, rows, dt) if method == "rk4" else ""
+    return _voyage(rows, ship, course, psi, times[-1], coarse)
 
 
 def _rows(
@@ -196,7 +200,19 @@ def _rows(
     return [row for row in rows if row[0] in wanted]
 
 
-def _voyage(rows: list[Row], ship: SimulatedShip, course: Course, psi: float, stop: float) -> Voyage:
+def _coarse(course: Course, rows: list[Row], dt: float) -> str:
+    """Say where the time step was too long, as far as the steps themselves tell."""
+    if not _sane(rows[-1][1]) or len(rows) < 2:
+        return ""
+    error = track_error(course.rate((0.0, 0.0, 0.0), 0.0), rows, dt)
+    if error <= COARSE * course.ship.model.setting.ship.beam:
+        return ""
+    return f"A time step of {dt:g} s is too long: her track is off by some {error:.2g} m; shorten it."
+
+
+def _voyage(
+    rows: list[Row], ship: SimulatedShip, course: Course, psi: float, stop: float, coarse: str
+) -> Voyage:  # fmt: skip
     t, x, y, c, s, u, v, r, rudder = np.array([(t, *state) for t, state in rows]).T
     # Whole turns of the start are kept, and those of a turning circle counted.
     heading = np.unwrap(np.arctan2(s, c)) + (psi - math.atan2(math.sin(psi), math.cos(psi)))
@@ -204,7 +220,7 @@ def _voyage(rows: list[Row], ship: SimulatedShip, course: Course, psi: float, st
     state = {name: float(column[-1]) for name, column in columns.items() if name not in ("t", "rudder")}
     kind, side = _kind_and_side(rows[-1], course, stop)
     beyond = beyond_envelope(ship.model.envelope, columns)
-    return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond))
+    return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond, coarse))
 
 
 def _kind_and_side(last: Row, course: Course, stop: float) -> tuple[str, str | None]:
