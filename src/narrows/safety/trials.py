@@ -14,8 +14,8 @@ from narrows.safety.autopilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.equilibrium import solved
 from narrows.safety.propulsion import with_propulsion
-from narrows.simulation.fleets import bar
 from narrows.simulation.grid import Grid, grid_of
+from narrows.simulation.progress import bar
 from narrows.simulation.ship import SimulatedShip
 
 LENGTHS, LATE = 15.0, 3.0

@@ -1,8 +1,6 @@
 """Many voyages at once: grids and samples over anything, labelled in and out, on all cores or on a cluster."""
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +12,10 @@ from narrows.errors import InputError
 from narrows.model import Model
 from narrows.simulation.fleet import KEPT, Fleet, Result
 from narrows.simulation.grid import Grid, grid_of
-from narrows.simulation.outcome import KINDS
+from narrows.simulation.kept import attributes_of, empty_of
+from narrows.simulation.progress import bar
 from narrows.simulation.ship import Outline, SimulatedShip
 
-NOT_RUN = -1
 BLOCK_VESSELS = 65_536
 """Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard."""
 
@@ -101,63 +99,6 @@ def _run_here(fleet: Fleet, grid: Grid, workers: int | None, progress: bool) -> 
         except KeyboardInterrupt:
             return kept, False
     return kept, True
-
-
-def empty_of(kind: type) -> Any:
-    """What stands where no voyage was run (ours).
-
-    Parameters
-    ----------
-    kind : type
-        Of the column.
-    """
-    return NOT_RUN if issubclass(kind, np.integer) else np.nan
-
-
-@contextmanager
-def bar(vessels: int, shown: bool) -> Iterator[Callable[[int], None]]:
-    """Show how many voyages are done, if wanted (ours).
-
-    Parameters
-    ----------
-    vessels : int
-        In all.
-    shown : bool
-        Whether to.
-    """
-    if not shown:
-        yield lambda done: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("voyages"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("voyages", total=vessels)
-        yield lambda done: progress.advance(task, done)
-
-
-UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": "m/s", "v_end": "m/s", "r_end": "rad/s"}
-
-
-def attributes_of(name: str) -> dict[str, Any]:
-    """Units, and the meaning of codes in the way of the CF conventions (ours).
-
-    Parameters
-    ----------
-    name : str
-        A kept column.
-    """
-    if name == "outcome":
-        codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
-        meanings = " ".join(word.replace(" ", "_") for word in codes.values())
-        return {"flag_values": list(codes), "flag_meanings": meanings}
-    if name == "side":
-        return {"flag_values": [-1, 0, 1], "flag_meanings": "port none starboard"}
-    long_name = {"time": "time of the end", "distance": "distance along the canal"}.get(
-        name, f"{name.removesuffix('_end')} at the end"
-    )
-    return {"units": UNITS[name], "long_name": long_name}
 
 
 def _labelled(grid: Grid, kept: Result, complete: bool) -> xr.Dataset:

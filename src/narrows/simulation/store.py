@@ -11,8 +11,9 @@ import xarray as xr
 
 from narrows.errors import InputError
 from narrows.simulation.fleet import KEPT, Fleet
-from narrows.simulation.fleets import attributes_of, bar, empty_of
 from narrows.simulation.grid import Grid
+from narrows.simulation.kept import attributes_of, empty_of
+from narrows.simulation.progress import bar
 
 TASK_VESSELS = 100_000
 """Voyages a task, at least: enough that writing and scheduling do not count."""
