@@ -31,7 +31,7 @@ def envelope_chart(envelope: SafeEnvelope, model: Model, reserve: float = RESERV
     _draw_speeds(speeds, envelope, model)
     _draw_rudder(rudder, envelope, model, reserve)
     for own in (speeds, rudder):
-        _draw_banks(own, model)
+        _draw_banks(own, envelope, model)
     figure.suptitle(f"Safe envelope: {envelope.setting}", fontsize=9.5)
     return figure
 
@@ -69,11 +69,8 @@ def _ends_of_runs(high: np.ndarray) -> np.ndarray:
 def _draw_tested(axes: Axes, model: Model) -> None:
     """The offsets and speeds that the tests covered, at this size."""
     speed, offset = model.envelope.speed, model.envelope.abs_y
-    half = model.setting.canal.width / 2
-    across = half if offset is None else offset[1]
-    for sign in (-1, 1):
-        if across < half:
-            axes.axvline(sign * across, color=PURPLE, ls=":", lw=1.4)
+    for side in () if offset is None else (-offset[1], offset[1]):
+        axes.axvline(side, color=PURPLE, ls=":", lw=1.4)
     if speed is not None:
         axes.axhline(speed[1] / KNOT, color=PURPLE, ls=":", lw=1.4)
 
@@ -114,10 +111,10 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: floa
     axes.grid(alpha=0.3)
 
 
-def _draw_banks(axes: Axes, model: Model) -> None:
-    """The walls in black, and in grey where the middle of the ship cannot be for her own side."""
-    half, side = model.setting.canal.width / 2, model.setting.ship.beam / 2
-    for sign in (-1, 1):
-        axes.axvspan(sign * (half - side), sign * half, color=GREY, alpha=0.35, lw=0)
-        axes.axvline(sign * half, color=BLACK, lw=3)
-    axes.set_xlim(-1.02 * half, 1.02 * half)
+def _draw_banks(axes: Axes, envelope: SafeEnvelope, model: Model) -> None:
+    """Where her keel meets the banks in black, and in grey where the middle of the ship cannot be for her own side."""
+    side, (port, starboard) = model.setting.ship.beam / 2, envelope.walls
+    for sign, wall in ((-1, port), (1, starboard)):
+        axes.axvspan(sign * (wall - side), sign * wall, color=GREY, alpha=0.35, lw=0)
+        axes.axvline(sign * wall, color=BLACK, lw=3)
+    axes.set_xlim(-1.02 * port, 1.02 * starboard)

@@ -29,7 +29,7 @@ class SafeEnvelope:
         ``rudder_high`` [rad], that 90 % of the draws are between; ``rudder_95`` [rad], the size that 95 % stay within,
         infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose course leaves
         the reserve; ``held``, the share that the autopilot also holds; over u: ``clearance`` [m] under the keel and
-        whether the keel is ``clear``. Its attributes are the setting and the notes.
+        whether the keel is ``clear``. Its attributes are the setting, the notes, and where a keel meets the banks [m].
     """
 
     data: xr.Dataset
@@ -43,6 +43,11 @@ class SafeEnvelope:
     def notes(self) -> tuple[str, ...]:
         """What the answer rests on, and what it leaves out."""
         return tuple(str(self.data.attrs["notes"]).splitlines())
+
+    @property
+    def walls(self) -> tuple[float, float]:
+        """Where her keel meets the banks [m], to port and to starboard of the middle."""
+        return float(self.data.attrs["wall_port"]), float(self.data.attrs["wall_starboard"])
 
     def noting(self, note: str) -> "SafeEnvelope":
         """Return the answer with a note before its own.

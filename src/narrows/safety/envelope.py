@@ -93,7 +93,8 @@ def safe_envelope(
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
     notes = _notes(model, under, least, offsets, speeds)
     notes += (SQUARED,) if SafeEnvelope(data).speed_free else ()
-    return SafeEnvelope(data.assign_attrs(setting=_in_words(model), notes="\n".join(notes)))
+    ends = {"wall_port": room[0], "wall_starboard": room[1]}
+    return SafeEnvelope(data.assign_attrs(setting=_in_words(model), notes="\n".join(notes), **ends))
 
 
 def _summed(tried: xr.Dataset, limit: float) -> xr.Dataset:
