@@ -11,10 +11,10 @@ from common import median_seconds, show
 from scipy.optimize import root
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.trials import LENGTHS, STEPS_A_LENGTH, trials
-from narrows.tables import table_named
+from narrows.terms.tables import table_named
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
 
@@ -38,7 +38,7 @@ def one_by_one(model: nw.Model, y: float, u: float) -> None:
 
     drift, rudder = root(off, [0.0, 0.0]).x
     pilot = replace(nw.track_pilot(model, y, u), rudder=rudder, psi=-np.arctan(drift), v=u * drift)
-    length = model.setting.ship.length
+    length = model.configuration.ship.length
     nw.simulate(
         model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, helm=pilot,
         duration=LENGTHS * length / u, dt=length / (STEPS_A_LENGTH * u),

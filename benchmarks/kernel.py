@@ -25,9 +25,9 @@ import narrows as nw
 from narrows.compile import Fleet, compiled
 
 MODEL = nw.published("mikkelsen2025_dtc")
-VALUES = {**MODEL.setting.values(), **MODEL.coefficients}
+VALUES = {**MODEL.configuration.values(), **MODEL.coefficients}
 DT, DURATION, ROUNDS, BLOCK = 0.02, 40.0, 7, 64
-SHIP, WIDTH = MODEL.setting.ship, MODEL.setting.canal.width
+SHIP, WIDTH = MODEL.configuration.ship, MODEL.configuration.canal.width
 LENGTH, BEAM = SHIP.length, SHIP.beam
 BANK = 0.5 * SHIP.block_coefficient * 1000.0 * LENGTH * SHIP.draft
 M11, M12, M21, M22 = (float(m) for m in np.linalg.inv([[733, -56.1], [-56.1, 712]]).ravel())
@@ -159,7 +159,7 @@ t = [clock()]
 import narrows as nw
 from narrows.compile import compiled
 model = nw.published("mikkelsen2025_dtc")
-values = {**model.setting.values(), **model.coefficients}
+values = {**model.configuration.values(), **model.coefficients}
 t.append(clock())
 if FIRST:
     import sympy

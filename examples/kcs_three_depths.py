@@ -4,7 +4,7 @@ import narrows as nw
 
 for label, tests in nw.measured_tests("kcs").by_condition().items():
     fit = nw.identify(tests)
-    ship, canal = tests.setting.ship, tests.setting.canal
+    ship, canal = tests.configuration.ship, tests.configuration.canal
     print(f"{label}: h/T = {canal.depth / ship.draft:.2f}")
     for name in ("b_bank", "c_bank"):
         low, high = fit.intervals[name]

@@ -4,10 +4,10 @@ import tempfile
 from pathlib import Path
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from narrows.report.envelope_chart import envelope_chart
 from narrows.report.voyages import save_figure
-from narrows.tables import table_named
+from narrows.terms.tables import table_named
 
 # Identify her with the terms of a rudder, from tests with the rudder turned too.
 terms = table_named("speed+helm")

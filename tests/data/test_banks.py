@@ -13,7 +13,7 @@ def test_the_bow_turns_away_from_the_bank(form: str, clean: str) -> None:
     others = tests.where([name in "BCDFHIJ" and name != clean for name in tests.names])
     row = tests.where([name == clean for name in tests.names])
     fit = nw.identify(others, nw.bank_only(form))
-    values = {**row.setting.values(), **row.columns}
+    values = {**row.configuration.values(), **row.columns}
     predicted = sum(fit.coefficients[term.name] * term.column(values) for term in fit.terms.yaw)
     assert row.columns["y"][0] > 0
     assert row.columns["N"][0] < 0

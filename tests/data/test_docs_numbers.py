@@ -23,12 +23,12 @@ PAGES = {
 
 @pytest.mark.parametrize(("script", "page"), PAGES.items())
 def test_the_docs_say_what_is_computed(script: str, page: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "design")
+    monkeypatch.syspath_prepend(ROOT / "decisions")
     for name in (script, "pages"):
         sys.modules.pop(name, None)
     made = importlib.import_module(script).text()
     kept = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    kept = kept.partition(f"<!-- made by design/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
+    kept = kept.partition(f"<!-- made by decisions/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
     assert NUMBER.sub("#", kept) == NUMBER.sub("#", made)
     numbers = [np.array([float(n) for n in NUMBER.findall(text)]) for text in (kept, made)]
     np.testing.assert_allclose(numbers[0], numbers[1], rtol=0.02, atol=0.002)

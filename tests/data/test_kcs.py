@@ -39,7 +39,7 @@ def test_at_top_speed_the_banks_column_is_the_yaw_rates(kcs_fits: dict[int, nw.F
 
 
 def test_depths_and_rows(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
-    assert {c: (t.rows, len(t.names), t.setting.canal.depth) for c, t in kcs_tests.items()} == {
+    assert {c: (t.rows, len(t.names), t.configuration.canal.depth) for c, t in kcs_tests.items()} == {
         100: (600, 25, 0.41),
         50: (480, 20, 0.3075),
         20: (480, 20, 0.246),
@@ -49,7 +49,7 @@ def test_depths_and_rows(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
 @pytest.mark.parametrize("record", ["C1", "C2", "C3"])
 def test_surge_inertia_of_the_dtc_from_raw_records(shared_data, dtc: nw.Model, record: str) -> None:
     """300 to 309 kg by an independent reckoning, from ramps whose accelerations are not in the file."""
-    tests = nw.read_captive(shared_data / "dtc_mashcon2019" / f"{record}.dat", dtc.setting)
+    tests = nw.read_captive(shared_data / "dtc_mashcon2019" / f"{record}.dat", dtc.configuration)
     fit = nw.identify(tests)
     assert fit.coefficients["a_udot"] == pytest.approx(305, abs=5)
     assert any("low-passed" in note for note in tests.notes)

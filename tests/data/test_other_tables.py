@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from tables import frame_of, many_runs, written
 
 TANKER = """
@@ -61,8 +61,8 @@ def test_documented_columns(tanker: tuple[Path, nw.CaptiveTests], tmp_path: Path
         assert (code, err) == (0, "")
         assert_truth(json.loads(out))
     model = nw.load_model(tmp_path / "tanker.model.toml")
-    assert model.setting == tests.setting
-    assert model.envelope.depth_to_draft == pytest.approx((0.6 / 0.416,) * 2)
+    assert model.configuration == tests.configuration
+    assert model.data_range.depth_to_draft == pytest.approx((0.6 / 0.416,) * 2)
 
 
 def test_headers_with_units_and_columns_nobody_asked_for(
@@ -162,7 +162,7 @@ def test_kcs_yaw_runs_hold_y_and_r_on_one_line(kcs_tests: dict[int, nw.CaptiveTe
 @pytest.mark.parametrize("record", ["C1", "C2", "C3"])
 def test_dtc_records_hold_surge_and_nothing_else(shared_data: Path, dtc: nw.Model, record: str) -> None:
     """Mass with added mass of the paper's hull from the ramps: 300 to 310 kg; no motion in sway or yaw."""
-    fit = nw.identify(nw.read_captive(shared_data / "dtc_mashcon2019" / f"{record}.dat", dtc.setting))
+    fit = nw.identify(nw.read_captive(shared_data / "dtc_mashcon2019" / f"{record}.dat", dtc.configuration))
     assert 300 < fit.coefficients["a_udot"] < 310
     assert fit.verdicts["a_udot"].status == "identified"
     low, high = fit.intervals["a_udot"]

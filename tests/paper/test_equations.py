@@ -71,7 +71,7 @@ def test_bridging_identity_holds_for_a_slender_ship() -> None:
 
 
 def test_bank_forces(dtc: nw.Model) -> None:
-    ship = dtc.setting.ship
+    ship = dtc.configuration.ship
     half = 0.5 * ship.block_coefficient * 1000 * ship.length * ship.draft
     assert half == pytest.approx(214.624, abs=5e-4)
     bank = dtc.bank_forces(nw.Motion(y=0.9068, u=1.0))

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 import narrows as nw
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
-SHIP, PROPELLER, RUDDER = KVLCC2.setting.ship, KVLCC2.setting.propeller, KVLCC2.setting.rudder
-L, D, RHO = SHIP.length, SHIP.draft, KVLCC2.setting.water.density
+SHIP, PROPELLER, RUDDER = KVLCC2.configuration.ship, KVLCC2.configuration.propeller, KVLCC2.configuration.rudder
+L, D, RHO = SHIP.length, SHIP.draft, KVLCC2.configuration.water.density
 APPROACH = 1.179
 X_H, A_H, X_R = -0.464, 0.312, -0.5
 
@@ -54,7 +54,7 @@ def rates(z: np.ndarray, delta: float) -> list[float]:
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_turning_circle_is_the_papers_equations(side: int) -> None:
     """Against SciPy on the equations written out again: what differs is the fraction in place of arctan."""
-    gear = KVLCC2.setting.gear
+    gear = KVLCC2.configuration.gear
     order = side * radians(35)
     reached = abs(order) / gear.rate
     dt = reached / 40  # so that the ramp ends with a step
@@ -78,7 +78,7 @@ class TestMeasured:
 
     @pytest.fixture
     def measured(self, monkeypatch: pytest.MonkeyPatch):
-        monkeypatch.syspath_prepend(Path(__file__).parents[2] / "design")
+        monkeypatch.syspath_prepend(Path(__file__).parents[2] / "decisions")
         return importlib.import_module("manoeuvres")
 
     def test_circles_within_a_tenth(self, measured) -> None:
@@ -109,9 +109,9 @@ def test_the_file_says_where_it_is_from() -> None:
 def test_what_the_table_needs_and_is_not_there_is_said() -> None:
     from dataclasses import replace
 
-    without = replace(KVLCC2, setting=replace(KVLCC2.setting, propeller=None))
+    without = replace(KVLCC2, configuration=replace(KVLCC2.configuration, propeller=None))
     with pytest.raises(nw.InputError, match="need a propeller"):
         nw.simulate(without, u=APPROACH, contact="none")
-    without = replace(KVLCC2, setting=replace(KVLCC2.setting, rudder=None))
+    without = replace(KVLCC2, configuration=replace(KVLCC2.configuration, rudder=None))
     with pytest.raises(nw.InputError, match="need rudder_"):
         nw.simulate(without, u=APPROACH, contact="none")

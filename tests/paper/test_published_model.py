@@ -21,7 +21,7 @@ def test_coefficients_as_printed(dtc: nw.Model) -> None:
 
 
 def test_the_papers_ship_and_tank(dtc: nw.Model) -> None:
-    ship, canal, water = dtc.setting.ship, dtc.setting.canal, dtc.setting.water
+    ship, canal, water = dtc.configuration.ship, dtc.configuration.canal, dtc.configuration.water
     assert (ship.length, ship.beam, ship.draft, ship.block_coefficient) == (3.984, 0.572, 0.163, 0.661)
     assert (canal.width, canal.depth, water.density) == (7.0, None, 1000.0)
 
@@ -29,11 +29,11 @@ def test_the_papers_ship_and_tank(dtc: nw.Model) -> None:
 def test_file_says_where_it_is_from_and_what_it_covers(dtc: nw.Model) -> None:
     assert "Mikkelsen" in dtc.source.text
     assert "2025" in dtc.source.text
-    assert dtc.envelope.abs_y == (0.0, 0.9068)
+    assert dtc.data_range.abs_y == (0.0, 0.9068)
 
 
 def test_file_lists_its_terms() -> None:
-    text = (files("narrows") / "published" / "mikkelsen2025_dtc.toml").read_text()
+    text = (files("narrows") / "model" / "published" / "mikkelsen2025_dtc.toml").read_text()
     tables = tomllib.loads(text)["terms"]
     assert {force: tuple(tables[force]) for force in "XYN"} == {
         force: tuple(term.name for term in terms) for force, terms in nw.PAPER.forces.items()

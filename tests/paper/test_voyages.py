@@ -19,7 +19,7 @@ def test_the_hull_is_course_unstable_without_a_bank(dtc: nw.Model) -> None:
 
 
 def test_bank_stiffness(dtc: nw.Model) -> None:
-    assert nw.bank_stiffness(dtc.setting) == pytest.approx(0.120603, abs=5e-7)
+    assert nw.bank_stiffness(dtc.configuration) == pytest.approx(0.120603, abs=5e-7)
 
 
 def switch(model: nw.Model, **options) -> float:
@@ -35,7 +35,7 @@ def test_switch_to_the_near_bank_by_corners(dtc: nw.Model) -> None:
 
 
 def test_coriolis_moves_the_switch(dtc: nw.Model) -> None:
-    heavy = replace(dtc, setting=replace(dtc.setting, ship=replace(dtc.setting.ship, mass=245.0)))
+    heavy = replace(dtc, configuration=replace(dtc.configuration, ship=replace(dtc.configuration.ship, mass=245.0)))
     assert switch(heavy, coriolis=True) == pytest.approx(2.29, abs=0.02)
 
 

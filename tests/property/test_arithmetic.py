@@ -25,7 +25,7 @@ FORCES = ("X", "Y", "N")
 def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> dict[str, float]:
     from inspect import signature
 
-    values = dtc.setting.values() | nw.Motion.at(**state).values() | {"depth": DEPTH}
+    values = dtc.configuration.values() | nw.Motion.at(**state).values() | {"depth": DEPTH}
     return {name: values[name] for name in signature(function).parameters}
 
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.section import keel_wall
+from narrows.ship.cross_section import keel_wall
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway.chart import read_chart
 from narrows.waterway.from_chart import waterway_from_chart
@@ -50,11 +50,11 @@ def test_a_keel_meets_a_slope_where_it_is_as_high(clearance: float) -> None:
 def test_she_grounds_where_her_keel_meets_the_slope() -> None:
     """A deep hull stops short of the wall that her forces feel; a step under her keel stops nothing."""
     sloped, stepped = canal(SLOPE), canal(STEP)
-    keel = 3.2 + 0.6 * (0.3 - DTC.setting.ship.draft) / 0.3
+    keel = 3.2 + 0.6 * (0.3 - DTC.configuration.ship.draft) / 0.3
     for way, room in ((sloped, keel), (stepped, None)):
         voyage = nw.simulate(DTC, y=0.6, u=1.0, waterway=way)
         assert voyage.outcome.kind == "grounded"
-        ship, psi = DTC.setting.ship, abs(voyage.psi[-1])
+        ship, psi = DTC.configuration.ship, abs(voyage.psi[-1])
         reach = abs(voyage.y[-1]) + ship.length / 2 * np.sin(psi) + ship.beam / 2 * np.cos(psi)
         wall = float(way.section(0.0).width) / 2
         assert reach == pytest.approx(min(room or wall, wall), abs=1e-6)

@@ -69,7 +69,7 @@ def test_table_in_any_units_reads_the_same(tmp_path_factory: pytest.TempPathFact
     frame = {f"{name} [{units[name]}]": short.columns[name] / UNITS[name][units[name]] for name in sorted(names)}
     test = np.repeat(short.names, np.diff(short.starts))
     path = written(pd.DataFrame({"test": test, **frame}), tmp_path_factory.mktemp("units") / "t.parquet")
-    again = nw.read_captive(path, short.setting)
+    again = nw.read_captive(path, short.configuration)
     for name in names:
         np.testing.assert_allclose(again.columns[name], short.columns[name], rtol=1e-12, atol=1e-15)
 
@@ -77,7 +77,7 @@ def test_table_in_any_units_reads_the_same(tmp_path_factory: pytest.TempPathFact
 def test_suffixes_and_brackets_mix(short: nw.CaptiveTests, table: pd.DataFrame, tmp_path: Path) -> None:
     spelled = table.assign(psi=np.degrees(table.psi), r=np.degrees(table.r), heave=table.heave * 1e3)
     spelled = spelled.rename(columns={"psi": "psi_deg", "r": "r [deg/s]", "heave": "heave_mm"})
-    again = nw.read_captive(written(spelled, tmp_path / "t.csv"), short.setting)
+    again = nw.read_captive(written(spelled, tmp_path / "t.csv"), short.configuration)
     for name in ("psi", "r", "heave", "cos_psi"):
         np.testing.assert_allclose(again.columns[name], short.columns[name], rtol=1e-12, atol=1e-15)
 

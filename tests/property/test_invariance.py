@@ -27,7 +27,7 @@ def assert_same(one: nw.Fit, other: nw.Fit, rel: float = 1e-7) -> None:
         assert other.scores[force] == pytest.approx(own, rel=rel)
         assert other.left_out[force] == pytest.approx(one.left_out[force], rel=rel)
     for name in ("speed", "abs_y", "abs_psi", "abs_r", "depth_to_draft"):
-        assert getattr(other.envelope, name) == getattr(one.envelope, name)
+        assert getattr(other.data_range, name) == getattr(one.data_range, name)
 
 
 def reordered(tests: nw.CaptiveTests, order: tuple[int, ...]) -> nw.CaptiveTests:
@@ -36,7 +36,7 @@ def reordered(tests: nw.CaptiveTests, order: tuple[int, ...]) -> nw.CaptiveTests
         {name: np.concatenate([part.columns[name] for part in parts]) for name in tests.columns},
         tuple(part.names[0] for part in parts),
         np.concatenate([[0], np.cumsum([part.rows for part in parts])]),
-        tests.setting,
+        tests.configuration,
     )
 
 
@@ -67,7 +67,7 @@ def test_streamed_is_in_memory(
     tests = short_twin(1, runs)
     path = written(frame_of(tests), tmp_path / f"t{suffix}")
     monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", rows)
-    whole, streamed = nw.read_captive(path, tests.setting), nw.stream_captive(path, tests.setting)
+    whole, streamed = nw.read_captive(path, tests.configuration), nw.stream_captive(path, tests.configuration)
     for split in ("test", "random"):
         one, other = nw.identify(whole, split=split), nw.identify(streamed, split=split)
         assert_same(one, other)
@@ -80,7 +80,7 @@ def test_streamed_is_in_memory(
 def test_table_in_memory_or_from_disk(short: nw.CaptiveTests, tmp_path: Path) -> None:
     """CSV and Parquet keep every bit of a double."""
     for suffix in (".csv", ".parquet"):
-        again = nw.read_captive(written(frame_of(short), tmp_path / f"t{suffix}"), short.setting)
+        again = nw.read_captive(written(frame_of(short), tmp_path / f"t{suffix}"), short.configuration)
         assert again.names == short.names
         np.testing.assert_array_equal(again.starts, short.starts)
         for name, column in short.columns.items():
@@ -136,7 +136,7 @@ def test_score_from_sums_is_score_from_rows(seed: int) -> None:
     draw = np.random.default_rng(seed)
     coefficients = {name: float(draw.normal()) * 100 for name in nw.PAPER.names}
     moments, _ = accumulate(tests, nw.PAPER)
-    predicted = nw.Model(tests.setting, nw.PAPER, coefficients).forces(
+    predicted = nw.Model(tests.configuration, nw.PAPER, coefficients).forces(
         nw.Motion(**{name: tests.columns[name] for name in nw.Motion().values()})
     )
     for force, own in score(moments, moments.total, nw.PAPER, coefficients).items():

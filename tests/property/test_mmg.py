@@ -12,7 +12,7 @@ import narrows as nw
 from narrows.physics import hull, propeller, rudder
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
-VALUES = {**KVLCC2.setting.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_rudder": 1.0, "sin_rudder": 0.0}
+VALUES = {**KVLCC2.configuration.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_rudder": 1.0, "sin_rudder": 0.0}
 
 
 def value(function, **changed: float) -> float:
@@ -29,7 +29,7 @@ def test_drift_errs_as_little_as_it_says(degrees: float) -> None:
 
 @given(u=numbers(0.2, 2.0), n=numbers(1.0, 15.0))
 def test_thrust_is_the_open_water_curve(u: float, n: float) -> None:
-    screw = KVLCC2.setting.propeller
+    screw = KVLCC2.configuration.propeller
     j = u * (1 - screw.wake) / (n * screw.diameter)
     k_t = screw.thrust_0 + screw.thrust_1 * j + screw.thrust_2 * j * j
     expected = 1000.0 * n * n * screw.diameter**4 * k_t
@@ -70,7 +70,7 @@ def test_more_revolutions_never_slow_the_race(slow: float, more: float) -> None:
     """From where the thrust itself rises, dragging too; where it neither drives nor drags the race is the inflow."""
     flows = [value(rudder.along, revolutions=n) for n in (slow, slow + more)]
     assert flows[0] <= flows[1] + 1e-12
-    screw = KVLCC2.setting.propeller
+    screw = KVLCC2.configuration.propeller
     idle = np.roots([screw.thrust_2, screw.thrust_1, screw.thrust_0]).max()  # J of no thrust
     n = value(propeller.inflow) / (idle * screw.diameter)
     assert value(rudder.along, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
@@ -120,7 +120,7 @@ def test_a_geosim_by_froude_turns_the_same_circle() -> None:
 
 def test_machinery_goes_through_files(tmp_path) -> None:
     nw.save_model(KVLCC2, tmp_path / "m.toml")
-    assert nw.load_model(tmp_path / "m.toml").setting == KVLCC2.setting
+    assert nw.load_model(tmp_path / "m.toml").configuration == KVLCC2.configuration
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_machinery_goes_through_files(tmp_path) -> None:
 )
 def test_a_propeller_that_cannot_be_is_named(changed: dict, said: str) -> None:
     with pytest.raises(nw.InputError, match=rf"\[propeller\].*{said}"):
-        replace(KVLCC2.setting.propeller, **changed)
+        replace(KVLCC2.configuration.propeller, **changed)
 
 
 def test_the_command_prints_trials(cli, tmp_path) -> None:

@@ -31,7 +31,7 @@ def test_numbers_come_back_as_they_were(dtc: nw.Model, file: Path, coefficients:
     size = 10.0 ** np.arange(-9, 8)
     root = np.random.default_rng(seed).standard_normal((17, 30))
     covariance = np.cov(root) * np.outer(size, size)
-    model = nw.Model(dtc.setting, dtc.terms, coefficients, covariance)
+    model = nw.Model(dtc.configuration, dtc.terms, coefficients, covariance)
     again = back(model, file)
     assert dict(again.coefficients) == coefficients
     assert again.covariance is not None
@@ -42,7 +42,7 @@ def test_numbers_come_back_as_they_were(dtc: nw.Model, file: Path, coefficients:
 def test_forces_are_equal_to_the_last_bit(
     dtc: nw.Model, file: Path, state: dict[str, float], values: list[float]
 ) -> None:
-    model = nw.Model(dtc.setting, dtc.terms, dict(zip(dtc.terms.names, values, strict=True)))
+    model = nw.Model(dtc.configuration, dtc.terms, dict(zip(dtc.terms.names, values, strict=True)))
     motion = nw.Motion.at(**state)
     assert back(model, file).forces(motion) == model.forces(motion)
 
@@ -52,13 +52,13 @@ def test_the_setting_comes_back(
     dtc: nw.Model, file: Path, length: float, beam: float, draft: float, block: float, density: float, x_g: float
 ) -> None:
     ship = nw.Ship(length, beam, draft, block, mass=length, inertia=density, x_g=x_g, name='a "ship" \\ é\n')
-    setting = nw.Setting(ship, nw.Canal(7.0, draft * 1.5), nw.Water(density))
-    assert back(nw.Model(setting, dtc.terms, dtc.coefficients), file).setting == setting
+    configuration = nw.Configuration(ship, nw.Canal(7.0, draft * 1.5), nw.Water(density))
+    assert back(nw.Model(configuration, dtc.terms, dtc.coefficients), file).configuration == configuration
 
 
 def test_a_fit_comes_back(twin_fit: nw.Fit, file: Path) -> None:
     model, again = twin_fit.model, back(twin_fit.model, file)
-    assert again.envelope == model.envelope
+    assert again.data_range == model.data_range
     assert again.source == model.source
     assert dict(again.coefficients) == dict(model.coefficients)
     assert again.terms is nw.PAPER
@@ -88,5 +88,5 @@ def test_saving_twice_writes_the_same_bytes(twin_fit: nw.Fit, tmp_path: Path) ->
 
 
 def test_tapered_model_comes_back_tapered(dtc: nw.Model, file: Path) -> None:
-    model = nw.Model(dtc.setting, nw.TAPERED, dtc.coefficients)
+    model = nw.Model(dtc.configuration, nw.TAPERED, dtc.coefficients)
     assert back(model, file).terms is nw.TAPERED

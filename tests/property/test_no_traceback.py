@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.captive.columns import COLUMNS, parse_header
-from narrows.model_file import load_model
+from narrows.model.model_file import load_model
 from tables import DTC_SHIP, frame_of, short_twin
 
 CELLS = st.one_of(
@@ -66,7 +66,7 @@ def test_cells(tmp_path_factory: pytest.TempPathFactory, column: str, row: int, 
     frame.iloc[row, frame.columns.get_loc(column)] = cell
     path = tmp_path_factory.mktemp("cells") / "t.csv"
     frame.to_csv(path, index=False)
-    said = refusal(lambda: nw.identify(nw.read_captive(path, short_twin().setting)))
+    said = refusal(lambda: nw.identify(nw.read_captive(path, short_twin().configuration)))
     assert one_line(said)
     assert not said or "several conditions" in said or said.startswith(f"{path}: ")
 
@@ -91,7 +91,7 @@ def test_ship_files(tmp_path_factory: pytest.TempPathFactory, section: str, key:
 
 
 @given(
-    section=st.sampled_from(["terms", "coefficients", "covariance", "envelope", "source", "ship"]),
+    section=st.sampled_from(["terms", "coefficients", "covariance", "data_range", "source", "ship"]),
     key=st.sampled_from(["", "table", "X", "b_v", "names", "matrix", "speed", "text", "beam"]),
     value=TOML,
 )

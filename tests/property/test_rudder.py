@@ -10,7 +10,7 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from narrows.physics import rudder
 from tables import many_runs
 
@@ -63,8 +63,8 @@ def steered_ship() -> nw.Model:
     dtc = nw.published("mikkelsen2025_dtc")
     values = {n: dtc.coefficients.get(n, 0.0) for n in nw.STEERED.names}
     values |= {"b_uv": 100.0, "b_ur": 118.0, "c_uv": 414.0, "c_ur": 284.9, "a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
-    setting = replace(dtc.setting, ship=replace(dtc.setting.ship, flow_straightening=0.5))
-    return nw.Model(setting, nw.STEERED, values)
+    configuration = replace(dtc.configuration, ship=replace(dtc.configuration.ship, flow_straightening=0.5))
+    return nw.Model(configuration, nw.STEERED, values)
 
 
 def test_coefficients_come_back_from_a_twin() -> None:
@@ -84,7 +84,7 @@ def test_coefficients_come_back_from_a_twin() -> None:
 
 def test_voyages_turn_with_the_rudder_and_mirror() -> None:
     ship = steered_ship()
-    wide = replace(ship, setting=replace(ship.setting, canal=nw.Canal(700.0)))
+    wide = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(700.0)))
     port, starboard = (nw.simulate(wide, rudder=angle, duration=20.0) for angle in (-0.1, 0.1))
     assert starboard.psi[-1] > 0.05
     np.testing.assert_array_equal(port.psi, -starboard.psi)

@@ -17,10 +17,10 @@ SCALES = numbers(0.02, 120.0)
 def geosim(model: nw.Model, scale: float) -> nw.Model:
     """The same ship and canal larger, with the same coefficients."""
     ship = replace(
-        model.setting.ship,
-        **{name: scale * getattr(model.setting.ship, name) for name in ("length", "beam", "draft")},
+        model.configuration.ship,
+        **{name: scale * getattr(model.configuration.ship, name) for name in ("length", "beam", "draft")},
     )
-    return replace(model, setting=nw.Setting(ship, nw.Canal(scale * model.setting.canal.width)))
+    return replace(model, configuration=nw.Configuration(ship, nw.Canal(scale * model.configuration.canal.width)))
 
 
 def scaled(state: dict[str, float], scale: float) -> nw.Motion:
@@ -32,7 +32,7 @@ def scaled(state: dict[str, float], scale: float) -> nw.Motion:
 def test_bank_coefficients_hold_at_every_scale(
     terms: nw.TermTable, dtc: nw.Model, state: dict[str, float], scale: float
 ) -> None:
-    model = nw.Model(dtc.setting, terms, dtc.coefficients)
+    model = nw.Model(dtc.configuration, terms, dtc.coefficients)
     small = model.bank_forces(nw.Motion.at(**state))
     large = geosim(model, scale).bank_forces(scaled(state, scale))
     assert large["Y"] == pytest.approx(scale**3 * small["Y"], rel=1e-9)
@@ -55,7 +55,7 @@ def test_every_coefficient_scales_as_its_dimension_says(dtc: nw.Model, state: di
 
 
 def contributions(model: nw.Model, state: dict[str, float]) -> dict[str, list[float]]:
-    values = model.setting.values() | nw.Motion.at(**state).values()
+    values = model.configuration.values() | nw.Motion.at(**state).values()
     return {
         force: [model.coefficients[term.name] * term.column(values) for term in terms] + [math.ulp(1.0)]
         for force, terms in model.terms.forces.items()
@@ -65,7 +65,7 @@ def contributions(model: nw.Model, state: dict[str, float]) -> dict[str, list[fl
 @pytest.mark.parametrize("name", nw.PAPER.names)
 def test_unit_of_each_coefficient_makes_a_force(name: str) -> None:
     """Coefficient times regressor is a force in X and Y, a moment in N."""
-    from narrows.vocabulary import FORCES, REGRESSOR_INPUTS
+    from narrows.quantities.names import FORCES, REGRESSOR_INPUTS
 
     pint = pytest.importorskip("pint")
     units = pint.UnitRegistry()

@@ -8,9 +8,9 @@ from hypothesis import given
 from strategies import STATES, numbers
 
 import narrows as nw
-from narrows.froude import ittc57
-from narrows.scaling import SYSTEMS, units_of
-from narrows.tables import table_named
+from narrows.model.froude import ittc57
+from narrows.model.nondimensional import SYSTEMS, units_of
+from narrows.terms.tables import table_named
 
 TABLES = (
     "paper",
@@ -26,8 +26,10 @@ FORCE = {"X": (1, 1, -2), "Y": (1, 1, -2), "N": (1, 2, -2)}
 
 def model_of(dtc: nw.Model, table: str) -> nw.Model:
     terms = table_named(table)
-    setting = replace(dtc.setting, canal=nw.Canal(7.0, 0.4))
-    return nw.Model(setting, terms, {n: 0.3 + 0.1 * i for i, n in enumerate(terms.names)}, np.eye(len(terms.names)))
+    configuration = replace(dtc.configuration, canal=nw.Canal(7.0, 0.4))
+    return nw.Model(
+        configuration, terms, {n: 0.3 + 0.1 * i for i, n in enumerate(terms.names)}, np.eye(len(terms.names))
+    )
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
@@ -57,7 +59,7 @@ def test_a_term_has_the_dimension_that_it_says(
     dtc: nw.Model, table: str, mass: float, length: float, time: float, state: dict[str, float]
 ) -> None:
     """In other units of mass, length and time, coefficient times regressor is the same force."""
-    from narrows.scaling import Units
+    from narrows.model.nondimensional import Units
 
     units = Units(mass, length, time)
     exponents = {
@@ -66,7 +68,7 @@ def test_a_term_has_the_dimension_that_it_says(
         "width": (0, 1, 0), "depth": (0, 1, 0), "density": (1, -3, 0),
     }  # fmt: skip
     model = model_of(dtc, table)
-    values = model.setting.values() | nw.Motion.at(**state).values()
+    values = model.configuration.values() | nw.Motion.at(**state).values()
     other = {n: v / units.factor(nw.Dimension(*exponents.get(n, (0, 0, 0)))) for n, v in values.items() if n != "name"}
     for force, terms in model.terms.forces.items():
         for term in terms:
@@ -77,17 +79,17 @@ def test_a_term_has_the_dimension_that_it_says(
 @given(length=numbers(0.5, 400), density=numbers(990, 1030))
 def test_scaling_there_and_back(dtc: nw.Model, length: float, density: float) -> None:
     model = replace(
-        model_of(dtc, "crossflow"), envelope=nw.Envelope((0.3, 1.2), (0.0, 0.9), (0.0, 0.4), (0.0, 0.1), (2.0, 2.0))
+        model_of(dtc, "crossflow"), data_range=nw.DataRange((0.3, 1.2), (0.0, 0.9), (0.0, 0.4), (0.0, 0.1), (2.0, 2.0))
     )
     there = nw.scale_model(model, length, density).model
-    back = nw.scale_model(there, model.setting.ship.length, model.setting.water.density).model
+    back = nw.scale_model(there, model.configuration.ship.length, model.configuration.water.density).model
     for name, value in model.coefficients.items():
         assert back.coefficients[name] == pytest.approx(value, rel=1e-12)
     np.testing.assert_allclose(back.covariance, model.covariance, rtol=1e-12)
     for name in ("speed", "abs_y", "abs_psi", "abs_r", "depth_to_draft"):
-        assert getattr(back.envelope, name) == pytest.approx(getattr(model.envelope, name), rel=1e-12)
-    assert back.setting.values() == {
-        n: v if isinstance(v, str) else pytest.approx(v, rel=1e-12) for n, v in model.setting.values().items()
+        assert getattr(back.data_range, name) == pytest.approx(getattr(model.data_range, name), rel=1e-12)
+    assert back.configuration.values() == {
+        n: v if isinstance(v, str) else pytest.approx(v, rel=1e-12) for n, v in model.configuration.values().items()
     }
 
 
@@ -99,7 +101,7 @@ def test_a_voyage_at_another_scale_is_the_same_voyage(dtc: nw.Model, state: dict
     power = {"y": 1, "u": 0.5, "v": 0.5, "r": -0.5, "udot": 0, "vdot": 0, "rdot": -1, "heave": 1, "psi": 0}
     small = dtc.forces(nw.Motion.at(**state))
     large = scaled.model.forces(nw.Motion.at(**{n: v * ratio ** power[n] for n, v in state.items()}))
-    values = dtc.setting.values() | nw.Motion.at(**state).values()
+    values = dtc.configuration.values() | nw.Motion.at(**state).values()
     for force, exponent in (("X", 3), ("Y", 3), ("N", 4)):
         size = sum(abs(dtc.coefficients[term.name] * term.column(values)) for term in dtc.terms.forces[force])
         assert large[force] / ratio**exponent == pytest.approx(small[force], abs=1e-11 * size + 1e-300)
@@ -117,11 +119,11 @@ def test_a_grounding_at_full_scale_is_that_of_the_model(dtc: nw.Model) -> None:
 
 
 def test_prime_units_are_those_of_the_book(dtc: nw.Model) -> None:
-    setting, speed = dtc.setting, 0.9
-    length, draft, rho = setting.ship.length, setting.ship.draft, setting.water.density
+    configuration, speed = dtc.configuration, 0.9
+    length, draft, rho = configuration.ship.length, configuration.ship.draft, configuration.water.density
     force = nw.Dimension(1, 1, -2)
-    assert units_of(setting, "prime1", speed).factor(force) == pytest.approx(rho / 2 * length**2 * speed**2)
-    assert units_of(setting, "prime2", speed).factor(force) == pytest.approx(rho / 2 * length * draft * speed**2)
+    assert units_of(configuration, "prime1", speed).factor(force) == pytest.approx(rho / 2 * length**2 * speed**2)
+    assert units_of(configuration, "prime2", speed).factor(force) == pytest.approx(rho / 2 * length * draft * speed**2)
     assert nw.nondimensional(dtc, "prime2", speed)["b_v"] == pytest.approx(100 / (rho / 2 * length * draft * speed))
     displaced = rho * 0.661 * length * 0.572 * draft
     assert nw.nondimensional(dtc, "bis")["b_vdot"] == pytest.approx(733 / displaced)
@@ -131,7 +133,9 @@ def test_friction_goes_by_the_line_of_the_ittc(dtc: nw.Model) -> None:
     assert ittc57(1e7) == pytest.approx(0.075 / 25)
     assert ittc57(1e9) == pytest.approx(0.075 / 49)
     same = nw.Friction(3.0, 0.1, 1.0, (1.14e-6, 1.14e-6))
-    assert nw.scale_model(dtc, dtc.setting.ship.length, friction=same).model.coefficients["a_uu"] == pytest.approx(12.6)
+    assert nw.scale_model(dtc, dtc.configuration.ship.length, friction=same).model.coefficients[
+        "a_uu"
+    ] == pytest.approx(12.6)
     by_froude, by_line = (nw.scale_model(dtc, 355.0, friction=f).model.coefficients["a_uu"] for f in (None, same))
     assert 0 < by_line < by_froude
 
@@ -151,8 +155,8 @@ def test_what_does_not_scale_is_said(dtc: nw.Model, changed: dict[str, float], s
     depth = 0.4
     model = replace(
         dtc,
-        setting=replace(dtc.setting, canal=nw.Canal(7.0, depth)),
-        envelope=nw.Envelope(speed=(0.5, 1.0), depth_to_draft=(depth / 0.163, depth / 0.163)),
+        configuration=replace(dtc.configuration, canal=nw.Canal(7.0, depth)),
+        data_range=nw.DataRange(speed=(0.5, 1.0), depth_to_draft=(depth / 0.163, depth / 0.163)),
     )
     assert any(said in warning for warning in nw.scale_model(model, 355.0, **changed).warnings)
 
@@ -180,7 +184,7 @@ def test_scale_on_the_command_line(cli, tmp_path) -> None:
     code, out, err = cli("scale", "mikkelsen2025_dtc", "--length", 355, "--density", 1025, "-o", tmp_path / "full.toml")
     assert (code, err) == (0, "")
     assert "Lengths times 89.11" in out
-    assert nw.load_model(tmp_path / "full.toml").setting.ship.length == 355
+    assert nw.load_model(tmp_path / "full.toml").configuration.ship.length == 355
     code, out, _ = cli("scale", "mikkelsen2025_dtc", "--length", 355, "--json")
     told = json.loads(out)
     assert told["coefficients"]["b_bank"] == {"old": 1.07, "new": 1.07, "unit": "1"}

@@ -8,26 +8,28 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.shallow import FACTORS, factor_at
+from narrows.model.shallow_water import FACTORS, factor_at
 
 
 def at(model: nw.Model, depth: float | None) -> nw.Model:
-    return replace(model, setting=replace(model.setting, canal=replace(model.setting.canal, depth=depth)))
+    return replace(
+        model, configuration=replace(model.configuration, canal=replace(model.configuration.canal, depth=depth))
+    )
 
 
 @pytest.mark.parametrize("name", FACTORS)
 def test_deep_water_changes_nothing_and_shallow_water_everything(name: str, dtc: nw.Model) -> None:
-    draft = dtc.setting.ship.draft
-    factors = [factor_at(name, dtc.setting, ratio * draft) for ratio in (1e6, 10, 3, 2, 1.5, 1.2)]
+    draft = dtc.configuration.ship.draft
+    factors = [factor_at(name, dtc.configuration, ratio * draft) for ratio in (1e6, 10, 3, 2, 1.5, 1.2)]
     assert factors[0] == pytest.approx(1.0, abs=1e-5)
     assert np.all(np.diff(factors[2:]) > 0)
     assert factors[-1] > 1.5
 
 
 def test_by_hand(dtc: nw.Model) -> None:
-    ship = dtc.setting.ship
+    ship = dtc.configuration.ship
     power = 0.40 * ship.block_coefficient * ship.beam / ship.draft
-    assert factor_at("b_v", dtc.setting, 2 * ship.draft) == pytest.approx(2**power - 0.5, rel=1e-12)
+    assert factor_at("b_v", dtc.configuration, 2 * ship.draft) == pytest.approx(2**power - 0.5, rel=1e-12)
 
 
 @given(there=numbers(0.2, 3.0), back=numbers(0.2, 3.0))
@@ -36,7 +38,7 @@ def test_there_and_back(dtc: nw.Model, there: float, back: float) -> None:
     again = nw.at_depth(nw.at_depth(model, there).model, back).model
     for name, value in model.coefficients.items():
         assert again.coefficients[name] == pytest.approx(value, rel=1e-10)
-    assert again.setting == model.setting
+    assert again.configuration == model.configuration
 
 
 def test_what_is_left_is_said(dtc: nw.Model) -> None:

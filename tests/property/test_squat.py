@@ -9,10 +9,10 @@ from scipy.optimize import brentq
 from strategies import numbers
 
 import narrows as nw
-from narrows.physics import squat as formulas
-from narrows.sinkage import GIVES
+from narrows.model.squat import GIVES
+from narrows.physics import squat_formulas as formulas
 
-DTC = nw.Setting(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
+DTC = nw.Configuration(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
 KNOT = 1852 / 3600
 
 
@@ -43,7 +43,7 @@ def test_sinkage_grows_with_speed_and_in_shallow_water(name: str) -> None:
     speeds = [formula.sinkage(DTC, u) for u in (0.0, 2.0, 4.0, 6.0)]
     assert speeds[0] == 0
     assert np.all(np.diff(speeds) > 0)
-    deep = nw.Setting(DTC.ship, nw.Canal(205.0, 40.0), DTC.water)
+    deep = nw.Configuration(DTC.ship, nw.Canal(205.0, 40.0), DTC.water)
     assert formula.sinkage(deep, 4.0) < formula.sinkage(DTC, 4.0)
 
 
@@ -57,15 +57,15 @@ def test_the_choice_gives_what_was_asked_for(gives: str) -> None:
 
 
 def test_a_formula_that_holds_goes_first() -> None:
-    wide = nw.Setting(DTC.ship, nw.Canal(2000.0, 24.0))
+    wide = nw.Configuration(DTC.ship, nw.Canal(2000.0, 24.0))
     assert nw.squat(wide, 4.0, "bow").formula == "huuska"
-    full = nw.Setting(nw.Ship(320.0, 58.0, 20.8, 0.82), nw.Canal(4000.0, 30.0))
+    full = nw.Configuration(nw.Ship(320.0, 58.0, 20.8, 0.82), nw.Canal(4000.0, 30.0))
     assert nw.squat(full, 4.0, "bow").formula == "icorels"
     assert nw.squat(full, 4.0, "bow").warnings == ()
 
 
 def test_outside_its_limits_is_said() -> None:
-    deep = nw.Setting(DTC.ship, nw.Canal(205.0, 40.0))
+    deep = nw.Configuration(DTC.ship, nw.Canal(205.0, 40.0))
     said = nw.squat(deep, 4.0, "largest").warnings
     assert any(text.startswith("depth to draft 2.76 is outside 1.1 to 1.4") for text in said)
 
@@ -77,7 +77,7 @@ def test_outside_its_limits_is_said() -> None:
         (lambda: nw.squat(DTC, -1.0), "between 0"),
         (lambda: nw.squat(DTC, 4.0, "stern"), "midship, bow, largest"),
         (lambda: nw.squat(DTC, 4.0, formula="huska"), "did you mean 'huuska'"),
-        (lambda: nw.squat(nw.Setting(DTC.ship, nw.Canal(205.0)), 4.0), "depth is not given"),
+        (lambda: nw.squat(nw.Configuration(DTC.ship, nw.Canal(205.0)), 4.0), "depth is not given"),
     ],
 )
 def test_refusals(act, said: str) -> None:

@@ -53,7 +53,7 @@ def test_taper_is_a_share_and_even(y: float, width: float) -> None:
 @pytest.mark.parametrize("terms", [nw.PAPER, nw.TAPERED], ids=lambda table: table.name)
 @given(state=STATES)
 def test_mirrored_motion_mirrors_the_forces(terms: nw.TermTable, dtc: nw.Model, state: dict[str, float]) -> None:
-    model = nw.Model(dtc.setting, terms, dtc.coefficients)
+    model = nw.Model(dtc.configuration, terms, dtc.coefficients)
     other = {name: -value if name in MIRRORED else value for name, value in state.items()}
     here, there = model.forces(nw.Motion.at(**state)), model.forces(nw.Motion.at(**other))
     assert there["X"] == here["X"]

@@ -69,7 +69,7 @@ def test_a_straight_line_goes_on_beyond_its_ends(heading: float, s: float, n: fl
 @pytest.mark.parametrize(("y", "psi", "heading"), [(0.5, 0.0, 0.7), (2.4, 0.05, -2.0), (-1.0, -0.1, 0.0)])
 @pytest.mark.parametrize("method", ["rk4", "dop853"])
 def test_the_straight_canal_is_its_simplest_case(y: float, psi: float, heading: float, method: str) -> None:
-    way = nw.straight_waterway(DTC.setting.canal, 500.0, heading)
+    way = nw.straight_waterway(DTC.configuration.canal, 500.0, heading)
     plain = nw.simulate(DTC, y=y, psi=psi, method=method)
     along = nw.simulate(DTC, y=y, psi=psi, method=method, waterway=way)
     assert plain.outcome.side == along.outcome.side

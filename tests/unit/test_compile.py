@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows import dimension as dim
 from narrows.compile import LINEARISED, STATE, Program, compiled
 from narrows.compile.record import record
 from narrows.compile.trace import ACCELERATIONS, trace
-from narrows.vocabulary import MOTION
+from narrows.quantities import dimensions as dim
+from narrows.quantities.names import MOTION
 
 
 def cross_flow(u, v):
@@ -39,12 +39,12 @@ def model_of(table: nw.TermTable) -> nw.Model:
     """The published coefficients, with nothing at zero."""
     paper = nw.published("mikkelsen2025_dtc")
     coefficients = {**paper.coefficients, **EXTRA}
-    setting = replace(paper.setting, ship=replace(paper.setting.ship, mass=MASS))
-    return nw.Model(setting, table, {name: coefficients[name] for name in table.names})
+    configuration = replace(paper.configuration, ship=replace(paper.configuration.ship, mass=MASS))
+    return nw.Model(configuration, table, {name: coefficients[name] for name in table.names})
 
 
 def values_of(model: nw.Model) -> dict[str, float]:
-    return {**model.setting.values(), **model.coefficients, "surge_inertia": SURGE_INERTIA}
+    return {**model.configuration.values(), **model.coefficients, "surge_inertia": SURGE_INERTIA}
 
 
 def states(count: int) -> dict[str, np.ndarray]:
@@ -130,7 +130,7 @@ def test_a_block_is_stepped_by_vectors(name: str) -> None:
 def test_a_replayed_record_is_the_terms_to_the_bit() -> None:
     for table in TABLES.values():
         model = model_of(table)
-        inputs = {**model.setting.values(), **nw.Motion.at(0.3, y=1.1, u=0.9, v=0.1, r=-0.2, rdot=0.4).values()}
+        inputs = {**model.configuration.values(), **nw.Motion.at(0.3, y=1.1, u=0.9, v=0.1, r=-0.2, rdot=0.4).values()}
         found = record(table).replay(inputs)
         assert found == {term.name: term.column(inputs) for term in table.terms}
 

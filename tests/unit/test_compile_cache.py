@@ -15,7 +15,7 @@ import sys
 import narrows as nw
 from narrows.compile import compiled
 model = nw.published("mikkelsen2025_dtc")
-values = {**model.setting.values(), **model.coefficients}
+values = {**model.configuration.values(), **model.coefficients}
 program = compiled(model.terms)
 program.rhs(0.0, 0.5, 1.0, 0.0, 1.0, *[0.0] * 5, 1.0, 0.0, 0.0, *program.constants(values))
 plain = not {"sympy", "numba"} & set(sys.modules)
@@ -23,7 +23,7 @@ end = program.fleet(values, y=0.5, u=1.0, dt=0.02, duration=40.0)
 stats = program.kernel(False, "float64", "none").fleet.stats
 print(plain, "sympy" in sys.modules, sum(stats.cache_hits.values()), sum(stats.cache_misses.values()), end.x[0].hex())
 """
-VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).setting.values(), **DTC.coefficients}
+VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).configuration.values(), **DTC.coefficients}
 
 
 def started(folder: Path, seed: str) -> subprocess.Popen[str]:

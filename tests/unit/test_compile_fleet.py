@@ -13,7 +13,7 @@ from narrows.compile.exponential import exponential_text
 from narrows.compile.trace import ACCELERATIONS
 
 DTC = nw.published("mikkelsen2025_dtc")
-VALUES = {**DTC.setting.values(), **DTC.coefficients, "surge_inertia": 300.0, "mass": 245.0}
+VALUES = {**DTC.configuration.values(), **DTC.coefficients, "surge_inertia": 300.0, "mass": 245.0}
 PAPER = compiled(nw.PAPER)
 COLUMNS = tuple(field.name for field in fields(Fleet) if field.name != "lane_steps")
 ODD = ("side", "y", "psi", "v", "r")
@@ -73,7 +73,7 @@ def test_contact_is_where_an_independent_solver_finds_it() -> None:
 
 
 def grounding(y: float) -> tuple[float, np.ndarray, float]:
-    ship, canal = DTC.setting.ship, DTC.setting.canal
+    ship, canal = DTC.configuration.ship, DTC.configuration.canal
     mass = np.array([[DTC.coefficients[f"{row}_{name}"] for name in ("vdot", "rdot")] for row in "bc"])
 
     def rate(_: float, z: np.ndarray) -> list[float]:
@@ -111,7 +111,7 @@ def test_a_contact_is_found_in_a_few_steps() -> None:
 
 def test_an_outline_touches_with_its_points() -> None:
     """The rectangle's corners as points, and half of it cut off."""
-    ship, start = DTC.setting.ship, starts(200, seed=3)
+    ship, start = DTC.configuration.ship, starts(200, seed=3)
     corners = [(f * ship.length / 2, a * ship.beam / 2) for f in (1, -1) for a in (1, -1)]
     outline = compiled(nw.PAPER, contact=corners)
     one, other = (program.fleet(VALUES, **start, dt=0.02, duration=40.0) for program in (PAPER, outline))

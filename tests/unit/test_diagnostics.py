@@ -9,7 +9,7 @@ import narrows as nw
 @pytest.fixture(scope="module")
 def columns(kcs_tests: dict[int, nw.CaptiveTests]) -> np.ndarray:
     tests = kcs_tests[100]
-    values = {**tests.setting.values(), **tests.columns}
+    values = {**tests.configuration.values(), **tests.columns}
     return np.column_stack([term.column(values) for term in nw.PAPER.sway])
 
 

@@ -12,7 +12,7 @@ import docstring_parser
 import pytest
 
 import narrows as nw
-from narrows.vocabulary import MOTION, PARTICULARS
+from narrows.quantities.names import MOTION, PARTICULARS
 
 NEVER_IMPORTED = ("narrows.compile.lanes", "narrows.compile.wheel")
 """Source text that goes into compiled programs."""
@@ -116,7 +116,7 @@ def refuses(thing: Any) -> bool:
 def test_some_code_refuses() -> None:
     """The look into the source finds what it should."""
     assert refuses(nw.read_captive)
-    assert refuses(nw.Setting)
+    assert refuses(nw.Configuration)
     assert not refuses(nw.Motion.at)
 
 

@@ -10,13 +10,13 @@ import xarray as xr
 from scipy.optimize import root
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from narrows.safety.autopilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.keel import keel_at
 from narrows.safety.trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
 from narrows.simulation.ship import SimulatedShip
-from narrows.tables import table_named, with_helm
+from narrows.terms.tables import table_named, with_helm
 
 OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
@@ -233,8 +233,8 @@ class TestEnvelope:
         """A sure model without disturbance is safe as far as its rudder has the reserve: SciPy's bisection."""
         from scipy.optimize import brentq
 
-        most = ship.setting.gear.limit * 2 / 3
-        offsets, heave = np.linspace(20.0, 130.0, 45), float(keel_at(ship.setting, np.array([5.0])).midship[0])
+        most = ship.configuration.gear.limit * 2 / 3
+        offsets, heave = np.linspace(20.0, 130.0, 45), float(keel_at(ship.configuration, np.array([5.0])).midship[0])
         rudder = nw.steady_course(ship, y=offsets, u=5.0, heave=heave)["rudder"]
         low, high = offsets[(rudder < most).to_numpy()].max(), offsets[(rudder > most).to_numpy()].min()
         edge = brentq(lambda y: float(nw.steady_course(ship, y=y, u=5.0, heave=heave)["rudder"]) - most, low, high)
@@ -252,7 +252,7 @@ class TestEnvelope:
 
     def test_quantiles_are_those_of_the_draws(self, doubtful: nw.Model, found: nw.SafeEnvelope) -> None:
         """NumPy on the steady courses of the same draws; those without one are beyond hard over."""
-        heave = keel_at(doubtful.setting, np.array([5.0])).midship[0]
+        heave = keel_at(doubtful.configuration, np.array([5.0])).midship[0]
         for y in (28.0, 84.0):
             rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, draws=60)["rudder"].to_numpy()
             beyond = np.sign(np.nanmedian(rudder)) * np.inf
@@ -260,7 +260,7 @@ class TestEnvelope:
             assert float(own["rudder_low"]) == np.quantile(signed, 0.05, method="lower")
             assert float(own["rudder_high"]) == np.quantile(signed, 0.95, method="higher")
             assert float(own["found"]) == np.isfinite(rudder).mean()
-            limit = doubtful.setting.gear.limit * 2 / 3
+            limit = doubtful.configuration.gear.limit * 2 / 3
             assert float(own["holds"]) == (np.abs(signed) <= limit).mean()
 
     def test_the_five_per_cent_line_is_inside_even_odds(self, found: nw.SafeEnvelope) -> None:
@@ -268,7 +268,7 @@ class TestEnvelope:
         assert (found.safe(0.5) & ~found.safe()).any()
 
     def test_a_choked_canal_is_not_sailed(self, found: nw.SafeEnvelope, doubtful: nw.Model) -> None:
-        assert nw.choke_speed(doubtful.setting) < 12.0
+        assert nw.choke_speed(doubtful.configuration) < 12.0
         assert not found.safe()[:, -1].any()
         assert found.limited_by()[7] == "the canal chokes"
         assert float(found.highest_speed()[7]) == 7.0
@@ -278,11 +278,11 @@ class TestEnvelope:
         assert np.isnan(found.safest_offset()[3])
 
     def test_the_keel_takes_the_bottom(self, ship: nw.Model) -> None:
-        shallow = replace(ship, setting=replace(ship.setting, canal=nw.Canal(300.0, 11.8)))
+        shallow = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0, 11.8)))
         speeds = np.array([1.0, 4.0])
         found = nw.safe_envelope(shallow, np.array([0.0]), speeds, draws=1, disturbance=Disturbance(0.0))
-        under = keel_at(shallow.setting, speeds)
-        assert under.clearance[0] > 0.05 * shallow.setting.ship.draft > under.clearance[1]
+        under = keel_at(shallow.configuration, speeds)
+        assert under.clearance[0] > 0.05 * shallow.configuration.ship.draft > under.clearance[1]
         assert found.limited_by() == ["the keel"]
 
     def test_a_gust_may_make_a_slow_ship_the_unsafe_one(self, ship: nw.Model) -> None:
@@ -318,14 +318,14 @@ class TestEnvelope:
         assert abs(float(found.rudder[0])) > 1e-4
 
     def test_what_the_rudder_needs_at_any_speed_is_said(self, ship: nw.Model) -> None:
-        dry = replace(ship, setting=replace(ship.setting, canal=nw.Canal(300.0)))
+        dry = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0)))
         found = nw.safe_envelope(dry, OFFSETS, SPEEDS, draws=1)
         assert found.speed_free
         assert any("square of the speed" in note for note in found.notes)
         assert any("the depth is not given" in note for note in found.notes)
         table = with_helm(nw.PAPER)
         linear = {"a_u": 0.0, "b_v": 1e6, "b_r": 1e8, "c_v": 1e8, "c_r": 1e10}
-        slow = nw.Model(dry.setting, table, {n: {**ship.coefficients, **linear}[n] for n in table.names})
+        slow = nw.Model(dry.configuration, table, {n: {**ship.coefficients, **linear}[n] for n in table.names})
         assert not nw.safe_envelope(slow, OFFSETS, SPEEDS, draws=1).speed_free
 
     @pytest.mark.parametrize(
@@ -412,7 +412,7 @@ def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli,
     assert "286.2 m wide" in said["setting"]  # 120 and half of 32.4 to starboard, 150 to port
     assert any("the middle is -6.9 m off its centreline" in note for note in said["notes"])
     # Her keel meets the slope before the wall that her forces feel.
-    edge = 120.0 + 2 * (16.2 - doubtful.setting.ship.draft) + 6.9 - BEAM / 2
+    edge = 120.0 + 2 * (16.2 - doubtful.configuration.ship.draft) + 6.9 - BEAM / 2
     for offset, known in ((edge - 0.1, True), (edge + 0.1, False)):
         spot = ("envelope", tmp_path / "full.toml", f"--offsets={offset}", *words[4:])
         code, _, error = cli(*spot, "--waterway", tmp_path / "canal.geojson", "--at", "2500")

@@ -155,7 +155,7 @@ def test_a_regressor_with_an_unknown_word_is_refused() -> None:
 def test_json_of_several_conditions(cli) -> None:
     import json
 
-    from narrows.measured import measured_files
+    from narrows.captive.measured import measured_files
 
     table, ship = measured_files("kcs")
     code, out, _ = cli("identify", table, "--ship", ship, "--json")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from tables import frame_of, many_runs, short_twin, written
 
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.physics import clearance
-from narrows.section import equivalent_wall
-from narrows.tables import table_named
+from narrows.ship.cross_section import equivalent_wall
+from narrows.terms.tables import table_named
 
 PLACE = {"cos_psi": 1.0, "width": 7.0, "beam": 0.572, "draft": 0.163, "depth": 0.4, "u": 1.0}
 OFFSETS = st.floats(-2.8, 2.8)
@@ -64,8 +64,8 @@ def test_tucks_form_is_the_bank_distance_at_low_speed_and_grows_to_the_critical(
 @pytest.mark.parametrize("name", ["paper+tuck", "speed+distance_depth", "crossflow+keel_gap", "mixed", "tapered"])
 def test_named_tables_go_into_model_files_and_back(name: str, dtc: nw.Model, tmp_path) -> None:
     table = table_named(name)
-    setting = nw.Setting(dtc.setting.ship, nw.Canal(7.0, 0.4))
-    model = nw.Model(setting, table, {own: 0.1 + i for i, own in enumerate(table.names)})
+    configuration = nw.Configuration(dtc.configuration.ship, nw.Canal(7.0, 0.4))
+    model = nw.Model(configuration, table, {own: 0.1 + i for i, own in enumerate(table.names)})
     nw.save_model(model, tmp_path / "m.toml")
     again = nw.load_model(tmp_path / "m.toml")
     assert again.terms == table

@@ -8,7 +8,7 @@ import pytest
 from scipy.io import savemat
 
 import narrows as nw
-from narrows.measured import measured_files
+from narrows.captive.measured import measured_files
 from tables import frame_of, short_twin, written
 
 KCS_TABLE, KCS_SHIP = measured_files("kcs")
@@ -47,7 +47,7 @@ def test_fhr_selection_of_something_else_keeps_to_harmonic_rows(raw: pd.DataFram
 
 
 def test_fhr_depths_come_from_the_ship_file(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
-    depths = {clearance: tests.setting.canal.depth for clearance, tests in kcs_tests.items()}
+    depths = {clearance: tests.configuration.canal.depth for clearance, tests in kcs_tests.items()}
     assert depths == {100: 0.41, 50: 0.3075, 20: 0.246}
     for clearance, depth in depths.items():
         assert depth / 0.2051 - 1 == pytest.approx(clearance / 100, abs=0.003)

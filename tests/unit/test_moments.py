@@ -13,7 +13,7 @@ from tables import many_runs, short_twin
 def rows_of(tests: nw.CaptiveTests, own: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
     """Every coefficient's column, every force and the constant, from the rows of all tests or of one."""
     columns = own or tests.columns
-    values = {**tests.setting.values(), **columns}
+    values = {**tests.configuration.values(), **columns}
     rows = len(columns["u"])
     return (
         {term.name: np.broadcast_to(term.column(values), rows) for term in nw.PAPER.terms}

@@ -7,18 +7,18 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.planning.candidates import candidates
-from narrows.planning.information import run_information
-from narrows.planning.optimal import choose, spread
+from narrows.experiment_design.candidates import candidates
+from narrows.experiment_design.information import run_information
+from narrows.experiment_design.optimal import choose, spread
 
-SETTING = nw.published("mikkelsen2025_dtc").setting
+SETTING = nw.published("mikkelsen2025_dtc").configuration
 TANK = nw.Tank(speeds=(0.7, 1.0))
 
 
-def hull_reach(run, setting: nw.Setting) -> float:
+def hull_reach(run, configuration: nw.Configuration) -> float:
     """How far to a side the hull's corners come."""
     columns = run.columns(10.0)
-    ship, psi = setting.ship, columns["psi"]
+    ship, psi = configuration.ship, columns["psi"]
     corners = np.abs(columns["y"]) + ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi)
     return float(corners.max())
 
@@ -39,7 +39,7 @@ def test_information_is_the_inverse_variance_of_a_fit() -> None:
     runs = candidates(SETTING, TANK)[::6]
     told = sum(run_information(run, SETTING, nw.PAPER, correlation_time=0.1) for run in runs)
     tests = nw.twin(runs=runs, rate=5.0)
-    values = {**tests.setting.values(), **tests.columns}
+    values = {**tests.configuration.values(), **tests.columns}
     names = [name for name in nw.PAPER.names if name != "c_vdot"]
     gram = np.zeros((len(names), len(names)))
     for force, own in nw.PAPER.forces.items():
@@ -182,6 +182,6 @@ def test_what_no_run_determines_is_said(cli, tmp_path) -> None:
 
 
 def test_at_full_scale_a_run_is_as_long_as_the_ship_needs() -> None:
-    full = nw.scale_model(nw.published("mikkelsen2025_dtc"), 355.0).model.setting
+    full = nw.scale_model(nw.published("mikkelsen2025_dtc"), 355.0).model.configuration
     runs = candidates(full, nw.Tank())
     assert max(run.length for run in runs) == pytest.approx(3550, rel=0.01)

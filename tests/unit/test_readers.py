@@ -65,8 +65,8 @@ def test_depths_make_conditions(short: nw.CaptiveTests, ship_file: Path, tmp_pat
     frame = frame_of(short)
     frame["depth"] = np.where(frame["test"].isin(short.names[:2]), 0.3, 0.2)
     found = nw.read_captive(written(frame, tmp_path / "t.csv"), ship_file).by_condition()
-    assert {label: part.setting.canal.depth for label, part in found.items()} == {"h0.3": 0.3, "h0.2": 0.2}
-    assert nw.identify(found["h0.3"]).envelope.depth_to_draft == pytest.approx((0.3 / 0.163, 0.3 / 0.163))
+    assert {label: part.configuration.canal.depth for label, part in found.items()} == {"h0.3": 0.3, "h0.2": 0.2}
+    assert nw.identify(found["h0.3"]).data_range.depth_to_draft == pytest.approx((0.3 / 0.163, 0.3 / 0.163))
 
 
 def test_where_selects_rows(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:

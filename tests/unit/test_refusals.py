@@ -170,15 +170,19 @@ MODELS = {
     "true for a coefficient": ("b_v = 100.0", "b_v = true", "coefficient b_v = True"),
     "list for a coefficient": ("b_v = 100.0", "b_v = [1.0]", "coefficient b_v"),
     "bare coefficients": ("[coefficients]", "[source]\nx = 1\n[coeff]", r"unknown|defined|valid TOML"),
-    "half a range": ("[envelope]", "[envelope]\nspeed = [1.0]", r"\[envelope\] speed = \[1.0\] is not a pair"),
-    "bare range": ("[envelope]", "[envelope]\nspeed = 1.0", r"\[envelope\] speed = 1.0 is not a pair"),
-    "misspelt range": ("[envelope]", "[envelope]\nsped = [1.0, 2.0]", "unknown key 'sped'; did you mean 'speed'"),
-    "ragged covariance": ("[envelope]", "[covariance]\nnames = ['a']\nmatrix = [[1.0], [1.0, 2.0]]\n[envelope]", "row"),
-    "text covariance": ("[envelope]", "[covariance]\nnames = ['a']\nmatrix = [['x']]\n[envelope]", "covariance"),
-    "small covariance": ("[envelope]", "[covariance]\nnames = ['b_v']\nmatrix = [[1.0]]\n[envelope]", "covariance"),
-    "half a covariance": ("[envelope]", "[covariance]\nnames = ['b_v']\n[envelope]", "covariance"),
+    "half a range": ("[data_range]", "[data_range]\nspeed = [1.0]", r"\[data_range\] speed = \[1.0\] is not a pair"),
+    "bare range": ("[data_range]", "[data_range]\nspeed = 1.0", r"\[data_range\] speed = 1.0 is not a pair"),
+    "misspelt range": ("[data_range]", "[data_range]\nsped = [1.0, 2.0]", "unknown key 'sped'; did you mean 'speed'"),
+    "ragged covariance": (
+        "[data_range]",
+        "[covariance]\nnames = ['a']\nmatrix = [[1.0], [1.0, 2.0]]\n[data_range]",
+        "row",
+    ),
+    "text covariance": ("[data_range]", "[covariance]\nnames = ['a']\nmatrix = [['x']]\n[data_range]", "covariance"),
+    "small covariance": ("[data_range]", "[covariance]\nnames = ['b_v']\nmatrix = [[1.0]]\n[data_range]", "covariance"),
+    "half a covariance": ("[data_range]", "[covariance]\nnames = ['b_v']\n[data_range]", "covariance"),
     "number for a table": ('table = "paper"', "table = 3", "unknown table of terms '3'"),
-    "bare section": ("[envelope]\n", "", "abs_y"),
+    "bare section": ("[data_range]\n", "", "abs_y"),
 }
 
 

@@ -24,7 +24,10 @@ DTC = nw.published("mikkelsen2025_dtc")
         (lambda: nw.scale_model(DTC, 1e200), "is none"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
         (lambda: nw.scale_model(DTC, 355.0, friction=nw.Friction(400.0, 0.1, 1.0)), "more than the whole of a_uu"),
-        (lambda: nw.squat(nw.Setting(DTC.setting.ship, nw.Canal(7.0, 0.3)), 0.5, "bow", "barrass"), "largest sinkage"),
+        (
+            lambda: nw.squat(nw.Configuration(DTC.configuration.ship, nw.Canal(7.0, 0.3)), 0.5, "bow", "barrass"),
+            "largest sinkage",
+        ),
     ],
 )
 def test_functions(act, said: str) -> None:
@@ -36,7 +39,7 @@ def test_functions(act, said: str) -> None:
     ("change", "said"),
     [
         (("matrix = [", "matrix = [[nan],"), "covariance"),
-        (("speed = [", "speed = [9.0, "), "envelope"),
+        (("speed = [", "speed = [9.0, "), "data_range"),
     ],
 )
 def test_model_files(change: tuple[str, str], said: str, tmp_path) -> None:

@@ -37,11 +37,11 @@ def test_page_says_everything(page: str, kcs_fits: dict[int, nw.Fit]) -> None:
 
 
 def figures(fit: nw.Fit) -> list[Figure]:
-    tests, setting = fit.tests, fit.tests.setting
+    tests, configuration = fit.tests, fit.tests.configuration
     return [
         motions.tests_figure(tests), outcomes.forces_figure(fit, tests), outcomes.intervals_figure(fit),
         outcomes.shapley_figure(fit), columns.inflation_figure(fit), columns.correlation_figure(fit),
-        banks.delta_figure(setting, (0.0, 0.9)), banks.delta_surface_figure(setting),
+        banks.delta_figure(configuration, (0.0, 0.9)), banks.delta_surface_figure(configuration),
     ]  # fmt: skip
 
 

@@ -89,7 +89,7 @@ def test_contact_is_met_to_a_micrometre(dtc: nw.Model) -> None:
 
 
 def test_an_outline_of_the_rectangle_is_the_rectangle(dtc: nw.Model) -> None:
-    length, beam = dtc.setting.ship.length, dtc.setting.ship.beam
+    length, beam = dtc.configuration.ship.length, dtc.configuration.ship.beam
     outline = [(f * length / 2, a * beam / 2) for f in (-1, 1) for a in (-1, 1)]
     one, other = nw.simulate(dtc, 1.0), nw.simulate(dtc, 1.0, contact=outline)
     assert other.outcome.time == pytest.approx(one.outcome.time, abs=1e-9)
@@ -132,8 +132,8 @@ def test_a_users_own_term_sails(dtc: nw.Model) -> None:
         return -abs(u) * v
 
     table = nw.PAPER.with_terms("own", sway=[nw.Term("b_uv", "b_{uv}", drag, nw.Dimension(1, -1))])
-    model = nw.Model(dtc.setting, table, {**dtc.coefficients, "b_uv": 50.0})
-    same = nw.Model(dtc.setting, nw.PAPER, {**dtc.coefficients, "b_v": 150.0})
+    model = nw.Model(dtc.configuration, table, {**dtc.coefficients, "b_uv": 50.0})
+    same = nw.Model(dtc.configuration, nw.PAPER, {**dtc.coefficients, "b_v": 150.0})
     assert nw.simulate(model, 1.0).outcome.time == pytest.approx(nw.simulate(same, 1.0).outcome.time, abs=1e-9)
 
 
@@ -252,7 +252,7 @@ def test_a_step_too_long_is_told_by_about_how_much(dtc: nw.Model, dt: float) -> 
     told = track_error(rate, rows, dt)
     true = np.hypot(coarse.x[-1] - fine.x[-1], coarse.y[-1] - fine.y[-1])
     assert true / 5 < told < 5 * true
-    beam = dtc.setting.ship.beam
+    beam = dtc.configuration.ship.beam
     assert ("too long" in coarse.outcome.sentence) == (told > 0.02 * beam)
 
 

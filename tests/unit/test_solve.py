@@ -16,7 +16,7 @@ def stacked(tests: nw.CaptiveTests, terms: nw.TermTable = nw.PAPER) -> tuple[np.
     """Every row of every force in one matrix over the parameters, without our sums; forces; lower bounds."""
     slots = {name: i for i, name in enumerate(n for n in terms.names if n != "c_vdot")}
     slots["c_vdot"] = slots["b_rdot"]
-    values = {**tests.setting.values(), **tests.columns}
+    values = {**tests.configuration.values(), **tests.columns}
     rows, right = [], []
     for force, own in terms.forces.items():
         matrix = np.zeros((tests.rows, len(slots) - 1))

@@ -41,7 +41,7 @@ def test_another_seed_draws_other_rows(short: nw.CaptiveTests) -> None:
 
 def test_from_disk_draws_what_memory_draws(short: nw.CaptiveTests, tmp_path: Path) -> None:
     path = written(frame_of(short), tmp_path / "t.csv")
-    streamed = nw.stream_captive(path, short.setting)
+    streamed = nw.stream_captive(path, short.configuration)
     np.testing.assert_array_equal(rows(random_split(streamed, seed=3)[0]), rows(random_split(short, seed=3)[0]))
 
 
@@ -52,7 +52,7 @@ def test_fit_and_check_are_on_their_own_rows(short: nw.CaptiveTests) -> None:
     lengths = [int(keep[a:b].sum()) for a, b in zip(short.starts, short.starts[1:], strict=False)]
     drawn = nw.CaptiveTests(
         {name: column[keep] for name, column in short.columns.items()},
-        short.names, np.concatenate([[0], np.cumsum(lengths)]), short.setting,
+        short.names, np.concatenate([[0], np.cumsum(lengths)]), short.configuration,
     )  # fmt: skip
     again = nw.identify(drawn)
     for name in nw.PAPER.names:

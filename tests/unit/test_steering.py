@@ -7,17 +7,19 @@ import pytest
 
 import narrows as nw
 from narrows.simulation.steering import turning_rate
-from narrows.tables import HELM, with_helm
+from narrows.terms.tables import HELM, with_helm
 
 COEFFICIENTS = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
 
 
 def steered(dtc: nw.Model, **gear: float) -> nw.Model:
     """The published model with a rudder as large as the KCS's."""
-    setting = replace(
-        dtc.setting, ship=replace(dtc.setting.ship, flow_straightening=0.5), steering=nw.SteeringGear(**gear)
+    configuration = replace(
+        dtc.configuration,
+        ship=replace(dtc.configuration.ship, flow_straightening=0.5),
+        steering=nw.SteeringGear(**gear),
     )
-    return nw.Model(setting, with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS})
+    return nw.Model(configuration, with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS})
 
 
 def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order() -> None:
@@ -30,7 +32,7 @@ def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order() -> None:
 
 def test_unless_given_it_is_the_rules(dtc: nw.Model) -> None:
     """SOLAS II-1/29: from 35 degrees on one side to 30 on the other in 28 s."""
-    gear = dtc.setting.gear
+    gear = dtc.configuration.gear
     assert np.degrees(28 * gear.rate) == pytest.approx(35 + 30)
     assert np.degrees(gear.limit) == pytest.approx(35)
 
@@ -78,10 +80,10 @@ def test_the_rudder_within_a_step_is_a_ramp_for_scipy_too(dtc: nw.Model) -> None
 
 def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw.Model) -> None:
     quiet = nw.Model(
-        replace(dtc.setting, canal=nw.Canal(500.0)), with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS}
+        replace(dtc.configuration, canal=nw.Canal(500.0)), with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS}
     )
-    quiet = replace(quiet, setting=replace(quiet.setting, ship=steered(dtc).setting.ship))
-    quiet = replace(quiet, setting=replace(quiet.setting, steering=nw.SteeringGear(35.0, 20.0)))
+    quiet = replace(quiet, configuration=replace(quiet.configuration, ship=steered(dtc).configuration.ship))
+    quiet = replace(quiet, configuration=replace(quiet.configuration, steering=nw.SteeringGear(35.0, 20.0)))
     ten = np.radians(10)
     voyage = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(ten, ten))
     turned = np.flatnonzero(np.diff(np.sign(np.diff(voyage.rudder).round(12))) < 0)
@@ -142,7 +144,7 @@ def test_gear_goes_through_files_and_scales(dtc: nw.Model, tmp_path) -> None:
     model = steered(dtc, limit_deg=30.0, rate_deg=20.0)
     nw.save_model(model, tmp_path / "m.toml")
     back = nw.load_model(tmp_path / "m.toml")
-    assert back.setting == model.setting
-    full = nw.scale_model(back, 4 * model.setting.ship.length).model
-    assert full.setting.gear.rate_deg == pytest.approx(10.0)
-    assert full.setting.gear.limit_deg == 30.0
+    assert back.configuration == model.configuration
+    full = nw.scale_model(back, 4 * model.configuration.ship.length).model
+    assert full.configuration.gear.rate_deg == pytest.approx(10.0)
+    assert full.configuration.gear.limit_deg == 30.0

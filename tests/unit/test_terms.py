@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.vocabulary import REGRESSOR_INPUTS
+from narrows.quantities.names import REGRESSOR_INPUTS
 from tables import frame_of, many_runs, written
 
 
@@ -22,7 +22,7 @@ OWN = nw.PAPER.with_terms(
 
 
 def truth_with_own_term(dtc: nw.Model) -> nw.Model:
-    return nw.Model(dtc.setting, OWN, {**dtc.coefficients, "b_ur": 150.0, "c_ur": -80.0})
+    return nw.Model(dtc.configuration, OWN, {**dtc.coefficients, "b_ur": 150.0, "c_ur": -80.0})
 
 
 def test_own_term_is_identified(dtc: nw.Model) -> None:
@@ -40,9 +40,9 @@ def test_own_term_says_which_columns_it_needs(dtc: nw.Model, tmp_path) -> None:
     frame = frame_of(nw.twin(dtc, many_runs(3), rate=2.0))
     sailing = nw.TermTable("r alone", (), (nw.PAPER["b_r"],), ())
     path = written(frame[["test", "t", "r", "Y"]], tmp_path / "t.csv")
-    assert nw.identify(nw.read_captive(path, dtc.setting, sailing), sailing).scores.keys() == {"Y"}
+    assert nw.identify(nw.read_captive(path, dtc.configuration, sailing), sailing).scores.keys() == {"Y"}
     with pytest.raises(nw.InputError, match="column 'udot' is missing"):
-        nw.read_captive(path, dtc.setting)
+        nw.read_captive(path, dtc.configuration)
 
 
 def test_own_term_may_ask_for_particulars_and_depth(dtc: nw.Model, short: nw.CaptiveTests) -> None:
@@ -53,8 +53,8 @@ def test_own_term_may_ask_for_particulars_and_depth(dtc: nw.Model, short: nw.Cap
     with pytest.raises(nw.InputError, match="the terms need depth, which neither the tests nor the ship file give"):
         nw.identify(short, table)
     with pytest.raises(nw.InputError, match="need depth"):
-        nw.Model(dtc.setting, table, dtc.coefficients).forces(nw.Motion(v=1.0))
-    deep = nw.Setting(dtc.setting.ship, nw.Canal(7.0, 0.652))
+        nw.Model(dtc.configuration, table, dtc.coefficients).forces(nw.Motion(v=1.0))
+    deep = nw.Configuration(dtc.configuration.ship, nw.Canal(7.0, 0.652))
     known = nw.CaptiveTests(short.columns, short.names, short.starts, deep)
     assert nw.identify(known, table).coefficients["b_v"] == pytest.approx(
         2 * nw.identify(short).coefficients["b_v"], rel=1e-7

@@ -28,7 +28,7 @@ def repeated(tests: CaptiveTests, times: np.ndarray) -> CaptiveTests:
     names = tuple(f"{tests.names[i]}-{k}" for i, n in enumerate(times) for k in range(n))
     lengths = np.repeat(np.diff(tests.starts), times)
     starts = np.concatenate([[0], np.cumsum(lengths)])
-    return CaptiveTests({n: c[rows] for n, c in tests.columns.items()}, names, starts, tests.setting)
+    return CaptiveTests({n: c[rows] for n, c in tests.columns.items()}, names, starts, tests.configuration)
 
 
 def test_a_resample_is_the_fit_to_the_tests_that_were_drawn(fit: nw.Fit) -> None:
@@ -77,7 +77,7 @@ def test_a_profile_is_the_best_fit_with_one_coefficient_held(fit: nw.Fit) -> Non
     """Against fits to forces from which the held term is taken away."""
     found = fit.profile("b_bank")
     assert found is not None
-    values = {**fit.tests.setting.values(), **fit.tests.columns}
+    values = {**fit.tests.configuration.values(), **fit.tests.columns}
     rest = nw.TermTable("rest", nw.PAPER.surge, nw.PAPER.sway[:-1], nw.PAPER.yaw, nw.PAPER.ties)
     for i in (0, 20, 60):
         held = found.values[i] * nw.PAPER["b_bank"].column(values)
@@ -85,7 +85,7 @@ def test_a_profile_is_the_best_fit_with_one_coefficient_held(fit: nw.Fit) -> Non
             {**fit.tests.columns, "Y": fit.tests.columns["Y"] - held},
             fit.tests.names,
             fit.tests.starts,
-            fit.tests.setting,
+            fit.tests.configuration,
         )
         refit = nw.identify(tests, rest)
         for name in ("b_r", "b_v", "c_bank", "b_vdot"):
@@ -143,7 +143,7 @@ def test_the_one_sway_run_informs_sway() -> None:
 
 @pytest.mark.parametrize("time", [0.0, 1.0])
 def test_intervals_cover_the_truth(time: float) -> None:
-    """Also of b_v and c_r, which are at their bounds; design/coverage.py has it to a tenth of a percent."""
+    """Also of b_v and c_r, which are at their bounds; decisions/coverage.py has it to a tenth of a percent."""
     truth = nw.published("mikkelsen2025_dtc").with_coefficients(b_v=0.0, c_r=0.0)
     held = []
     for seed in range(150):

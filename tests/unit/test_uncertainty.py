@@ -23,7 +23,7 @@ def without_rows(tests: nw.CaptiveTests, out: np.ndarray) -> nw.CaptiveTests:
         {name: column[~out] for name, column in tests.columns.items()},
         tests.names,
         np.concatenate([[0], np.cumsum(lengths)]),
-        tests.setting,
+        tests.configuration,
     )
 
 
@@ -63,7 +63,7 @@ def unbounded() -> nw.TermTable:
 
 def excess_of(tests: nw.CaptiveTests, rows: list[np.ndarray]) -> np.ndarray:
     """By how much independent errors of one size make the jackknife variance of each coefficient too large."""
-    values = {**tests.setting.values(), **tests.columns}
+    values = {**tests.configuration.values(), **tests.columns}
     names = [name for name in nw.PAPER.names if name != "c_vdot"]
     blocks = []
     for own in nw.PAPER.forces.values():

@@ -4,5 +4,5 @@ from narrows.captive.read import read_captive as read_captive
 from narrows.captive.runs import HarmonicRun as HarmonicRun
 from narrows.captive.runs import StraightRun as StraightRun
 from narrows.captive.stream import stream_captive as stream_captive
+from narrows.captive.synthetic import twin as twin
 from narrows.captive.tests import CaptiveTests as CaptiveTests
-from narrows.captive.twin import twin as twin

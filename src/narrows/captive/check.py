@@ -8,7 +8,7 @@ import pandas as pd
 
 from narrows.captive.columns import COLUMNS, Column
 from narrows.errors import InputError, near_miss
-from narrows.particulars import Setting
+from narrows.ship.particulars import Configuration
 
 LARGEST = 1e20
 """Beyond this a number stands for a missing one (netCDF fills with 9.97e36), and its square spoils every sum."""
@@ -214,7 +214,7 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, found: dict[st
             )
 
 
-def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: Setting, place: str) -> None:
+def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, place: str) -> None:
     """Raise where a hull corner touches or crosses a bank (ours).
 
     Parameters
@@ -223,7 +223,7 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: S
         The table.
     columns : dict of str to array (rows,)
         With y, cos_psi and sin_psi.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     place : str
         The file.
@@ -235,7 +235,7 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: S
     """
     if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
         return
-    ship, width = setting.ship, columns.get("width", setting.canal.width)
+    ship, width = configuration.ship, columns.get("width", configuration.canal.width)
     reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(columns["sin_psi"]) + ship.beam / 2 * columns["cos_psi"]
     touching = reach >= np.asarray(width) / 2
     if touching.any():

@@ -5,7 +5,7 @@ from functools import cache
 from typing import NamedTuple
 
 from narrows.errors import InputError
-from narrows.vocabulary import CONTROLS, FORCES, MOTION, PARTICULARS, Quantity
+from narrows.quantities.names import CONTROLS, FORCES, MOTION, PARTICULARS, Quantity
 
 COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},

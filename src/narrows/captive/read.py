@@ -7,17 +7,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.captive import check, layouts
+from narrows.captive import check
 from narrows.captive.columns import Column, parse_header
+from narrows.captive.formats import layouts
 from narrows.captive.frames import read_frame
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
-from narrows.model import Source
-from narrows.particulars import Setting
-from narrows.ship_file import read_ship
-from narrows.tables import PAPER
-from narrows.terms import TermTable
-from narrows.vocabulary import CONTROLS, MOTION
+from narrows.model.model import Source
+from narrows.quantities.names import CONTROLS, MOTION
+from narrows.ship.particulars import Configuration
+from narrows.ship.ship_file import read_ship
+from narrows.terms.tables import PAPER
+from narrows.terms.term import TermTable
 
 
 class Rows(NamedTuple):
@@ -40,7 +41,7 @@ class Rows(NamedTuple):
 
 
 def read_captive(
-    path: str | Path, ship: str | Path | Setting, terms: TermTable = PAPER, where: str | None = None
+    path: str | Path, ship: str | Path | Configuration, terms: TermTable = PAPER, where: str | None = None
 ) -> CaptiveTests:
     """Read a table of captive tests into memory.
 
@@ -50,7 +51,7 @@ def read_captive(
         CSV, Parquet or .mat; columns ``test, t, x, y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI
         and radians unless the header carries a unit, as in ``psi [deg]``. Optional: ``condition``, and
         ``depth``, ``draft``, ``width`` where they change from row to row.
-    ship : str, Path or Setting
+    ship : str, Path or Configuration
         The ship file, or what was read from it.
     terms : TermTable
         What the columns must suffice for.
@@ -68,12 +69,12 @@ def read_captive(
         In one sentence with file, row, column and remedy.
     """
     path = Path(path)
-    setting = ship if isinstance(ship, Setting) else read_ship(ship)
+    configuration = ship if isinstance(ship, Configuration) else read_ship(ship)
     frame, notes = prepared(read_frame(path), where, str(path))
     if not len(frame):
         raise InputError(f"{path}: no rows are left to read; give a test at least one row")
-    rows = checked(frame, setting, terms, str(path))
-    return gathered(rows, setting, Source("captive tests", path.name, sha256_of(path)), notes)
+    rows = checked(frame, configuration, terms, str(path))
+    return gathered(rows, configuration, Source("captive tests", path.name, sha256_of(path)), notes)
 
 
 def prepared(frame: pd.DataFrame, where: str | None, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -98,14 +99,14 @@ def prepared(frame: pd.DataFrame, where: str | None, place: str) -> tuple[pd.Dat
     return layouts.translated(frame, where or "", place)
 
 
-def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str) -> Rows:
+def checked(frame: pd.DataFrame, configuration: Configuration, terms: TermTable, place: str) -> Rows:
     """Check a frame and bring it to SI (ours).
 
     Parameters
     ----------
     frame : DataFrame
         In the documented headers; its index counts the rows of the file.
-    setting : Setting
+    configuration : Configuration
         Ship, canal and water.
     terms : TermTable
         What the columns must suffice for.
@@ -133,21 +134,21 @@ def checked(frame: pd.DataFrame, setting: Setting, terms: TermTable, place: str)
     if "rudder" in columns:
         columns |= {"cos_rudder": np.cos(columns["rudder"]), "sin_rudder": np.sin(columns["rudder"])}
     columns |= {name: np.zeros(len(frame)) for name in assumed}
-    condition = _conditions(frame, columns, setting, place)
-    check.check_inside(frame, columns, setting, place)
+    condition = _conditions(frame, columns, configuration, place)
+    check.check_inside(frame, columns, configuration, place)
     notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
     notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
     return Rows(columns, test, condition, tuple(notes))
 
 
-def gathered(rows: Rows, setting: Setting, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
+def gathered(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
     """Put the rows of each test together (ours).
 
     Parameters
     ----------
     rows : Rows
         Checked rows.
-    setting : Setting
+    configuration : Configuration
         Ship, canal and water.
     source : Source
         Where they come from.
@@ -159,7 +160,7 @@ def gathered(rows: Rows, setting: Setting, source: Source, notes: tuple[str, ...
         columns={name: column[order] for name, column in rows.columns.items()},
         names=names,
         starts=starts,
-        setting=setting,
+        configuration=configuration,
         conditions=tuple(rows.condition[order][starts[:-1]]) if rows.condition.size else (),
         source=source,
         notes=notes + rows.notes,
@@ -195,12 +196,14 @@ def _needed(terms: TermTable, found: set[str]) -> tuple[list[str], list[str]]:
     return [name for name in [*needed, *forces] if name not in assumed], assumed
 
 
-def _conditions(frame: pd.DataFrame, columns: dict[str, np.ndarray], setting: Setting, place: str) -> np.ndarray:
+def _conditions(
+    frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, place: str
+) -> np.ndarray:
     """Each row's condition; a condition that the ship file gives a depth gets it as a column."""
     if "condition" in frame:
         condition = check.labels(frame, "condition", place)
-        if "depth" not in columns and setting.depths and set(condition) <= setting.depths.keys():
-            columns["depth"] = np.array([setting.depths[name] for name in condition], dtype=float)
+        if "depth" not in columns and configuration.depths and set(condition) <= configuration.depths.keys():
+            columns["depth"] = np.array([configuration.depths[name] for name in condition], dtype=float)
         return condition
     if "depth" in columns and np.ptp(columns["depth"]) > 0:
         return np.array([f"h{depth:.4g}" for depth in columns["depth"]])

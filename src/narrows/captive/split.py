@@ -7,8 +7,8 @@ import numpy as np
 
 from narrows.captive.tests import Block, Span, Tests
 from narrows.errors import InputError
-from narrows.model import Source
-from narrows.particulars import Setting
+from narrows.model.model import Source
+from narrows.ship.particulars import Configuration
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class SomeRows:
     drawn: bool
 
     @property
-    def setting(self) -> Setting:
+    def configuration(self) -> Configuration:
         """Ship, canal and water."""
-        return self.tests.setting
+        return self.tests.configuration
 
     @property
     def source(self) -> Source:

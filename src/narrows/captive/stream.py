@@ -14,11 +14,11 @@ from narrows.captive.frames import read_chunks
 from narrows.captive.read import Rows, checked, prepared, sha256_of, tests_of
 from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError
-from narrows.model import Source
-from narrows.particulars import Setting
-from narrows.ship_file import read_ship
-from narrows.tables import PAPER
-from narrows.terms import TermTable
+from narrows.model.model import Source
+from narrows.ship.particulars import Configuration
+from narrows.ship.ship_file import read_ship
+from narrows.terms.tables import PAPER
+from narrows.terms.term import TermTable
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class StreamedTests:
     ----------
     path : Path
         CSV or Parquet.
-    setting : Setting
+    configuration : Configuration
         Ship, canal and water.
     terms : TermTable
         What the columns must suffice for.
@@ -42,7 +42,7 @@ class StreamedTests:
     """
 
     path: Path
-    setting: Setting
+    configuration: Configuration
     terms: TermTable
     where: str | None = None
     source: Source = field(default_factory=Source)
@@ -85,12 +85,12 @@ class StreamedTests:
         last: tuple[str, float] = ("", -np.inf)
         conditions: set[str] = set()
         for frame in self._frames():
-            rows = checked(frame, self.setting, self.terms, str(self.path))
+            rows = checked(frame, self.configuration, self.terms, str(self.path))
             conditions |= set(rows.condition)
             self._check_continued(rows, last, conditions)
             last = (str(rows.test[-1]), float(rows.columns["t"][-1]) if "t" in rows.columns else -np.inf)
             spans = list(self._spans(rows.test, pieces, done))
-            yield Block({**self.setting.values(), **rows.columns}, len(frame), spans)
+            yield Block({**self.configuration.values(), **rows.columns}, len(frame), spans)
 
     def _frames(self) -> Iterator[pd.DataFrame]:
         for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
@@ -127,7 +127,7 @@ def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
 
 
 def stream_captive(
-    path: str | Path, ship: str | Path | Setting, terms: TermTable = PAPER, where: str | None = None
+    path: str | Path, ship: str | Path | Configuration, terms: TermTable = PAPER, where: str | None = None
 ) -> StreamedTests:
     """Open a table of captive tests that is read block by block each time it is needed.
 
@@ -135,7 +135,7 @@ def stream_captive(
     ----------
     path : str or Path
         CSV or Parquet, in the columns of ``read_captive``.
-    ship : str, Path or Setting
+    ship : str, Path or Configuration
         The ship file, or what was read from it.
     terms : TermTable
         What the columns must suffice for.
@@ -155,5 +155,5 @@ def stream_captive(
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
-    setting = ship if isinstance(ship, Setting) else read_ship(ship)
-    return StreamedTests(path, setting, terms, where, Source("captive tests", path.name, sha256_of(path)))
+    configuration = ship if isinstance(ship, Configuration) else read_ship(ship)
+    return StreamedTests(path, configuration, terms, where, Source("captive tests", path.name, sha256_of(path)))

@@ -8,9 +8,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.model import Source
-from narrows.particulars import Setting
-from narrows.vocabulary import FORCES, Number
+from narrows.model.model import Source
+from narrows.quantities.names import FORCES, Number
+from narrows.ship.particulars import Configuration
 
 BLOCK_ROWS = 32_000
 """Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory."""
@@ -57,7 +57,7 @@ class Tests(Protocol):
     """What identification asks of tests, be they in memory or on disk."""
 
     @property
-    def setting(self) -> Setting:
+    def configuration(self) -> Configuration:
         """Ship, canal and water."""
 
     @property
@@ -107,7 +107,7 @@ class CaptiveTests:
         The tests, in the order of their rows.
     starts : array (tests + 1,) of int
         First row of each test, and the number of rows.
-    setting : Setting
+    configuration : Configuration
         Ship, canal and water.
     conditions : tuple of str
         The condition (a water depth, say) of each test.
@@ -120,7 +120,7 @@ class CaptiveTests:
     columns: Mapping[str, np.ndarray]
     names: tuple[str, ...]
     starts: np.ndarray
-    setting: Setting
+    configuration: Configuration
     conditions: tuple[str, ...] = ()
     source: Source = field(default_factory=Source)
     notes: tuple[str, ...] = ()
@@ -184,8 +184,8 @@ class CaptiveTests:
         depth = self.columns.get("depth")
         if depth is None or np.ptp(depth) > 0:
             return self
-        canal = replace(self.setting.canal, depth=float(depth[0]))
-        return replace(self, setting=replace(self.setting, canal=canal, depths={}))
+        canal = replace(self.configuration.canal, depth=float(depth[0]))
+        return replace(self, configuration=replace(self.configuration, canal=canal, depths={}))
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
         """Yield every row once, in blocks.
@@ -196,7 +196,7 @@ class CaptiveTests:
             Into how many consecutive stretches each test is cut.
         """
         cuts = list(self._cuts(pieces))
-        particulars = self.setting.values()
+        particulars = self.configuration.values()
         for start in range(0, self.rows, BLOCK_ROWS):
             stop = min(start + BLOCK_ROWS, self.rows)
             spans = [

@@ -13,7 +13,7 @@ from narrows.cli.output import print_json
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.model import Model
+    from narrows.model.model import Model
 
 
 @app.command(epilog="Example: narrows envelope full.toml --speeds 4:12:17 --plot chart.png -o envelope.nc")
@@ -55,9 +55,9 @@ def envelope(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/envelope.md).
     """
-    from narrows.actuators import borrow_rudder
-    from narrows.model_file import model_named
-    from narrows.physics.squat import KNOT
+    from narrows.model.model_file import model_named
+    from narrows.model.rudder_transfer import borrow_rudder
+    from narrows.quantities.constants import KNOT
     from narrows.report.envelope_table import envelope_summary, print_envelope
     from narrows.safety import Disturbance, safe_envelope, wind_force
     from narrows.simulation.maps import parse_range
@@ -95,12 +95,12 @@ def _placed(model: "Model", file: Path, at: float, level: float) -> "tuple[Model
     """The model in the section of a waterway at a place; where her keel meets its banks, and where its middle is."""
     from narrows.waterway import read_waterway
 
-    found, ship = read_waterway(file).with_water(level=level), model.setting.ship
+    found, ship = read_waterway(file).with_water(level=level), model.configuration.ship
     if not 0 <= at <= found.line.length:
         raise InputError(f"--at {at:g} is beyond the waterway, which is {found.line.length:.0f} m long")
     found.check_fits(ship, at)
     canal, middle, room = found.canal(at), float(found.section(at).middle), found.room(at, ship.draft)
-    canal = canal if canal.depth else replace(canal, depth=model.setting.canal.depth)
+    canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     aside, half = float(room.middle) - middle, float(room.width) / 2
     said = f"at {at:.0f} m along {found.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
-    return replace(model, setting=replace(model.setting, canal=canal)), (half - aside, half + aside), said
+    return replace(model, configuration=replace(model.configuration, canal=canal)), (half - aside, half + aside), said

@@ -35,7 +35,7 @@ def identify(
     """
     from narrows.captive import read_captive, stream_captive
     from narrows.identification.conditions import identify_each
-    from narrows.tables import table_named
+    from narrows.terms.tables import table_named
 
     chosen = table_named(terms)
     if stream and report:
@@ -51,8 +51,8 @@ def demo(
     json: AsJson = False,
 ) -> None:
     """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""
+    from narrows.captive.measured import measured_tests
     from narrows.identification.conditions import identify_each
-    from narrows.measured import measured_tests
 
     folder(out)
     fits = identify_each(measured_tests("kcs"))
@@ -81,11 +81,11 @@ def explain(
     from narrows.captive import read_captive
     from narrows.identification import explain as explained
     from narrows.identification.conditions import the_condition
-    from narrows.model_file import model_named
+    from narrows.model.model_file import model_named
     from narrows.report.explanation import print_explanation, write_explanation
 
     chosen = model_named(model)
-    tests = the_condition(read_captive(table, ship or chosen.setting, chosen.terms, where), condition)
+    tests = the_condition(read_captive(table, ship or chosen.configuration, chosen.terms, where), condition)
     found = explained(chosen, tests, tuple(filter(None, compare.split(","))))
     if report:
         write_explanation(found, report, f"{model} on {table.name}")
@@ -113,7 +113,7 @@ def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Pat
     json : bool
         Print JSON.
     """
-    from narrows.model_file import save_model
+    from narrows.model.model_file import save_model
 
     written = []
     for label, fit in fits.items():

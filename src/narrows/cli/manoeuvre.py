@@ -24,9 +24,9 @@ def manoeuvre(
 
     MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
     """
-    from narrows.model_file import model_named
+    from narrows.manoeuvres.manoeuvring_trials import parse_zigzags, sail_trials
+    from narrows.model.model_file import model_named
     from narrows.report.manoeuvres import manoeuvres_figure, print_manoeuvres
-    from narrows.simulation.trial_set import parse_zigzags, sail_trials
 
     found = sail_trials(model_named(model), u, turn_deg, parse_zigzags(zigzags), dt)
     if plot:

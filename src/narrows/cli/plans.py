@@ -30,10 +30,10 @@ def design(
 ) -> None:
     """Propose the captive tests that make the bank's coefficients best known."""
     from narrows.captive import read_captive
-    from narrows.planning import Tank, plan_tests
+    from narrows.experiment_design import Tank, plan_tests
     from narrows.report.plans import print_plan, write_plan
-    from narrows.ship_file import read_ship
-    from narrows.tables import table_named
+    from narrows.ship.ship_file import read_ship
+    from narrows.terms.tables import table_named
 
     chosen = table_named(terms)
     tank = Tank(run_length, clearance, speeds=numbers(speeds, "--speeds"), depths=numbers(depths, "--depths"))

@@ -28,8 +28,8 @@ def scale(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.froude import Friction, scale_model
-    from narrows.model_file import model_named, save_model
+    from narrows.model.froude import Friction, scale_model
+    from narrows.model.model_file import model_named, save_model
     from narrows.report.scales import print_scaled, scaled_summary
 
     friction = None

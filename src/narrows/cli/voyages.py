@@ -12,7 +12,7 @@ from narrows.cli.output import print_json
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.model import Model
+    from narrows.model.model import Model
     from narrows.simulation.steering import Autopilot
     from narrows.waterway import Waterway
 
@@ -57,7 +57,7 @@ def simulate(
     """
     from math import radians
 
-    from narrows.model_file import model_named
+    from narrows.model.model_file import model_named
     from narrows.simulation.voyage import simulate as run
 
     chosen = model_named(model)
@@ -74,7 +74,7 @@ def simulate(
     if plot:
         from narrows.report.voyages import save_figure, voyage_figure
 
-        save_figure(voyage_figure(voyage, chosen.setting, course), plot)
+        save_figure(voyage_figure(voyage, chosen.configuration, course), plot)
     if json:
         print_json(voyage.outcome.as_json())
     else:
@@ -93,8 +93,8 @@ def _pilot(model: "Model", hold: float | None, u: float, x: float, way: "Waterwa
     if way is None:
         return track_pilot(model, hold, u)
     canal = way.canal(x)
-    canal = canal if canal.depth else replace(canal, depth=model.setting.canal.depth)
-    there = replace(model, setting=replace(model.setting, canal=canal))
+    canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
+    there = replace(model, configuration=replace(model.configuration, canal=canal))
     # Her section counts from its middle, the voyage from the line.
     return replace(track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
 
@@ -132,7 +132,7 @@ def map_(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.model_file import model_named
+    from narrows.model.model_file import model_named
     from narrows.simulation.maps import map_summary, mapped
     from narrows.simulation.netcdf import save_netcdf
 
@@ -149,7 +149,7 @@ def map_(
     if plot:
         from narrows.report.voyages import map_figure, save_figure
 
-        save_figure(map_figure(voyages, chosen.setting, within), plot)
+        save_figure(map_figure(voyages, chosen.configuration, within), plot)
     summary = map_summary(voyages)
     print_json(summary) if json else typer.echo(summary["says"])
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))

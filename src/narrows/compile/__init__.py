@@ -1,7 +1,7 @@
 """From a table of terms to equations of motion that run fast: traced once, cached, differentiated exactly.
 
     program = compiled(model.terms)
-    values = {**model.setting.values(), **model.coefficients}
+    values = {**model.configuration.values(), **model.coefficients}
     fleet = program.fleet(values, y=y, u=1.0, dt=0.02, duration=40.0)
 
 ``record`` writes down what the regressors do, ``trace`` solves for the accelerations in symbols, ``emit`` and
@@ -21,7 +21,7 @@ from narrows.compile.program import Program as Program
 from narrows.compile.trace import STATE as STATE
 from narrows.compile.trace import Surge
 from narrows.errors import InputError
-from narrows.terms import TermTable
+from narrows.terms.term import TermTable
 
 
 def compiled(

@@ -14,7 +14,7 @@ from narrows.compile.kernel import LANES, Precision
 from narrows.compile.outcome import Outcome
 from narrows.compile.trace import STATE
 from narrows.errors import InputError
-from narrows.vocabulary import Number
+from narrows.quantities.names import Number
 
 RUNNING = -1
 Result = TypeVar("Result")

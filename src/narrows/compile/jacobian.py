@@ -10,7 +10,7 @@ import numpy as np
 from narrows.compile.emit import Constants, Emitted, function
 from narrows.compile.spell import PLAIN
 from narrows.compile.trace import ACCELERATIONS, ARGUMENTS, INPUTS, STATE, Expr, symbol
-from narrows.vocabulary import AMIDSHIPS, FORCES, Number
+from narrows.quantities.names import AMIDSHIPS, FORCES, Number
 
 LINEARISED = ("x", "y", "psi", "u", "v", "r")
 """The state of a linearised model; the heading is one angle [rad] again."""

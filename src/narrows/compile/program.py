@@ -20,8 +20,8 @@ from narrows.compile.kernel import Precision, kernel_text
 from narrows.compile.record import Record, record
 from narrows.compile.trace import ARGUMENTS, INPUTS, STATE, SURGE_INERTIA, Surge, trace
 from narrows.errors import InputError
-from narrows.terms import TermTable
-from narrows.vocabulary import AMIDSHIPS, Number
+from narrows.quantities.names import AMIDSHIPS, Number
+from narrows.terms.term import TermTable
 
 DEFAULTS = dict.fromkeys((*INPUTS.values(), "heave", SURGE_INERTIA), 0.0) | AMIDSHIPS
 

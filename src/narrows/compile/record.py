@@ -13,8 +13,8 @@ from numbers import Integral, Real
 from typing import Any, NoReturn
 
 from narrows.errors import InputError
-from narrows.terms import TermTable
-from narrows.vocabulary import REGRESSOR_INPUTS, Number
+from narrows.quantities.names import REGRESSOR_INPUTS, Number
+from narrows.terms.term import TermTable
 
 Line = tuple[str, ...]
 """``("input", name)``, ``("number", text)``, or an operation and the numbers of the lines that it works on."""

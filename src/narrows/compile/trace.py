@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from narrows.compile.record import Record
 from narrows.errors import InputError
-from narrows.vocabulary import CONTROLS, FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.quantities.names import CONTROLS, FORCES, PARTICULARS, REGRESSOR_INPUTS
 
 Expr = Any
 """A SymPy expression."""

@@ -11,7 +11,7 @@ from narrows.identification.interval import LEVEL, bounded_interval
 from narrows.identification.problem import Problem
 from narrows.identification.robust import Robust, leverage
 from narrows.identification.uncertainty import Clusters
-from narrows.terms import TermTable
+from narrows.terms.term import TermTable
 
 BOOTSTRAPS = ("tests", "scores")
 MIDDLE = (0.158655, 0.841345)

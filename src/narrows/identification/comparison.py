@@ -6,12 +6,12 @@ from typing import Any
 
 from narrows.captive.tests import Tests
 from narrows.errors import InputError
-from narrows.forms import FORMS
 from narrows.identification.fit import Fit, identify
 from narrows.identification.summary import finite
 from narrows.identification.verdict import CONFOUNDED
-from narrows.tables import BARE, table_named
-from narrows.terms import TermTable
+from narrows.terms.bank_forms import FORMS
+from narrows.terms.tables import BARE, table_named
+from narrows.terms.term import TermTable
 
 Tables = str | TermTable | Sequence[str | TermTable]
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.identification.moments import ONE, Moments
 from narrows.identification.solve import RANK_TOLERANCE
-from narrows.terms import Term, TermTable
+from narrows.terms.term import Term, TermTable
 
 INVOLVED = 1e-3
 """A column takes part in a direction of unit length where its share is larger than this."""

@@ -8,7 +8,7 @@ from narrows.identification.verdict import WEAK, Evidence, Verdict, judge
 
 if TYPE_CHECKING:
     from narrows.identification.fit import Fit
-    from narrows.terms import Term
+    from narrows.terms.term import Term
 
 
 def verdicts(fit: "Fit") -> dict[str, Verdict]:

@@ -13,7 +13,7 @@ from narrows.identification.comparison import Comparison, compare, ready_tables
 from narrows.identification.fit import Fit, identify
 from narrows.identification.score import Score, score
 from narrows.identification.summary import finite
-from narrows.model import Envelope, Model
+from narrows.model.model import DataRange, Model
 
 SLACK = 0.01
 """Of a range of the model's data, by which tests may exceed it before that is said."""
@@ -72,7 +72,7 @@ class Explanation:
     def fitted_on_these(self) -> bool:
         """Whether the model came of this very table, at this depth."""
         own, tests = self.model, self.fit.tests
-        same_canal = own.setting.canal == tests.setting.canal
+        same_canal = own.configuration.canal == tests.configuration.canal
         return bool(own.source.sha256) and own.source.sha256 == tests.source.sha256 and same_canal
 
     @property
@@ -88,7 +88,7 @@ class Explanation:
         apart = [name for name, far in self.distance.items() if abs(far) > UNLIKELY]
         if apart and not self.fitted_on_these:
             said.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
-        return (*said, *outside(self.model.envelope, self.fit.envelope))
+        return (*said, *outside(self.model.data_range, self.fit.data_range))
 
     def summary(self) -> dict[str, Any]:
         """Everything as plain numbers and words: what ``explain --json`` prints."""
@@ -112,12 +112,12 @@ class Explanation:
         }
 
 
-def outside(known: Envelope, rows: Envelope) -> tuple[str, ...]:
+def outside(known: DataRange, rows: DataRange) -> tuple[str, ...]:
     """Say where tests lie outside of what a model's data covered (ours).
 
     Parameters
     ----------
-    known, rows : Envelope
+    known, rows : DataRange
         Of the model, and of the tests.
     """
     said = []

@@ -30,9 +30,9 @@ from narrows.identification.solve import Kkt, solve
 from narrows.identification.tradeoff import Tradeoff, tradeoffs
 from narrows.identification.uncertainty import Clusters, clustered, pieces_for
 from narrows.identification.verdict import Verdict
-from narrows.model import Envelope, Model
-from narrows.tables import PAPER, table_named
-from narrows.terms import TermTable
+from narrows.model.model import DataRange, Model
+from narrows.terms.tables import PAPER, table_named
+from narrows.terms.term import TermTable
 
 SPLITS = ("test", "random")
 
@@ -67,7 +67,7 @@ class Fit:
         Sums over the rows.
     clusters : Clusters
         What the standard errors take as independent.
-    envelope : Envelope
+    data_range : DataRange
         What the rows cover.
     """
 
@@ -83,17 +83,17 @@ class Fit:
     problem: Problem
     moments: Moments
     clusters: Clusters
-    envelope: Envelope
+    data_range: DataRange
 
     @property
     def model(self) -> Model:
         """The fit as a model, ready to save or to simulate."""
         return Model(
-            self.tests.setting,
+            self.tests.configuration,
             self.terms,
             self.coefficients,
             self.covariance,
-            self.envelope,
+            self.data_range,
             self.tests.source,
         )
 
@@ -289,7 +289,7 @@ def identify(
     terms = table_named(terms) if isinstance(terms, str) else terms
     check_one_condition(tests, terms)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
-    moments, envelope = accumulate(fitted, terms, pieces_for(len(tests.names)))
+    moments, data_range = accumulate(fitted, terms, pieces_for(len(tests.names)))
     problem = reduced(moments, terms, weights)
     solution = solve(*problem.normal(moments.total), problem.lower, problem.upper)
     values = dict(zip(terms.names, problem.coefficients(solution.z).tolist(), strict=True))
@@ -313,7 +313,7 @@ def identify(
         problem=problem,
         moments=moments,
         clusters=clusters,
-        envelope=envelope,
+        data_range=data_range,
     )
 
 

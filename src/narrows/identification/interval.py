@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.vocabulary import Number
+from narrows.quantities.names import Number
 
 LEVEL = 0.95
 GRID = 401

@@ -13,9 +13,9 @@ import numpy as np
 
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError
-from narrows.model import Envelope, Range
-from narrows.terms import TermTable
-from narrows.vocabulary import FORCES, Number
+from narrows.model.model import DataRange, Range
+from narrows.quantities.names import FORCES, Number
+from narrows.terms.term import TermTable
 
 ONE = "1"
 SPEED_GAP = 1.15
@@ -191,7 +191,7 @@ def _products(design: np.ndarray) -> np.ndarray:
     return total
 
 
-def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments, Envelope]:
+def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments, DataRange]:
     """Sum over every row, once.
 
     Parameters
@@ -205,7 +205,7 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments
 
     Returns
     -------
-    Moments, Envelope
+    Moments, DataRange
         The sums, and the ranges that the rows cover.
 
     Raises
@@ -216,14 +216,14 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments
     layout = Layout(terms)
     sums: dict[tuple[str, int], np.ndarray] = defaultdict(lambda: np.zeros((layout.size, layout.size)))
     way: dict[tuple[str, int], float] = defaultdict(float)
-    envelope = Envelope()
+    data_range = DataRange()
     for block in tests.blocks(pieces):
         design = layout.design(block)
         speed = np.broadcast_to(block.values.get("u", 0.0), block.rows)
         for test, piece, start, stop in block.spans:
             sums[test, piece] += products(design[:, start:stop])
             way[test, piece] += float(speed[start:stop].sum())
-        envelope = _joined(envelope, _covered(block))
+        data_range = _joined(data_range, _covered(block))
     if not sums:
         place = tests.source.table or tests.source.text
         raise InputError(f"{place}: no rows are left; give more, or another selection")
@@ -231,7 +231,7 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[Moments
     stacked = np.stack(list(sums.values()))
     moments = Moments(layout.columns, stacked, tuple(test for test, _ in sums), np.array(speeds))
     _check_finite(moments)
-    return moments, envelope
+    return moments, data_range
 
 
 def _check_finite(moments: Moments) -> None:
@@ -257,11 +257,11 @@ def design_rows(tests: Tests, terms: TermTable) -> Iterator[tuple[Layout, np.nda
         yield layout, layout.design(block)
 
 
-def _covered(block: Block) -> Envelope:
+def _covered(block: Block) -> DataRange:
     values = block.values
     ratio = np.divide(values["depth"], values["draft"]) if "depth" in values else None
     wide = np.divide(values["width"], values["beam"])
-    return Envelope(
+    return DataRange(
         speed=_range(values.get("u")),
         abs_y=_range(_size(values.get("y"))),
         abs_psi=_range(_size(values.get("psi"))),
@@ -279,9 +279,9 @@ def _range(column: Number | None) -> Range | None:
     return None if column is None else (float(np.min(column)), float(np.max(column)))
 
 
-def _joined(one: Envelope, other: Envelope) -> Envelope:
+def _joined(one: DataRange, other: DataRange) -> DataRange:
     ranges = {}
-    for name in Envelope.__annotations__:
+    for name in DataRange.__annotations__:
         known = [pair for pair in (getattr(one, name), getattr(other, name)) if pair is not None]
         ranges[name] = (min(p[0] for p in known), max(p[1] for p in known)) if known else None
-    return Envelope(**ranges)
+    return DataRange(**ranges)

@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.identification.moments import ONE, Moments
-from narrows.terms import TermTable
+from narrows.terms.term import TermTable
 
 WEIGHTS = ("paper", "variance")
 

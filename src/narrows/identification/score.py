@@ -8,7 +8,7 @@ import numpy as np
 from narrows.identification.batch import solve_many
 from narrows.identification.moments import ONE, Moments
 from narrows.identification.problem import Problem
-from narrows.terms import Term, TermTable
+from narrows.terms.term import Term, TermTable
 
 
 class Score(NamedTuple):

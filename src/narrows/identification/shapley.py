@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.identification.moments import Moments
-from narrows.terms import TermTable
+from narrows.terms.term import TermTable
 
 KINDS = ("mse", "mean_abs", "lmg")
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.identification.diagnostics import INVOLVED, Diagnosis
-from narrows.terms import Term
+from narrows.terms.term import Term
 
 VIF_LIMIT = 10.0
 """Over all rows: beyond this the other columns leave a coefficient under a tenth of its own information."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from narrows.physics import clearance
-from narrows.vocabulary import REGRESSOR_INPUTS, Number, described
+from narrows.quantities.names import REGRESSOR_INPUTS, Number, described
 
 SCALE = ("u", "heave", "length", "draft", "block_coefficient", "density")
 

@@ -2,10 +2,8 @@
 
 import math
 
-from narrows.vocabulary import Number, documented
-
-GRAVITY = 9.81
-"""Of the earth [m/s2]."""
+from narrows.quantities.constants import GRAVITY
+from narrows.quantities.names import Number, documented
 
 
 @documented

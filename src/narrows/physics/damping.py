@@ -1,6 +1,6 @@
 """Damping, linear and quadratic in each velocity, per unit of each coefficient."""
 
-from narrows.vocabulary import Number, documented
+from narrows.quantities.names import Number, documented
 
 
 @documented

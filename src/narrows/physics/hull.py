@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from narrows.vocabulary import Number, documented
+from narrows.quantities.names import Number, documented
 
 
 @documented

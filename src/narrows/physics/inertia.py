@@ -1,6 +1,6 @@
 """Force on the rig that accelerates the hull and its added water, per unit of each coefficient."""
 
-from narrows.vocabulary import Number, documented
+from narrows.quantities.names import Number, documented
 
 
 @documented

@@ -3,7 +3,7 @@
 import math
 
 from narrows.physics.hull import drift, speed
-from narrows.vocabulary import Number, Values, asking
+from narrows.quantities.names import Number, Values, asking
 
 NOTHING = 1e-9
 """An angle [rad] too small to have a side."""

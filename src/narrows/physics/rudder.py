@@ -9,7 +9,7 @@ import math
 
 from narrows.physics.hull import drift, speed
 from narrows.physics.propeller import LOADING, inflow, loading
-from narrows.vocabulary import Number, Values, asking, documented
+from narrows.quantities.names import Number, Values, asking, documented
 
 REFERENCE_AREA = 0.01
 """Of the rudder, over length times draft [1]."""

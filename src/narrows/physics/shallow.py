@@ -1,6 +1,6 @@
 """How hull derivatives grow as the water gets shallow: factors over those of deep water."""
 
-from narrows.vocabulary import Number, documented
+from narrows.quantities.names import Number, documented
 
 
 def _factor(share: Number, power: Number) -> Number:

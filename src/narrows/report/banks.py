@@ -3,23 +3,23 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from narrows.model import Range
-from narrows.particulars import Setting
+from narrows.model.model import Range
 from narrows.physics.clearance import delta, taper
 from narrows.report.style import BLUE, GREEN, ORANGE, panels
+from narrows.ship.particulars import Configuration
 
 
-def delta_figure(setting: Setting, covered: Range | None) -> Figure:
+def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     """Draw delta and its taper across the canal (the paper's fig. Delta_fun).
 
     Parameters
     ----------
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     covered : pair of float [m], optional
         Range of |y| in the data, shaded.
     """
-    width, beam = setting.canal.width, setting.ship.beam
+    width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 801) * 0.97 * (width - beam) / 2
     figure, axes = panels(1, 1, 3.0)
     panel = axes[0, 0]
@@ -33,15 +33,15 @@ def delta_figure(setting: Setting, covered: Range | None) -> Figure:
     return figure
 
 
-def delta_surface_figure(setting: Setting) -> Figure:
+def delta_surface_figure(configuration: Configuration) -> Figure:
     """Draw delta over offset and heading (the paper's fig. delta_surf), as contours that can be read off.
 
     Parameters
     ----------
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     """
-    width, beam = setting.canal.width, setting.ship.beam
+    width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
     psi = np.linspace(-89, 89, 241)
     values = delta(y[None, :], np.cos(np.radians(psi))[:, None], width, beam)

@@ -7,7 +7,7 @@ from narrows.identification import Fit
 from narrows.identification.diagnostics import Diagnosis
 from narrows.identification.verdict import CONFOUNDED_VIF, VIF_LIMIT
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
-from narrows.terms import TermTable
+from narrows.terms.term import TermTable
 
 MARKERS = ("o", "^", "s", "D", "v", "P")
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)

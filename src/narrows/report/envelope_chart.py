@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from narrows.model import Model
-from narrows.physics.squat import KNOT
+from narrows.model.model import Model
+from narrows.quantities.constants import KNOT
 from narrows.report.style import BLACK, BLUE, DASHES, GREY, ORANGE, PURPLE, panels
 from narrows.safety import FIVE_PERCENT, MEDIAN, RESERVE, SafeEnvelope
 
@@ -32,7 +32,7 @@ def envelope_chart(envelope: SafeEnvelope, model: Model, reserve: float = RESERV
     _draw_rudder(rudder, envelope, model, reserve)
     for own in (speeds, rudder):
         _draw_banks(own, envelope, model)
-    figure.suptitle(f"Safe envelope: {envelope.setting}", fontsize=9.5)
+    figure.suptitle(f"Safe envelope: {envelope.description}", fontsize=9.5)
     return figure
 
 
@@ -68,7 +68,7 @@ def _ends_of_runs(high: np.ndarray) -> np.ndarray:
 
 def _draw_tested(axes: Axes, model: Model) -> None:
     """The offsets and speeds that the tests covered, at this size."""
-    speed, offset = model.envelope.speed, model.envelope.abs_y
+    speed, offset = model.data_range.speed, model.data_range.abs_y
     for side in () if offset is None else (-offset[1], offset[1]):
         axes.axvline(side, color=PURPLE, ls=":", lw=1.4)
     if speed is not None:
@@ -87,7 +87,7 @@ def _speed_legend(blocked: bool) -> list[Patch | Line2D]:
 
 
 def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: float) -> None:
-    limit = model.setting.gear.limit_deg
+    limit = model.configuration.gear.limit_deg
     data, y = envelope.data, envelope.data["y"].to_numpy()
     sailed = np.flatnonzero(data["clear"].to_numpy() | ~data["clear"].to_numpy().any())
     ends = np.unique(sailed[[0, -1]])[:: -1 if envelope.speed_free else 1]
@@ -113,7 +113,7 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: floa
 
 def _draw_banks(axes: Axes, envelope: SafeEnvelope, model: Model) -> None:
     """Where her keel meets the banks in black, and in grey where the middle of the ship cannot be for her own side."""
-    side, (port, starboard) = model.setting.ship.beam / 2, envelope.walls
+    side, (port, starboard) = model.configuration.ship.beam / 2, envelope.walls
     for sign, wall in ((-1, port), (1, starboard)):
         axes.axvspan(sign * (wall - side), sign * wall, color=GREY, alpha=0.35, lw=0)
         axes.axvline(sign * wall, color=BLACK, lw=3)

@@ -7,7 +7,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from narrows.physics.squat import KNOT
+from narrows.quantities.constants import KNOT
 from narrows.safety import MEDIAN, SafeEnvelope
 
 
@@ -70,7 +70,7 @@ def envelope_summary(envelope: SafeEnvelope) -> dict[str, Any]:
         The answer.
     """
     return {
-        "setting": envelope.setting,
+        "setting": envelope.description,
         "offsets": offset_rows(envelope),
         "speeds": speed_rows(envelope),
         "notes": list(envelope.notes),
@@ -92,7 +92,7 @@ def print_envelope(envelope: SafeEnvelope) -> None:
     """
     console = Console(highlight=False)
     console.width = max(console.width, 110)
-    console.print(envelope.setting)
+    console.print(envelope.description)
     console.print(_by_offset(envelope))
     console.print()
     console.print(_by_speed(envelope))

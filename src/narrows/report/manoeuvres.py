@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
+from narrows.manoeuvres.manoeuvring_trials import Trials
 from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, panels
-from narrows.simulation.trial_set import Trials
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 
@@ -30,7 +30,7 @@ def print_manoeuvres(trials: Trials) -> None:
         zigzags.add_column(head, justify="right")
     for order, own in found["zigzags"].items():
         zigzags.add_row(order, ", ".join(f"{angle:.1f}" for angle in own["overshoots_deg"]))
-    console.print(f"{trials.model.setting.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
+    console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
     for table in (circles, zigzags):
         console.print(table)
     for note in trials.notes:
@@ -47,7 +47,7 @@ def manoeuvres_figure(trials: Trials) -> Figure:
     """
     figure, axes = panels(1, 2, 3.6)
     circles, zigzags = axes[0]
-    length = trials.model.setting.ship.length
+    length = trials.model.configuration.ship.length
     for (order, (voyage, _)), colour, dash in zip(trials.turning.items(), COLOURS, DASHES, strict=False):
         circles.plot(voyage.y / length, voyage.x / length, color=colour, ls=dash, label=f"rudder {order} deg")
     circles.set_aspect("equal")

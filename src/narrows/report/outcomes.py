@@ -10,7 +10,7 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.report.columns import symbols
 from narrows.report.motions import boundaries
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREEN, GREY, HATCHES, ORANGE, panels
-from narrows.terms import Term
+from narrows.terms.term import Term
 
 
 def estimate(fit: Fit, tests: CaptiveTests, terms: tuple[Term, ...]) -> np.ndarray:
@@ -25,7 +25,7 @@ def estimate(fit: Fit, tests: CaptiveTests, terms: tuple[Term, ...]) -> np.ndarr
     terms : tuple of Term
         Which.
     """
-    values = {**tests.setting.values(), **tests.columns}
+    values = {**tests.configuration.values(), **tests.columns}
     parts = [fit.coefficients[term.name] * term.column(values) for term in terms]
     return np.asarray(sum(parts, np.zeros(tests.rows)))
 

@@ -90,14 +90,14 @@ def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
     number : int
         Of the section.
     """
-    source, envelope = fit.tests.source, asdict(fit.envelope)
+    source, envelope = fit.tests.source, asdict(fit.data_range)
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
         "source": source,
-        "ship": {k: v for k, v in asdict(fit.tests.setting.ship).items() if v is not None},
-        "setting": {"width": fit.tests.setting.canal.width, "depth": fit.tests.setting.canal.depth,
-                    "density": fit.tests.setting.water.density},
+        "ship": {k: v for k, v in asdict(fit.tests.configuration.ship).items() if v is not None},
+        "setting": {"width": fit.tests.configuration.canal.width, "depth": fit.tests.configuration.canal.depth,
+                    "density": fit.tests.configuration.water.density},
         "envelope": [
             f"{word}: {pair[0] * scale:.3g} to {pair[1] * scale:.3g} {unit}"
             for name, (word, unit, scale) in ENVELOPE.items() if (pair := envelope[name]) is not None
@@ -179,7 +179,7 @@ def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
 
 
 def _figures(fit: Fit) -> list[dict[str, str]]:
-    setting, covered = fit.tests.setting, fit.envelope.abs_y
+    configuration, covered = fit.tests.configuration, fit.data_range.abs_y
     pictures = [
         figure(outcomes.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
         figure(columns.inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
@@ -187,8 +187,8 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
         figure(columns.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
         figure(trust.influence_figure(fit), "Share of what is known of each coefficient that goes with each test."),
         figure(outcomes.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
-        figure(banks.delta_figure(setting, covered), "Pressure difference delta across the canal at zero heading."),
-        figure(banks.delta_surface_figure(setting), "Pressure difference delta over offset and heading."),
+        figure(banks.delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
+        figure(banks.delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
     ]  # fmt: skip
     if profiles := trust.profiles_figure(fit):
         said = "Profile likelihood under the constraints; dashed: the estimate, dotted: the limit of 95 %."

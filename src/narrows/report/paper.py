@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from narrows.captive.twin import twin
+from narrows.captive.synthetic import twin
 from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
-from narrows.model import Model
-from narrows.model_file import published
+from narrows.model.model import Model
+from narrows.model.model_file import published
 from narrows.report import banks, columns, motions, outcomes
 from narrows.report.numbers import interval, readable
 from narrows.report.page import figure, render
@@ -67,7 +67,7 @@ def write_reproduction(path: str | Path, progress: Callable[[str], None] = lambd
         "shapley": [_share(fit, name) for name in truth.terms.names],
         "readings": [{"name": name, "switch": switch_of(d)} for name, d in readings.items()],
         "eigenvalues": {"with the bank": _modes(truth, True), "without": _modes(truth, False)},
-        "stiffness": bank_stiffness(truth.setting),
+        "stiffness": bank_stiffness(truth.configuration),
     }
     progress("figures")
     page = render(
@@ -102,7 +102,9 @@ def grounding_readings(model: Model) -> dict[str, Any]:
     model : Model
         The ship.
     """
-    heavy = replace(model, setting=replace(model.setting, ship=replace(model.setting.ship, mass=MASS)))
+    heavy = replace(
+        model, configuration=replace(model.configuration, ship=replace(model.configuration.ship, mass=MASS))
+    )
     common: dict[str, Any] = {"y": STARTS, "duration": 120.0, "surge": "free", "X": SURGE_FORCE}
     common["surge_inertia"] = SURGE_MASS
     return {
@@ -169,16 +171,20 @@ def _doubts(fit: Fit) -> list[str]:
 
 
 def _figures(fit: Fit, truth: Model, voyages: list[Voyage], readings: dict[str, Any]) -> dict[str, dict[str, str]]:
-    tests, setting = fit.tests, truth.setting
+    tests, configuration = fit.tests, truth.configuration
     distances = {name: grounding_distance(voyages) for name, voyages in readings.items()}
     sides = {name: voyages["side"] for name, voyages in readings.items()}
     return {
         "tests": figure(motions.tests_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
-        "delta": figure(banks.delta_figure(setting, fit.envelope.abs_y), "delta against y, and with the taper."),
-        "surface": figure(banks.delta_surface_figure(setting), "delta over offset and heading."),
+        "delta": figure(
+            banks.delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."
+        ),
+        "surface": figure(banks.delta_surface_figure(configuration), "delta over offset and heading."),
         "correlation": figure(columns.correlation_figure(fit), "Correlations between the columns, and rank."),
         "forces": figure(outcomes.forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
         "shapley": figure(outcomes.shapley_figure(fit), "Shapley shares under three value functions."),
-        "paths": figure(paths_figure(voyages, setting), "Voyages from the starts of the table, hull corners."),
-        "distance": figure(distances_figure(distances, sides, setting), "Distance along the canal to the grounding."),
+        "paths": figure(paths_figure(voyages, configuration), "Voyages from the starts of the table, hull corners."),
+        "distance": figure(
+            distances_figure(distances, sides, configuration), "Distance along the canal to the grounding."
+        ),
     }

@@ -6,8 +6,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from narrows.experiment_design import Plan
 from narrows.files import write_whole
-from narrows.planning import Plan
 
 COLUMN = 14
 """Characters; a narrow terminal wraps lines rather than losing digits."""

@@ -5,9 +5,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from narrows.froude import Scaled
-from narrows.model import Model
-from narrows.scaling import nondimensional
+from narrows.model.froude import Scaled
+from narrows.model.model import Model
+from narrows.model.nondimensional import nondimensional
 
 
 def scaled_summary(old: Model, scaled: Scaled) -> dict[str, Any]:

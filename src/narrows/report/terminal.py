@@ -49,9 +49,9 @@ def heading(fit: Fit, label: str) -> str:
     label : str
         The condition.
     """
-    setting = fit.tests.setting
-    depth = f"h/T = {setting.canal.depth / setting.ship.draft:.2f}" if setting.canal.depth else ""
-    return ", ".join(part for part in (setting.ship.name, label, depth) if part)
+    configuration = fit.tests.configuration
+    depth = f"h/T = {configuration.canal.depth / configuration.ship.draft:.2f}" if configuration.canal.depth else ""
+    return ", ".join(part for part in (configuration.ship.name, label, depth) if part)
 
 
 def kkt_sentence(fit: Fit) -> str:

@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon
 
 from narrows.errors import InputError
 from narrows.files import write_whole
-from narrows.particulars import Setting
+from narrows.ship.particulars import Configuration
 from narrows.simulation.maps import grounding_distance, grounding_probability
 from narrows.simulation.voyage import Voyage
 from narrows.waterway.waterway import Waterway
@@ -54,21 +54,21 @@ def save_figure(figure: Figure, path: Path) -> None:
     write_whole(path, memory.getvalue())
 
 
-def voyage_figure(voyage: Voyage, setting: Setting, waterway: Waterway | None = None) -> Figure:
+def voyage_figure(voyage: Voyage, configuration: Configuration, waterway: Waterway | None = None) -> Figure:
     """Draw one voyage: her path with the hull at intervals, heading and velocities below.
 
     Parameters
     ----------
     voyage : Voyage
         What to draw.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     waterway : Waterway, optional
         Where she sailed instead of that canal.
     """
     figure = Figure(figsize=(7.0, 6.0), layout="constrained")
     above, middle, below = figure.subplots(3, 1, height_ratios=[2.2, 1, 1])
-    paths_on(above, [voyage], setting, waterway)
+    paths_on(above, [voyage], configuration, waterway)
     above.set_title(voyage.outcome.sentence.split(". ")[0].rstrip(".") + ".", fontsize=9, loc="left")
     middle.plot(voyage.t, np.degrees(voyage.psi), color=BLUE, label="heading [deg]")
     middle.plot(voyage.t, np.degrees(voyage.r), color=ORANGE, linestyle="--", label="yaw rate [deg/s]")
@@ -85,22 +85,24 @@ def voyage_figure(voyage: Voyage, setting: Setting, waterway: Waterway | None = 
     return figure
 
 
-def paths_figure(voyages: Sequence[Voyage], setting: Setting) -> Figure:
+def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Figure:
     """Draw several voyages in one canal (the paper's fig. sim).
 
     Parameters
     ----------
     voyages : sequence of Voyage
         What to draw.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     """
     figure = Figure(figsize=(7.0, 3.6), layout="constrained")
-    paths_on(figure.subplots(), voyages, setting)
+    paths_on(figure.subplots(), voyages, configuration)
     return figure
 
 
-def paths_on(axes: Axes, voyages: Sequence[Voyage], setting: Setting, waterway: Waterway | None = None) -> None:
+def paths_on(
+    axes: Axes, voyages: Sequence[Voyage], configuration: Configuration, waterway: Waterway | None = None
+) -> None:
     """Draw paths and banks, bow to the right, starboard down (ours).
 
     Parameters
@@ -109,33 +111,33 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], setting: Setting, waterway: 
         Where.
     voyages : sequence of Voyage
         What to draw.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     waterway : Waterway, optional
         Where they sailed instead of that canal; its line is drawn straight.
     """
-    far = max(float(v.x.max()) for v in voyages) + setting.ship.length
-    near = min(float(v.x.min()) for v in voyages) - setting.ship.length
-    half = _banks_on(axes, near, far, setting, waterway)
+    far = max(float(v.x.max()) for v in voyages) + configuration.ship.length
+    near = min(float(v.x.min()) for v in voyages) - configuration.ship.length
+    half = _banks_on(axes, near, far, configuration, waterway)
     for voyage in voyages:
         side = {"starboard": 1, "port": -1}.get(voyage.outcome.side or "", 0)
         colour = SIDES[side][1] if side else GREY
         axes.plot(voyage.x, voyage.y, color=colour, linewidth=1.0, linestyle="-" if side < 0 else "--")
-        axes.add_patch(hull(voyage, len(voyage.x) - 1, setting, colour))
+        axes.add_patch(hull(voyage, len(voyage.x) - 1, configuration, colour))
     if len(voyages) == 1:
         for i in range(0, len(voyages[0].x) - 1, max(1, len(voyages[0].x) // 6)):
-            axes.add_patch(hull(voyages[0], i, setting, GREY, 0.25))
+            axes.add_patch(hull(voyages[0], i, configuration, GREY, 0.25))
     axes.set(xlim=(near, far), ylim=(half * 1.12, -half * 1.12), aspect="equal")
     axes.set_xlabel("along the canal x [m]")
     axes.set_ylabel("to starboard y [m]")
 
 
-def _banks_on(axes: Axes, near: float, far: float, setting: Setting, waterway: Waterway | None) -> float:
+def _banks_on(axes: Axes, near: float, far: float, configuration: Configuration, waterway: Waterway | None) -> float:
     """Draw both banks, and return how far off the farther one is."""
     x = np.linspace(near, far, BANK_POINTS)
-    half, middle = np.full(BANK_POINTS, setting.canal.width / 2), np.zeros(BANK_POINTS)
+    half, middle = np.full(BANK_POINTS, configuration.canal.width / 2), np.zeros(BANK_POINTS)
     if waterway is not None:
-        room = waterway.room(x, setting.ship.draft)
+        room = waterway.room(x, configuration.ship.draft)
         half, middle = room.width / 2, room.middle
     reach = float((half + np.abs(middle)).max())
     for sign in (-1, 1):
@@ -145,7 +147,7 @@ def _banks_on(axes: Axes, near: float, far: float, setting: Setting, waterway: W
     return reach
 
 
-def hull(voyage: Voyage, i: int, setting: Setting, colour: str, alpha: float = 0.7) -> Polygon:
+def hull(voyage: Voyage, i: int, configuration: Configuration, colour: str, alpha: float = 0.7) -> Polygon:
     """Outline the ship at one row of a voyage (ours).
 
     Parameters
@@ -154,14 +156,14 @@ def hull(voyage: Voyage, i: int, setting: Setting, colour: str, alpha: float = 0
         Which.
     i : int
         Row.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     colour : str
         Of the fill.
     alpha : float [1]
         Of the fill.
     """
-    length, beam = setting.ship.length, setting.ship.beam
+    length, beam = configuration.ship.length, configuration.ship.beam
     shape = np.array([[-0.5, -0.5], [-0.5, 0.5], [0.35, 0.5], [0.5, 0.0], [0.35, -0.5]]) * [length, beam]
     c, s = math.cos(voyage.psi[i]), math.sin(voyage.psi[i])
     place = shape @ np.array([[c, s], [-s, c]]) + [voyage.x[i], voyage.y[i]]
@@ -169,7 +171,7 @@ def hull(voyage: Voyage, i: int, setting: Setting, colour: str, alpha: float = 0
 
 
 def distances_figure(
-    distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], setting: Setting
+    distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], configuration: Configuration
 ) -> Figure:
     """Draw the distance to grounding against the clearance at the start, a line a reading (fig. ground_dist).
 
@@ -179,12 +181,12 @@ def distances_figure(
         Over ``y``.
     sides : mapping of str to DataArray
         Where each grounds; thick where to starboard.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     """
     figure = Figure(figsize=(7.2, 3.8), layout="constrained")
     axes = figure.subplots()
-    edge = (setting.canal.width - setting.ship.beam) / 2
+    edge = (configuration.canal.width - configuration.ship.beam) / 2
     for i, (name, distance) in enumerate(distances.items()):
         clearance, colour = edge - distance["y"], (BLUE, ORANGE, "#009E73", "#CC79A7")[i % 4]
         axes.plot(clearance, distance, color=colour, linestyle=("-", "--", "-.", ":")[i % 4], label=name)
@@ -196,14 +198,14 @@ def distances_figure(
     return figure
 
 
-def map_figure(voyages: xr.Dataset, setting: Setting, within: float | None = None) -> Figure:
+def map_figure(voyages: xr.Dataset, configuration: Configuration, within: float | None = None) -> Figure:
     """Draw a map of voyages: distance to grounding over one or two dimensions, or its probability.
 
     Parameters
     ----------
     voyages : Dataset
         From ``ensemble``.
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     within : float [m], optional
         Draw the probability of grounding within this distance, over the draws.
@@ -225,7 +227,7 @@ def map_figure(voyages: xr.Dataset, setting: Setting, within: float | None = Non
     (_line if len(dims) == 1 else _field)(figure, axes, quantity, voyages["side"], within is None)
     axes.set_xlabel(LABELS.get(dims[0], dims[0]))
     if dims == ["y"] and within is None:
-        _clearance_on_top(axes, setting)
+        _clearance_on_top(axes, configuration)
     return figure
 
 
@@ -267,9 +269,9 @@ def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArra
     axes.set_ylabel(LABELS.get(up, up))
 
 
-def _clearance_on_top(axes: Axes, setting: Setting) -> None:
+def _clearance_on_top(axes: Axes, configuration: Configuration) -> None:
     """The paper's own axis: starboard clearance at the start."""
-    edge = (setting.canal.width - setting.ship.beam) / 2
+    edge = (configuration.canal.width - configuration.ship.beam) / 2
 
     def other_side(value: Any) -> Any:
         return edge - value

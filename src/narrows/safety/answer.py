@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from narrows.physics.squat import KNOT
+from narrows.quantities.constants import KNOT
 
 MEDIAN, FIVE_PERCENT = 0.5, 0.95
 """Shares of draws that must be safe: the line of even odds, and the one that one draw in twenty may cross."""
@@ -29,13 +29,14 @@ class SafeEnvelope:
         ``rudder_high`` [rad], that 90 % of the draws are between; ``rudder_95`` [rad], the size that 95 % stay within,
         infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose course leaves
         the reserve; ``held``, the share that the autopilot also holds; over u: ``clearance`` [m] under the keel and
-        whether the keel is ``clear``. Its attributes are the setting, the notes, and where a keel meets the banks [m].
+        whether the keel is ``clear``. Its attributes are ship and canal, the notes, and where a keel meets the
+        banks [m].
     """
 
     data: xr.Dataset
 
     @property
-    def setting(self) -> str:
+    def description(self) -> str:
         """Ship and canal in words."""
         return str(self.data.attrs["setting"])
 

@@ -7,12 +7,12 @@ import numpy as np
 from narrows.compile import LINEARISED
 from narrows.compile.jacobian import CONTROLLED
 from narrows.errors import InputError
-from narrows.model import Model
+from narrows.model.model import Model
+from narrows.quantities.names import CONTROLS
 from narrows.safety.equilibrium import check_inside, check_rudder, solved
 from narrows.safety.propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Autopilot
-from narrows.vocabulary import CONTROLS
 
 FELT = ("y", "psi", "v", "r")
 OFF_COURSE = math.radians(5)
@@ -40,8 +40,8 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
         Where no rudder holds her there, or no autopilot on the centreline.
     """
     check_rudder(model)
-    check_inside(y, model.setting.canal.width, model.setting.ship.beam)
-    ship, limit = SimulatedShip(model), model.setting.gear.limit
+    check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
+    ship, limit = SimulatedShip(model), model.configuration.gear.limit
     own = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
     (v,), (rudder,) = solved(ship, {"y": y, "u": u, **own, **values}, 1, 1)
     if not abs(rudder) <= limit:
@@ -86,7 +86,7 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     place = [LINEARISED.index(name) for name in FELT]
     motion = exact.state(state, inputs)[np.ix_(place, place)]
     push = exact.controls(state, inputs)[place][:, [CONTROLLED.index("rudder")]]
-    half_beam = ship.model.setting.ship.beam / 2
+    half_beam = ship.model.configuration.ship.beam / 2
     weights = np.diag([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0])
     try:
         cost = solve_continuous_are(motion, push, weights, np.array([[HARD**-2]]))

@@ -7,9 +7,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
-
-AIR = 1.225
-"""Mass density of the air [kg/m3]."""
+from narrows.quantities.constants import AIR_DENSITY
 
 
 @dataclass(frozen=True)
@@ -95,4 +93,4 @@ def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
     """
     if not all(0 <= number < math.inf for number in (speed, area, coefficient)):
         raise InputError("a wind's speed, area and coefficient are numbers from 0; check them")
-    return 0.5 * AIR * coefficient * area * speed * speed
+    return 0.5 * AIR_DENSITY * coefficient * area * speed * speed

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
-from narrows.model import Model, Range
-from narrows.physics.squat import KNOT
+from narrows.model.model import Model, Range
+from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.equilibrium import check_rudder
@@ -73,22 +73,22 @@ def safe_envelope(
         Where the model has no rudder, nothing says how fast, or a number is out of range.
     """
     check_rudder(model)
-    setting = model.setting
-    least = KEEL_SHARE * setting.ship.draft if keel is None else keel
+    configuration = model.configuration
+    least = KEEL_SHARE * configuration.ship.draft if keel is None else keel
     if not 0 <= reserve < 1 or not 0 <= least < math.inf:
         raise InputError(
             f"a reserve of {reserve} of the rudder and {least} m under the keel: give a share from 0 to less than 1, "
             "and metres from 0"
         )
-    room = walls or (setting.canal.width / 2, setting.canal.width / 2)
+    room = walls or (configuration.canal.width / 2, configuration.canal.width / 2)
     offsets = _offsets(model, room) if y is None else np.atleast_1d(np.asarray(y, float))
     speeds = _speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
-    _check(offsets, speeds, room, setting.ship.beam)
-    under = keel_at(setting, speeds)
+    _check(offsets, speeds, room, configuration.ship.beam)
+    under = keel_at(configuration, speeds)
     thrown = disturbance or Disturbance()
     tried = trials(model, offsets, speeds, under.midship, thrown, draws, seed, room, workers, progress)
-    data = _summed(tried, (1 - reserve) * setting.gear.limit)
-    clear = ((under.clearance >= least) | (setting.canal.depth is None)) & (speeds < under.choke)
+    data = _summed(tried, (1 - reserve) * configuration.gear.limit)
+    clear = ((under.clearance >= least) | (configuration.canal.depth is None)) & (speeds < under.choke)
     data = data.assign(clearance=("u", under.clearance, {"units": "m"}), clear=("u", clear))
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
     notes = _notes(model, under, least, offsets, speeds)
@@ -124,14 +124,14 @@ def _summed(tried: xr.Dataset, limit: float) -> xr.Dataset:
 
 
 def _offsets(model: Model, room: Walls) -> np.ndarray:
-    port, starboard = (wall - model.setting.ship.beam for wall in room)
+    port, starboard = (wall - model.configuration.ship.beam for wall in room)
     if port + starboard <= 0:
         raise InputError("the canal is less than two beams wide: there is no offset to look at; check its width")
     return np.linspace(-port, starboard, OFFSETS)
 
 
 def _speeds(model: Model) -> np.ndarray:
-    choke = keel_at(model.setting, np.empty(0)).choke
+    choke = keel_at(model.configuration, np.empty(0)).choke
     if math.isinf(choke):
         raise InputError("without a depth nothing bounds the speed: give the canal's depth, or the speeds to look at")
     return np.linspace(SLOWEST, FASTEST, SPEEDS) * choke
@@ -152,21 +152,21 @@ def _check(offsets: np.ndarray, speeds: np.ndarray, room: Walls, beam: float) ->
 
 
 def _in_words(model: Model) -> str:
-    ship, canal = model.setting.ship, model.setting.canal
+    ship, canal = model.configuration.ship, model.configuration.canal
     deep = "of unknown depth" if canal.depth is None else f"{canal.depth:.4g} m deep"
     size = f"{ship.length:.4g} x {ship.beam:.4g} x {ship.draft:.4g} m"
     return f"{ship.name}, {size}, in a canal {canal.width:.4g} m wide, {deep}"
 
 
 def _notes(model: Model, under: Keel, least: float, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
-    notes, setting = [*_beyond(model, offsets, speeds), *under.notes], model.setting
+    notes, configuration = [*_beyond(model, offsets, speeds), *under.notes], model.configuration
     if model.covariance is None:
         notes.append("no covariance of the coefficients is known: the draws are of disturbances alone")
-    if setting.canal.depth is not None:
+    if configuration.canal.depth is not None:
         notes.append(f"{least:.2g} m are to be left under the keel")
-    gear = setting.gear
+    gear = configuration.gear
     notes.append(f"rudder to {gear.limit_deg:.3g} degrees at {gear.rate_deg:.3g} degrees a second")
-    if setting.steering is None and setting.ship.length < SHIP_LENGTH:
+    if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:
         notes.append("that gear is a ship's, and this is a model's size: scale the model, or give [steering] its rate")
     held = "the speed is held: what the propeller can give is not asked"
     turning = "; it turns as the speed asks straight ahead" if "revolutions" in model.terms.inputs else ""
@@ -175,13 +175,13 @@ def _notes(model: Model, under: Keel, least: float, offsets: np.ndarray, speeds:
 
 def _beyond(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> list[str]:
     """Where the question leaves what the tests covered."""
-    known, setting = model.envelope, model.setting
-    deep = setting.canal.depth and setting.canal.depth / setting.ship.draft
+    known, configuration = model.data_range, model.configuration
+    deep = configuration.canal.depth and configuration.canal.depth / configuration.ship.draft
     return [
         *_outside("speed", known.speed, speeds.min() / KNOT, speeds.max() / KNOT, "knots", 1 / KNOT),
         *_outside("offset", known.abs_y and (0.0, known.abs_y[1]), 0.0, float(np.abs(offsets).max()), "m", 1.0),
         *(_outside("h/T", known.depth_to_draft, deep, deep, "", 1.0) if deep else ()),
-        *_outside("W/B", known.width_to_beam, *(2 * (setting.canal.width / setting.ship.beam,)), "", 1.0),
+        *_outside("W/B", known.width_to_beam, *(2 * (configuration.canal.width / configuration.ship.beam,)), "", 1.0),
     ]
 
 

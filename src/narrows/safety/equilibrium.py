@@ -9,7 +9,7 @@ import xarray as xr
 
 from narrows.compile.fleet import on_all_cores
 from narrows.errors import InputError
-from narrows.model import Model
+from narrows.model.model import Model
 from narrows.safety.propulsion import with_propulsion
 from narrows.simulation.grid import INPUTS, grid_of
 from narrows.simulation.ship import SimulatedShip

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.particulars import Setting
-from narrows.sinkage import choke_speed, squat
+from narrows.model.squat import choke_speed, squat
+from narrows.ship.particulars import Configuration
 
 
 @dataclass(frozen=True)
@@ -30,25 +30,25 @@ class Keel:
     notes: tuple[str, ...]
 
 
-def keel_at(setting: Setting, speeds: np.ndarray) -> Keel:
+def keel_at(configuration: Configuration, speeds: np.ndarray) -> Keel:
     """Estimate sinkage and clearance at some speeds (ours).
 
     Parameters
     ----------
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
     speeds : array (speeds,) [m/s]
         Through the water.
     """
-    if setting.canal.depth is None:
+    if configuration.canal.depth is None:
         unknown = np.full(len(speeds), np.nan)
         return Keel(np.zeros(len(speeds)), unknown, np.inf, ("the depth is not given: no squat, no choking",))
-    choke, room = choke_speed(setting), setting.canal.depth - setting.ship.draft
+    choke, room = choke_speed(configuration), configuration.canal.depth - configuration.ship.draft
     midship, clearance, notes = np.zeros(len(speeds)), np.full(len(speeds), np.nan), []
     for place, speed in enumerate(speeds.tolist()):
         if speed < choke:
-            ends = [squat(setting, speed, gives) for gives in ("bow", "largest")]
-            middle = squat(setting, speed)
+            ends = [squat(configuration, speed, gives) for gives in ("bow", "largest")]
+            middle = squat(configuration, speed)
             midship[place], clearance[place] = middle.sinkage, room - max(end.sinkage for end in ends)
             notes += [f"squat by {own.formula}: {word}" for own in (middle, *ends) for word in own.warnings]
     return Keel(midship, clearance, choke, tuple(dict.fromkeys(_without_numbers(note) for note in notes)))

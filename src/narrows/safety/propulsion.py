@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
-from narrows.model import Model
-from narrows.motion import Motion
+from narrows.model.model import Model
+from narrows.ship.motion import Motion
 
 DOUBLINGS = 30
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from narrows.compile import Outcome
 from narrows.errors import InputError
-from narrows.model import Model
+from narrows.model.model import Model
 from narrows.safety.autopilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.equilibrium import solved
@@ -109,7 +109,7 @@ def _sailed(
     extra = {name: value for name, value in values.items() if name.startswith(("off_", "by_"))}
     own = {name: value for name, value in values.items() if name not in extra}
     v, rudder = solved(ship, own, count, workers)
-    hull, gear = ship.model.setting.ship, ship.model.setting.gear
+    hull, gear = ship.model.configuration.ship, ship.model.configuration.gear
     steady = np.abs(rudder) <= gear.limit  # false where there is none
     hold = {"v": np.where(steady, v, 0.0), "rudder": np.where(steady, rudder, 0.0)}
     psi, pace = -np.arctan(hold["v"] / own["u"]), hull.length / (STEPS_A_LENGTH * np.asarray(own["u"]))

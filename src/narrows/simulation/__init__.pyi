@@ -1,7 +1,4 @@
 from .fleets import ensemble as ensemble
-from .manoeuvres import Turning as Turning
-from .manoeuvres import overshoots as overshoots
-from .manoeuvres import turning_circle as turning_circle
 from .maps import grounding_distance as grounding_distance
 from .maps import grounding_probability as grounding_probability
 from .modes import bank_stiffness as bank_stiffness
@@ -12,7 +9,5 @@ from .reference import accelerations as accelerations
 from .steering import Autopilot as Autopilot
 from .steering import Held as Held
 from .steering import Zigzag as Zigzag
-from .trial_set import Trials as Trials
-from .trial_set import sail_trials as sail_trials
 from .voyage import Voyage as Voyage
 from .voyage import simulate as simulate

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from narrows.compile import Limits
+from narrows.quantities.names import Number
 from narrows.simulation.integrate import Rate, State
 from narrows.simulation.ship import OPEN, SimulatedShip
-from narrows.vocabulary import Number
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -140,7 +140,7 @@ class Along(Course):
         return float(self.ship.program.lean(*self._seen(state)))
 
     def _seen(self, state: State) -> tuple[Number, ...]:
-        here = self.waterway.room(state[0], self.ship.model.setting.ship.draft)
+        here = self.waterway.room(state[0], self.ship.model.configuration.ship.draft)
         return (state[1] - float(here.middle), *state[2:4], *self._constants(float(here.width), float(here.depth)))
 
     def _constants(self, width: float, depth: float) -> tuple[Number, ...]:
@@ -171,5 +171,5 @@ def course_of(ship: SimulatedShip, waterway: "Waterway | None") -> Course:
     """
     if waterway is None:
         return OpenWater(ship) if ship.contact == OPEN else Straight(ship)
-    waterway.check_fits(ship.model.setting.ship)
+    waterway.check_fits(ship.model.configuration.ship)
     return Along(ship, waterway)

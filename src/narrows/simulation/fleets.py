@@ -9,7 +9,7 @@ import xarray as xr
 
 from narrows.compile.kernel import Precision
 from narrows.errors import InputError
-from narrows.model import Model
+from narrows.model.model import Model
 from narrows.simulation.fleet import KEPT, Fleet, Result
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kept import attributes_of, empty_of

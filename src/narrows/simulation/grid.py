@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError, did_you_mean
-from narrows.model import Model
-from narrows.vocabulary import PARTICULARS
+from narrows.model.model import Model
+from narrows.quantities.names import PARTICULARS
 
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 """State at the start, and what it is unless said otherwise."""
@@ -130,7 +130,7 @@ def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Gr
         Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
     """
     known_here = {*PARTICULARS, "revolutions"}
-    particulars = {name: value for name, value in model.setting.values().items() if name in known_here}
+    particulars = {name: value for name, value in model.configuration.values().items() if name in known_here}
     known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
     words = {*known, *PARTICULARS}
     for name in given:

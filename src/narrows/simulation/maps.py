@@ -8,7 +8,7 @@ import xarray as xr
 
 from narrows.compile import Outcome as Code
 from narrows.errors import InputError
-from narrows.model import Model
+from narrows.model.model import Model
 from narrows.simulation.fleets import ensemble
 
 

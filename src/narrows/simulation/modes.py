@@ -7,8 +7,8 @@ import xarray as xr
 
 from narrows.compile import LINEARISED
 from narrows.compile.trace import INPUTS as PUSHES
-from narrows.model import Model
-from narrows.particulars import Setting
+from narrows.model.model import Model
+from narrows.ship.particulars import Configuration
 from narrows.simulation.grid import INPUTS, START, grid_of
 from narrows.simulation.ship import SimulatedShip
 
@@ -17,19 +17,19 @@ FELT = ("y", "psi", "v", "r")
 OPEN_WATER = ("v", "r")
 
 
-def bank_stiffness(setting: Setting) -> float:
+def bank_stiffness(configuration: Configuration) -> float:
     """Return the slope of delta across the centreline [1/m], 8 B W / (W - B)^3.
 
     Parameters
     ----------
-    setting : Setting
+    configuration : Configuration
         Ship and canal.
 
     References
     ----------
     The derivative of Mikkelsen et al. (2025), eq. (Delta_1); closed form ours.
     """
-    beam, width = setting.ship.beam, setting.canal.width
+    beam, width = configuration.ship.beam, configuration.canal.width
     return 8 * beam * width / (width - beam) ** 3
 
 

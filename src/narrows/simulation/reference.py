@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.model import Model
-from narrows.motion import Motion
-from narrows.vocabulary import FORCES, Number
+from narrows.model.model import Model
+from narrows.quantities.names import FORCES, Number
+from narrows.ship.motion import Motion
 
 ACCELERATIONS = ("udot", "vdot", "rdot")
 

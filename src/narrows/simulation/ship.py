@@ -10,9 +10,9 @@ import numpy as np
 
 from narrows.compile import Program, compiled
 from narrows.errors import InputError
-from narrows.model import Model
-from narrows.terms import TermTable
-from narrows.vocabulary import Number
+from narrows.model.model import Model
+from narrows.quantities.names import Number
+from narrows.terms.term import TermTable
 
 OPEN = "none"
 """The contact of a ship in open water."""
@@ -57,7 +57,7 @@ class SimulatedShip:
     def __post_init__(self) -> None:
         if self.contact == OPEN and any(term.from_bank for term in self.model.terms.terms):
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
-        if "revolutions" in self.model.terms.inputs and self.model.setting.propeller is None:
+        if "revolutions" in self.model.terms.inputs and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
         if self.surge == "free" and not self.values()["surge_inertia"] + self.model.surge_inertia > 0:
             raise InputError(
@@ -77,7 +77,7 @@ class SimulatedShip:
         """Every particular and coefficient by name."""
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
-        ship = {**self.model.setting.values(), **self.model.coefficients}
+        ship = {**self.model.configuration.values(), **self.model.coefficients}
         return {**ship, **helm(self.rudder), "heave": 0.0, "surge_inertia": added}
 
     def controls(self, rudder: float) -> tuple[float, float, float]:
@@ -92,7 +92,7 @@ class SimulatedShip:
 
     @cached_property
     def _revolutions(self) -> float:
-        return float(self.model.setting.values().get("revolutions", 0.0))
+        return float(self.model.configuration.values().get("revolutions", 0.0))
 
     @cached_property
     def constants(self) -> tuple[Number, ...]:

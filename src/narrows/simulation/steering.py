@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from narrows.errors import InputError
-from narrows.machinery import SteeringGear
+from narrows.ship.actuators import SteeringGear
 from narrows.simulation.integrate import Motion, Rate, State
 
 Order = Callable[[float, State], float]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from narrows.model import Envelope, Range
+from narrows.model.model import DataRange, Range
 
 WORDS = {
     "speed": ("surge velocity", "m/s", 1.0),
@@ -12,12 +12,12 @@ WORDS = {
 }
 
 
-def beyond_envelope(envelope: Envelope, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
+def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
     """Say in what a voyage went beyond the data of its model (ours).
 
     Parameters
     ----------
-    envelope : Envelope
+    known : DataRange
         Of the model.
     columns : dict of str to array (times,)
         t, y, psi, u, r of the voyage.
@@ -28,7 +28,7 @@ def beyond_envelope(envelope: Envelope, columns: dict[str, np.ndarray]) -> tuple
         "abs_psi": np.abs(columns["psi"]),
         "abs_r": np.abs(columns["r"]),
     }
-    found = [_sentence(name, getattr(envelope, name), seen[name], columns["t"]) for name in seen]
+    found = [_sentence(name, getattr(known, name), seen[name], columns["t"]) for name in seen]
     return tuple(sentence for sentence in found if sentence)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from narrows.compile import Limits
 from narrows.errors import InputError, did_you_mean
-from narrows.model import Model
+from narrows.model.model import Model
+from narrows.quantities.names import MOTION
 from narrows.simulation import outcome as end
 from narrows.simulation.course import Course, course_of
 from narrows.simulation.inputs import Schedule, Stretch, stretches
@@ -22,7 +23,6 @@ from narrows.simulation.ship import Outline, SimulatedShip
 from narrows.simulation.steering import Helm, steered
 from narrows.simulation.step_error import track_error
 from narrows.simulation.validity import beyond_envelope
-from narrows.vocabulary import MOTION
 
 if TYPE_CHECKING:
     import xarray
@@ -190,7 +190,7 @@ def _rows(
         return min(course.gap(state), state[2] - course.widest) if _sane(state) else -math.inf
 
     rows = [(0.0, start)]
-    gear = course.ship.model.setting.gear
+    gear = course.ship.model.configuration.gear
     for push in pushes:
         own = [push.start, *(t for t in times if push.start < t < push.stop), push.stop]
         rows += METHODS[method](steered(partial(course.rate, push.forces), helm, gear), rows[-1][1], own, gap, dt)
@@ -205,7 +205,7 @@ def _coarse(course: Course, rows: list[Row], dt: float) -> str:
     if not _sane(rows[-1][1]) or len(rows) < 2:
         return ""
     error = track_error(course.rate((0.0, 0.0, 0.0), 0.0), rows, dt)
-    if error <= COARSE * course.ship.model.setting.ship.beam:
+    if error <= COARSE * course.ship.model.configuration.ship.beam:
         return ""
     return f"A time step of {dt:g} s is too long: her track is off by some {error:.2g} m; shorten it."
 
@@ -219,7 +219,7 @@ def _voyage(
     columns = {"t": t, "x": x, "y": y, "psi": heading, "u": u, "v": v, "r": r, "rudder": rudder}
     state = {name: float(column[-1]) for name, column in columns.items() if name not in ("t", "rudder")}
     kind, side = _kind_and_side(rows[-1], course, stop)
-    beyond = beyond_envelope(ship.model.envelope, columns)
+    beyond = beyond_envelope(ship.model.data_range, columns)
     return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond, coarse))
 
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.section import Point, equivalent_wall, keel_wall
+from narrows.ship.cross_section import Point, equivalent_wall, keel_wall
 from narrows.waterway.centreline import Centreline
 
 Wall = Callable[[Sequence[Point], float], float]

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.files import write_whole
-from narrows.section import Point, equivalent_wall
+from narrows.ship.cross_section import Point, equivalent_wall
 from narrows.waterway.banks import FAR, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.waterway import Waterway

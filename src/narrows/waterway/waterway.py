@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.particulars import Canal, Ship
+from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
 

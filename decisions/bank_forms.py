@@ -1,0 +1,130 @@
+"""Every form of the bank term on the measured tests: the tables and the figure of docs/banks.md.
+
+python decisions/bank_forms.py          # prints them
+python decisions/bank_forms.py --write  # and puts them into docs/
+"""
+
+import sys
+from collections.abc import Iterator
+
+from pages import DOCS, publish
+
+import narrows as nw
+
+NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
+KCS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
+
+
+def steady(names: str) -> nw.CaptiveTests:
+    """Return some of the ten bank tests."""
+    tests = nw.measured_tests("lataire2009")
+    return tests.where([name in names for name in tests.names])
+
+
+def sets() -> dict[str, nw.Comparison]:
+    """Fit every form to every set of tests."""
+    kcs = nw.measured_tests("kcs").by_condition()
+    named = [nw.with_bank(nw.CROSSFLOW, form, form) for form in nw.FORMS]
+    alone = [nw.bank_only(form) for form in nw.FORMS]
+    found = {
+        f"KCS, harmonic tests in a tank 7 m wide, {clearance} under-keel clearance, terms `crossflow`": nw.compare(
+            kcs[label], named
+        )
+        for label, clearance in KCS.items()
+    }
+    for names, said in (
+        (NO_DRIFT, "the seven without drift"),
+        (PROPELLER_ON, "those with the propeller on"),
+        (PROPELLER_OFF, "those with it stopped"),
+    ):
+        label = f"Lataire et al. (2009), steady tests along banks, {said} ({', '.join(names)})"
+        found[label] = nw.compare(steady(names), alone)
+    return found
+
+
+def cell(row: dict, name: str) -> str:  # type: ignore[type-arg]
+    """Write a coefficient with its interval and verdict."""
+    own = row["bank"][name]
+    if None in own["ci95"]:
+        return f"{name}: {own['verdict']}"
+    low, high = own["ci95"]
+    return f"{name} {own['value']:.3f} ({low:.3f} to {high:.3f}), {own['verdict']}"
+
+
+def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
+    """Yield the lines: one table for each set of tests."""
+    for label, comparison in found.items():
+        yield f"\n**{label}**\n"
+        yield "| form | Y left out [N] | sway force | N left out [N m] | yaw moment |"
+        yield "|---|---|---|---|---|"
+        rows = {(row["table"], row["force"]): row for row in comparison.rows()}
+        for name in comparison.fits:
+            sway, yaw = rows[name, "Y"], rows[name, "N"]
+            cells = ("; ".join(cell(row, own) for own in row["bank"]) for row in (sway, yaw))
+            errors = (f"{row['rmse_left_out']:.3g}" for row in (sway, yaw))
+            parts = [part for pair in zip(errors, cells, strict=True) for part in pair]
+            yield f"| {name.removeprefix('bank only: ')} | {' | '.join(parts)} |"
+
+
+def sign_change() -> Iterator[str]:
+    """Yield what the seven tests say of the depth at which suction turns to repulsion, and which tests would tell."""
+    fit, plain = (nw.identify(steady(NO_DRIFT), nw.bank_only(form)) for form in ("distance_depth", "distance"))
+    (low, high), near, far = fit.intervals["b_bank_depth"], fit.coefficients["b_bank_depth"], fit.coefficients["b_bank"]
+    told = "without 0: a change" if not low <= 0 <= high else "with 0 in it: no change that the tests establish"
+    errors = fit.left_out["Y"].rmse, plain.left_out["Y"].rmse
+    yield (
+        f"\nWith y_B and y_B T/(h - T) the seven tests put the change from suction to repulsion at h/T = "
+        f"{1 - near / far:.2f}. But the interval of b_bank_depth is {low:.3f} to {high:.3f}, {told}; and on tests left "
+        f"out the form errs by {errors[0]:.2f} N, y_B alone by {errors[1]:.2f} N."
+    )
+    configuration = nw.Configuration(nw.Ship(4.01, 0.53, 0.18, 0.65), nw.Canal(6.33, 0.36))
+    tank = nw.Tank(speeds=(0.458, 0.572), depths=(0.198, 0.216, 0.243, 0.36))
+    terms = nw.with_bank(nw.PAPER, "distance_depth")
+    plan = nw.plan_tests(configuration, 4, tank=tank, terms=terms, targets=("b_bank", "b_bank_depth"))
+    runs = "; ".join(
+        f"{row['kind']} at y = {row['offset']:.2f} m, {row['speed']:g} m/s, h/T = {row['depth'] / 0.18:.2f}"
+        for row in plan.rows()
+    )
+    yield (
+        f"\nWhat would tell, by `nw.plan_tests`: {runs}. Four such runs of one hull along one wall would bring the "
+        f"standard error of b_bank_depth to {plan.std['b_bank_depth'][-1]:.4f}; the seven tests give "
+        f"{fit.std['b_bank_depth']:.3f}."
+    )
+
+
+def signs() -> Iterator[str]:
+    """Yield the sign of the yaw moment on the clean cases, each predicted from the other tests."""
+    yield "\n| form | " + " | ".join(f"N on {name} [N m]" for name in "DFH") + " |\n|---|---|---|---|"
+    measured = {name: float(steady(name).columns["N"][0]) for name in "DFH"}
+    yield "| measured | " + " | ".join(f"{measured[name]:.2f}" for name in "DFH") + " |"
+    for form in nw.FORMS:
+        table = nw.bank_only(form)
+        predicted = []
+        for name in "DFH":
+            model = nw.identify(steady(NO_DRIFT.replace(name, "")), table).model
+            row = steady(name)
+            values = {**row.configuration.values(), **{key: float(column[0]) for key, column in row.columns.items()}}
+            predicted.append(sum(model.coefficients[term.name] * term.column(values) for term in table.yaw))
+        yield f"| {form} | " + " | ".join(f"{value:.2f}" for value in predicted) + " |"
+
+
+def text() -> str:
+    """Write everything that is computed."""
+    found = sets()
+    forms = ["| form | pressure parameter of | holds | standing |", "|---|---|---|---|"]
+    forms += [f"| {form.name} | {form.source} | {form.validity} | {form.status} |" for form in nw.FORMS.values()]
+    return "\n".join([*forms, *tables(found), *sign_change(), *signs()])
+
+
+def figure() -> None:
+    """Draw the errors of the forms on tests left out."""
+    from narrows.report.trust import forms_figure
+    from narrows.report.voyages import save_figure
+
+    save_figure(forms_figure({label.partition(", terms")[0]: c for label, c in sets().items()}), DOCS / "banks.svg")
+
+
+if __name__ == "__main__":
+    publish(__file__, "banks.md", text())
+    if "--write" in sys.argv:
+        figure()

@@ -1,0 +1,45 @@
+"""KVLCC2's turning circles and zigzags beside the free-running tests of MARIN for SIMMAN 2008.
+
+python decisions/manoeuvres.py [--write]
+
+The measured figures were read from the raw records of the 7 m model (files MARIN_FREE_KVLCC2_tc_*, _zz_* as published
+by github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models): distances from the start of the
+file, overshoots over the nominal heading. Their rudder counts the other way round.
+"""
+
+from pages import markdown, publish
+
+import narrows as nw
+
+APPROACH = 1.179
+"""Of the 7 m model [m/s]."""
+CIRCLES = {"+35": (3.25, 1.36, 3.34), "-35": (3.11, 1.22, 3.08)}
+"""Measured advance, transfer and tactical diameter over the length."""
+OVERSHOOTS = {"+10/10": (8.2, 21.9), "-10/10": (9.5, 15.0), "+20/20": (13.7, 14.9), "-20/20": (15.1, 13.3)}
+"""Measured first and second overshoot [deg]."""
+
+
+def text() -> str:
+    """Circles, then zigzags: computed, measured, the difference."""
+    found = nw.sail_trials(nw.published("yasukawa2015_kvlcc2"), APPROACH).summary()
+    circles = []
+    for order, measured in CIRCLES.items():
+        for name, value in zip(("advance", "transfer", "tactical_diameter"), measured, strict=True):
+            own = found["turning"][order][f"{name}_over_length"]
+            word = f"{name.replace('_', ' ')}/L"
+            circles.append((f"{order} deg", word, f"{own:.2f}", f"{value:.2f}", f"{100 * (own / value - 1):+.0f} %"))
+    zigzags = []
+    for order, measured in OVERSHOOTS.items():
+        for place, value in enumerate(measured):
+            own = found["zigzags"][order]["overshoots_deg"][place]
+            zigzags.append((order, ("first", "second")[place], f"{own:.1f}", f"{value:.1f}", f"{own - value:+.1f}"))
+    return "\n\n".join(
+        (
+            markdown(("rudder", "index", "computed", "measured", "difference"), circles),
+            markdown(("zigzag", "overshoot", "computed [deg]", "measured [deg]", "difference [deg]"), zigzags),
+        )
+    )
+
+
+if __name__ == "__main__":
+    publish(__file__, "manoeuvres.md", text())

@@ -1,0 +1,44 @@
+"""The rudder's coefficients from the KCS tests with the rudder turned, and what these do not tell.
+
+python decisions/rudder.py [--write]
+"""
+
+from dataclasses import replace
+
+from pages import markdown, publish
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+
+CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+NAMES = ("a_helm", "b_helm", "c_helm")
+
+
+def fits(straightening: float) -> dict[str, nw.Fit]:
+    """Fit the steered table to harmonic, steady and swept-rudder tests at each depth."""
+    table, ship = measured_files("kcs")
+    configuration = nw.read_ship(ship)
+    configuration = replace(configuration, ship=replace(configuration.ship, flow_straightening=straightening))
+    return nw.identify_each(nw.read_captive(table, configuration, nw.STEERED, TURNED), terms=nw.STEERED)
+
+
+def text() -> str:
+    """One row for each depth; then how much the error depends on the straightening."""
+    rows = []
+    for label, fit in fits(0.5).items():
+        cells = (f"{fit.coefficients[n]:.2f} ({' to '.join(f'{end:.2f}' for end in fit.intervals[n])})" for n in NAMES)
+        lever = fit.coefficients["c_helm"] / fit.coefficients["b_helm"]
+        rows.append(
+            (CLEARANCES[label], str(len(fit.tests.names)), *cells, f"{lever:.2f} L", fit.verdicts["c_helm"].status)
+        )
+    low, high = (fits(share)["C0101A01"].left_out["N"].rmse for share in (0.2, 1.0))
+    table = markdown(("clearance", "tests", *NAMES, "lever c_helm/b_helm", "verdict"), rows)
+    return (
+        f"{table}\n\nFrom a flow straightening of 0.2 to one of 1.0 the error of N on tests left out goes from "
+        f"{low:.3f} to {high:.3f} N m: these tests do not tell it."
+    )
+
+
+if __name__ == "__main__":
+    publish(__file__, "rudder.md", text())

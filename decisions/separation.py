@@ -1,0 +1,58 @@
+"""What tells the bank from the yaw rate: sets of synthetic tests, their inflation, intervals, verdicts and power.
+
+    python decisions/separation.py [--write]
+
+Power is the share of twins, with b_bank a tenth of the published one, whose interval does not hold 0.
+"""
+
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+
+from pages import markdown, publish
+
+import narrows as nw
+
+PUBLISHED = nw.published("mikkelsen2025_dtc")
+TWINS = 300
+FAINT = PUBLISHED.with_coefficients(b_bank=0.107, c_bank=0.013)
+YAW = nw.HarmonicRun("yaw 0.9 m 25 s", "yaw", 0.9, 25.0)
+SMALLER = nw.HarmonicRun("yaw 0.5 m 25 s", "yaw", 0.5, 25.0)
+SLOWER = tuple(nw.HarmonicRun(f"yaw {a} m 25 s 0.7 m/s", "yaw", a, 25.0, 0.7) for a in (0.9, 0.5))
+SETS = {
+    "harmonic yaw, one run": (YAW,),
+    "harmonic yaw, two amplitudes": (YAW, SMALLER),
+    "harmonic yaw, two amplitudes at two speeds": (YAW, SMALLER, *SLOWER),
+    "and another period at one speed": (YAW, SMALLER, nw.HarmonicRun("yaw 0.3 m 14 s", "yaw", 0.3, 14.0)),
+    "and harmonic sway": (YAW, SMALLER, nw.HarmonicRun("sway", "sway", 0.9, 25.0)),
+    "and straight runs off the centreline": (YAW, SMALLER, *(nw.StraightRun(f"y {y}", y) for y in (0.9, 1.5))),
+    "six runs of narrows design": nw.plan_tests(PUBLISHED.configuration, 6, tank=nw.Tank(speeds=(0.7, 1.0))).runs,
+}
+
+
+def fitted(name: str, truth: nw.Model, seed: int = 0) -> nw.Fit:
+    """Fit one twin."""
+    return nw.identify(nw.twin(truth, SETS[name], correlation_time=0.5, rate=10.0, seed=seed))
+
+
+def seen(name: str, seed: int) -> bool:
+    """Whether a faint bank is told from none."""
+    low, high = fitted(name, FAINT, seed).intervals["b_bank"]
+    return not low <= 0 <= high
+
+
+def text() -> str:
+    """Write a row for each set of tests."""
+    rows = []
+    with ProcessPoolExecutor() as pool:
+        for name in SETS:
+            fit = fitted(name, PUBLISHED)
+            (low, high), verdict = fit.intervals["b_bank"], fit.verdicts["b_bank"]
+            word = verdict.status + (f" with {' and '.join(verdict.partners)}" if verdict.partners else "")
+            power = 100 * sum(pool.map(partial(seen, name), range(TWINS), chunksize=10)) / TWINS
+            figures = (f"{fit.diagnostics()['Y'].vif['b_bank']:.3g}", f"{fit.coefficients['b_bank']:.3f}")
+            rows.append((name, *figures, f"{low:.3f} to {high:.3f}", word, f"{power:.0f} %"))
+    return markdown(("tests", "VIF", "b_bank", "95 % interval", "verdict", "power"), rows)
+
+
+if __name__ == "__main__":
+    publish(__file__, "trust.md", text())

@@ -1,0 +1,73 @@
+"""Squat formulas on measured sinkage: the table of docs/squat.md.
+
+python decisions/squat.py [--write]
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+from pages import markdown, publish
+
+import narrows as nw
+from narrows.captive.formats.lataire import BANKS, WALL
+from narrows.captive.measured import measured_files
+
+Run = tuple[nw.Configuration, float, dict[str, float]]
+DEPTHS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
+STRAIGHT = "type == 'STATX0' and abs(v_mps) < 1e-6 and abs(psi_deg) < 1e-6 and u_mps > 0.1 and abs(rud_given_deg) < 1"
+
+
+def lataire() -> Iterator[Run]:
+    """Fifteen runs along bank V, taken as the wall that leaves the same section; sinkage at bow and stern, measured."""
+    ship = replace(nw.read_ship(measured_files("lataire2009")[1]).ship, draft=0.18)
+    width = nw.equivalent_wall(BANKS["V"], 0.243) + WALL
+    for _, row in nw.measured_squat().iterrows():
+        fore, aft = row["sinkage fore [mm]"] / 1e3, row["sinkage aft [mm]"] / 1e3
+        measured = {"bow": fore, "midship": (fore + aft) / 2, "largest": max(fore, aft)}
+        yield nw.Configuration(ship, nw.Canal(width, 0.243)), float(row["u [m/s]"]), measured
+
+
+def kcs(label: str) -> Iterator[Run]:
+    """The steady straight runs of the KCS at one depth; midship sinkage alone."""
+    table, ship = measured_files("kcs")
+    configuration = nw.read_ship(ship)
+    rows = pd.read_csv(table).query(f"env == '{label}' and {STRAIGHT}")
+    for _, row in rows.iterrows():
+        canal = nw.Canal(configuration.canal.width, configuration.depths[label])
+        yield nw.Configuration(configuration.ship, canal), float(row["u_mps"]), {"midship": row["sinkage_mm"] / 1e3}
+
+
+def rows_of(label: str, runs: list[Run]) -> Iterator[tuple[str, ...]]:
+    """One row for each formula that gives what was measured."""
+    for name, formula in nw.SQUAT.items():
+        seen = [(s, u, m[formula.gives]) for s, u, m in runs if formula.gives in m and u < nw.choke_speed(s)]
+        if not seen:
+            continue
+        told = np.array([formula.sinkage(s, u) for s, u, _ in seen])
+        measured = np.array([m for _, _, m in seen])
+        inside = sum(not formula.outside(s, u) for s, u, _ in seen)
+        bias, spread = 100 * np.median(told / measured - 1), 1e3 * np.sqrt(np.mean((told - measured) ** 2))
+        figures = (f"{1e3 * measured.mean():.2f}", f"{1e3 * told.mean():.2f}", f"{spread:.2f}", f"{bias:+.0f} %")
+        yield (label, f"`{name}`", formula.gives, f"{inside} of {len(seen)}", *figures)
+
+
+def limits(formula: nw.SquatFormula) -> str:
+    """Write where a formula holds."""
+    return "; ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in formula.limits.items())
+
+
+def text() -> str:
+    """Hold every formula to every set of runs."""
+    about = [(f"`{name}`", own.gives, own.source, own.status, limits(own)) for name, own in nw.SQUAT.items()]
+    sets = {"8000 TEU, 35 %, sloping bank": list(lataire())}
+    sets |= {f"KCS, {said}": list(kcs(label)) for label, said in DEPTHS.items()}
+    means = ("measured [mm]", "formula [mm]", "RMSE [mm]", "median error")
+    header = ("runs", "formula", "sinkage", "within its limits", *means)
+    rows = [row for label, runs in sets.items() for row in rows_of(label, runs)]
+    return markdown(("formula", "gives", "source", "status", "limits"), about) + "\n\n" + markdown(header, rows)
+
+
+if __name__ == "__main__":
+    publish(__file__, "squat.md", text())

@@ -1,0 +1,122 @@
+"""A large container ship in an idealised Suez section: what the models say at 8 to 14 knots, and how far they agree.
+
+python decisions/suez.py [--write]
+
+With --write it draws docs/suez.svg too. The ship and the canal are those of the Ever Given's grounding of March 2021 as
+an idealisation: 399.94 m long, h/T about 1.5, a canal 205 m wide and 24 m deep as a rectangle. No model of her exists:
+the published model of the DTC and the KCS as measured are brought to her length.
+"""
+
+import sys
+
+import numpy as np
+from pages import DOCS, markdown, publish
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.physics.squat_formulas import depth_froude
+from narrows.quantities.constants import KNOT
+
+LENGTH, WIDTH, DEPTH, DENSITY = 399.94, 205.0, 24.0, 1025.0
+SHIP = nw.Ship(LENGTH, 58.8, 15.85, 0.661, name="a ship of her size")
+"""Beam and draft as reported; the block coefficient is the DTC's."""
+SPEEDS = (8.0, 10.0, 12.0, 13.5, 14.0)
+OFFSETS = (5.0, 10.0, 20.0)
+START, LONGEST, STEP = 2.0, 3600.0, 0.25
+DRAWS = 500
+CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+
+
+def published() -> nw.Model:
+    """The DTC, whose tests say nothing of a depth."""
+    return nw.scale_model(nw.published("mikkelsen2025_dtc"), LENGTH, DENSITY, WIDTH, DEPTH).model
+
+
+def measured() -> dict[str, nw.Model]:
+    """The KCS by condition, each in water as deep for her draft as in her tests."""
+    table, ship = measured_files("kcs")
+    fits = nw.identify_each(nw.read_captive(table, ship, nw.STEERED, TURNED), terms=nw.STEERED)
+    return {label: nw.scale_model(fit.model, LENGTH, DENSITY, width=WIDTH).model for label, fit in fits.items()}
+
+
+def water() -> str:
+    """What hydrodynamics of the canal says, whatever the bank's coefficients are."""
+    configuration = nw.Configuration(SHIP, nw.Canal(WIDTH, DEPTH), nw.Water(DENSITY))
+    choke, rows = nw.choke_speed(configuration), []
+    for knots in SPEEDS:
+        speed = knots * KNOT
+        sinkage = [nw.squat(configuration, speed, gives).sinkage for gives in ("midship", "bow", "largest")]
+        left = DEPTH - SHIP.draft - max(sinkage)
+        shares = f"{depth_froude(speed, DEPTH):.2f}", f"{100 * speed / choke:.0f} %"
+        rows.append((f"{knots:g}", *shares, *(f"{z:.2f}" for z in sinkage), f"{left:.2f}"))
+    header = (
+        "knots",
+        "depth Froude number",
+        "of choking",
+        "midship [m]",
+        "bow [m]",
+        "largest [m]",
+        "under the keel [m]",
+    )
+    return f"The canal chokes at {choke / KNOT:.1f} knots.\n\n{markdown(header, rows)}"
+
+
+def adrift(models: dict[str, nw.Model]) -> str:
+    """From 2 m off the middle, the rudder amidships: how fast it grows, and how far she gets."""
+    rows = []
+    for name, model in models.items():
+        for knots in (SPEEDS[0], SPEEDS[-1]):
+            speed = knots * KNOT
+            growth = float(nw.eigenvalues(model, u=speed).real.max())
+            voyage = nw.simulate(model, y=START, u=speed, duration=LONGEST, dt=STEP)
+            far = f"{voyage.outcome.distance:.0f}", f"{voyage.outcome.distance / LENGTH:.1f}"
+            rows.append((name, f"{knots:g}", f"{np.log(2) / growth:.0f}", f"{voyage.outcome.time:.0f}", *far))
+    return markdown(("model", "knots", "doubles in [s]", "aground after [s]", "[m]", "[ship lengths]"), rows)
+
+
+def steered(models: dict[str, nw.Model]) -> str:
+    """The rudder that holds her, by offset: median of the draws, what 90 % of them are between, how many there are."""
+    rows = []
+    for name, model in models.items():
+        draws = {} if model.covariance is None else {"draws": DRAWS}
+        limit = model.configuration.gear.limit_deg
+        for offset in OFFSETS:
+            angle = np.degrees(np.atleast_1d(nw.steady_course(model, y=offset, u=10 * KNOT, **draws)["rudder"]))
+            within = np.abs(angle) <= limit
+            low, middle, high = np.quantile(
+                np.where(np.isnan(angle), np.inf, angle), (0.05, 0.5, 0.95), method="higher"
+            )
+            known = f"{said(low, limit)} to {said(high, limit)}" if draws else "-"
+            rows.append((name, f"{offset:g}", said(middle, limit), known, f"{100 * within.mean():.0f} %"))
+    return markdown(("model", "offset [m]", "rudder [deg]", "90 % of the draws [deg]", "the gear reaches it in"), rows)
+
+
+def said(angle: float, limit: float) -> str:
+    """An angle, or that it is beyond the gear."""
+    return f"{angle:+.1f}" if abs(angle) <= limit else "beyond the gear"
+
+
+def text() -> str:
+    """Three tables."""
+    hulls = measured()
+    kcs = {f"KCS, {CLEARANCES[label]}": model for label, model in hulls.items()}
+    dtc = published()
+    borrowed = {"DTC as published, rudder of the KCS": nw.borrow_rudder(dtc, hulls["C0101A02"])}
+    return "\n\n".join((water(), adrift({"DTC as published": dtc, **kcs}), steered({**borrowed, **kcs})))
+
+
+def draw() -> None:
+    """The envelope of the KCS at 50 %, on which the depth over the draft is the canal's."""
+    from narrows.report.envelope_chart import envelope_chart
+    from narrows.report.style import svg
+
+    model = measured()["C0101A02"]
+    chart = envelope_chart(nw.safe_envelope(model, np.linspace(-40, 40, 33), draws=DRAWS), model)
+    (DOCS / "suez.svg").write_text(svg(chart), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    publish(__file__, "suez.md", text())
+    if "--write" in sys.argv:
+        draw()

@@ -1,0 +1,1 @@
+"""Layouts of tables of captive tests, a file each."""

@@ -1,0 +1,78 @@
+"""The ten steady bank tests of Lataire, Vantorre and Eloot (2009): one row a test, each at its own draft and depth.
+
+The banks are walls, slopes and platforms, built in at starboard of a tank 7 m wide. Each is taken as the wall that
+leaves the same section at the row's own depth: width and offset are of the canal between that wall and the tank's own.
+"""
+
+import numpy as np
+import pandas as pd
+
+from narrows.captive import check
+from narrows.errors import InputError
+from narrows.ship.cross_section import equivalent_wall
+
+RENAMED = {
+    "short name test": "test", "draught": "draft [m]", "water depth": "depth [m]",
+    "forward component of speed vector": "u [m/s]", "transversal component of speed vector": "v [m/s]",
+    "lateral position": "y [m]", "psi": "psi [deg]",
+    "longitudinal force": "X [N]", "transversal force": "Y [N]", "yaw moment": "N [Nm]",
+    "bank name": "bank",
+}  # fmt: skip
+WALL = 3.5
+"""Of the tank, from its centreline [m]."""
+BANKS = {
+    "I": ((2.83, 0.0), (2.83, 0.5)),
+    "II": ((0.53, 0.0), (3.03, 0.5)),
+    "III": ((0.53, 0.0), (1.13, 0.12), (WALL, 0.12)),
+    "IV": ((0.53, 0.0), (1.28, 0.15), (WALL, 0.15)),
+    "V": ((0.53, 0.0), (WALL, 2.97 / 8)),
+    "VI": ((0.53, 0.0), (1.73, 0.15), (WALL, 0.15)),
+    "VII": ((2.23, 0.0), (WALL, 1.27 / 3)),
+}
+"""Distance from the tank's centreline and height above its bottom [m], from the data's table of banks: toe, slope (1/5,
+1/5, 1/5, 1/8, 1/8, 1/3) and, of III, IV and VI, a platform from the top of the slope to the tank's wall."""
+
+
+def recognises(frame: pd.DataFrame) -> bool:
+    """Say whether a frame has this layout (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As read.
+    """
+    return {"lateral position", "psi", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
+
+
+def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Bring the layout to the documented headers (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As read.
+    chosen : str
+        The user's selection of rows, already applied.
+    place : str
+        The file.
+    """
+    ahead = frame[np.abs(check.numbers(frame, "psi", place)) < 90].rename(columns=RENAMED)
+    fore, aft = (check.numbers(ahead, f"sinkage {end}", place) for end in ("fore", "aft"))
+    ahead["heave [mm]"] = (fore + aft) / 2
+    ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
+    ahead["condition"] = "banks"
+    ahead = _between_walls(ahead, place)
+    left = len(frame) - len(ahead)
+    notes = ("slopes and platforms are taken as the wall that leaves the same section; y is from between the walls",)
+    return ahead, (f"{left} of {len(frame)} tests left out: sailed backwards", *notes) if left else notes
+
+
+def _between_walls(frame: pd.DataFrame, place: str) -> pd.DataFrame:
+    """Give each row the width of its canal, and its offset from the middle of it."""
+    for name in frame["bank"]:
+        if name not in BANKS:
+            raise InputError(f"{place}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
+    depths = check.numbers(frame, "depth [m]", place)
+    walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(frame["bank"], depths, strict=True)])
+    y = check.numbers(frame, "y [m]", place) - (walls - WALL) / 2
+    return frame.assign(**{"width [m]": walls + WALL, "y [m]": y})

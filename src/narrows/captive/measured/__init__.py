@@ -1,0 +1,65 @@
+"""Measured tests that come with the package, cited in the README of this folder."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from narrows.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from narrows.captive.tests import CaptiveTests
+
+TABLES = {"kcs": "kcs_pmm_shallow.csv", "lataire2009": "lataire2009.csv"}
+
+
+def measured_files(name: str) -> tuple[Path, Path]:
+    """Return the table and the ship file of some bundled tests.
+
+    Parameters
+    ----------
+    name : str
+        ``kcs`` or ``lataire2009``.
+
+    Raises
+    ------
+    InputError
+        Where there are no such tests.
+    """
+    if name not in TABLES:
+        raise InputError(f"no bundled tests are called {name!r}{did_you_mean(name, TABLES)}")
+    folder = Path(str(files("narrows") / "captive" / "measured"))
+    return folder / TABLES[name], folder / f"{name}.toml"
+
+
+def measured_squat() -> "pd.DataFrame":
+    """Read the fifteen squat runs of Lataire, Vantorre and Eloot (2009): bank V, draft 0.180 m, depth 0.243 m.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
+    """
+    import pandas as pd
+
+    return pd.read_csv(Path(str(files("narrows") / "captive" / "measured")) / "lataire2009_squat.csv")
+
+
+def measured_tests(name: str = "kcs") -> "CaptiveTests":
+    """Read some bundled tests.
+
+    Parameters
+    ----------
+    name : str
+        ``kcs``: harmonic sway and yaw of the KCS in a tank 7 m wide at three depths; ``lataire2009``: steady
+        tests along sloped banks.
+
+    Raises
+    ------
+    InputError
+        Where there are no such tests.
+    """
+    from narrows.captive.read import read_captive
+
+    return read_captive(*measured_files(name))

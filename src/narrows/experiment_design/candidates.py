@@ -1,0 +1,152 @@
+"""Every run that a tank could make: harmonic sway and yaw, about the centreline and off it, and straight runs."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from narrows.captive.runs import HarmonicRun, Run, StraightRun
+from narrows.errors import InputError
+from narrows.ship.particulars import Configuration
+
+FROUDE = (0.08, 0.12, 0.16)
+"""Speeds over the root of g L where none are asked for: slow ships, as in canals."""
+OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
+"""Of the room between hull and wall that a run may use."""
+CYCLES = (2, 3, 5)
+STRAIGHT_DRIFTS = (0.0, 6.0)
+SAMPLES = 100
+RUN_LENGTHS, MOST = 10.0, 1e5
+"""A run's steady motion over the ship's length; and more than any tank has of anything, in SI."""
+MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
+"""Speed over the root of g L beyond which no ship in a canal goes; and samples that a run may have."""
+
+
+@dataclass(frozen=True)
+class Tank:
+    """What a towing tank can do.
+
+    Parameters
+    ----------
+    run_length : float [m], optional
+        Of steady motion in one run; ten ship lengths unless given.
+    clearance : float [1]
+        Least distance from the hull's side to a wall, over the beam: nearer, every form of the bank term is in doubt.
+    heading : float [deg]
+        Largest heading in a yaw test, and drift angle in a sway test.
+    speeds : sequence of float [m/s]
+        To run at; three slow ones by the ship's length unless given.
+    depths : sequence of float [m]
+        To run at; the canal's own unless given.
+
+    Raises
+    ------
+    InputError
+        Where a number is not positive.
+    """
+
+    run_length: float | None = None
+    clearance: float = 1.5
+    heading: float = 25.0
+    speeds: Sequence[float] = ()
+    depths: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        length = 1.0 if self.run_length is None else self.run_length
+        named = {"run_length": length, "clearance": self.clearance, "heading": self.heading}
+        for name, value in (
+            *named.items(),
+            *(("speeds", u) for u in self.speeds),
+            *(("depths", h) for h in self.depths),
+        ):
+            if not 0 < value < MOST:
+                raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
+
+    def length_for(self, configuration: Configuration) -> float:
+        """Return how much steady motion a run has [m].
+
+        Parameters
+        ----------
+        configuration : Configuration
+            Gives the ship's length.
+        """
+        return RUN_LENGTHS * configuration.ship.length if self.run_length is None else self.run_length
+
+
+def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
+    """List the runs that fit between the walls and into the length of a tank (ours).
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship and canal.
+    tank : Tank
+        What it can do.
+
+    Raises
+    ------
+    InputError
+        Where none fits, or a depth leaves no water under the keel.
+    """
+    if _room(configuration, tank) <= 0:
+        raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
+    for depth in tank.depths:
+        if depth <= configuration.ship.draft:
+            raise InputError(
+                f"a depth of {depth} m leaves no water under a draft of {configuration.ship.draft} m; raise it"
+            )
+    for speed in tank.speeds:
+        if (
+            speed > MOST_FROUDE * (9.81 * configuration.ship.length) ** 0.5
+            or tank.length_for(configuration) / speed > MOST_SAMPLES
+        ):
+            raise InputError(
+                f"{speed:g} m/s is no speed for a ship {configuration.ship.length:g} m long in a tank; check it"
+            )
+    speeds = tank.speeds or [round(f * float(np.sqrt(9.81 * configuration.ship.length)), 3) for f in FROUDE]
+    return [
+        run
+        for speed, depth in product(speeds, tank.depths or (None,))
+        for run in (*_straight(configuration, tank, speed, depth), *_harmonic(configuration, tank, speed, depth))
+        if _fits(run, configuration, tank)
+    ]
+
+
+def _room(configuration: Configuration, tank: Tank) -> float:
+    return configuration.canal.width / 2 - configuration.ship.beam * (0.5 + tank.clearance)
+
+
+def _straight(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
+    shares = (0.0, 0.25, 0.5, 0.75, 1.0)
+    for share, drift in product(shares, STRAIGHT_DRIFTS):
+        offset = round(share * _room(configuration, tank), 3)
+        if share or drift:
+            name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
+            yield StraightRun(
+                name, offset, speed, tank.length_for(configuration) / speed, float(np.radians(drift)), depth
+            )
+
+
+def _harmonic(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
+    for kind, offset_share, share, cycles in product(("yaw", "sway"), OFFSETS, AMPLITUDES, CYCLES):
+        room = _room(configuration, tank)
+        offset = round(offset_share * room, 3)
+        amplitude, period = round(share * (room - offset), 3), round(tank.length_for(configuration) / speed / cycles, 2)
+        steep = np.sin if kind == "yaw" else np.tan
+        if not 0 < amplitude * 2 * np.pi / period < speed * steep(np.radians(tank.heading)):
+            continue
+        name = f"{kind} A={amplitude:g} y={offset:g} T={period:g} u={speed:g}{_at(depth)}"
+        yield HarmonicRun(name, kind, amplitude, period, speed, cycles, offset, depth)
+
+
+def _at(depth: float | None) -> str:
+    return "" if depth is None else f" h={depth:g}"
+
+
+def _fits(run: Run, configuration: Configuration, tank: Tank) -> bool:
+    """Whether the corners of the hull stay clear of the walls all along."""
+    columns = run.columns(SAMPLES / run.duration)
+    ship, psi = configuration.ship, columns["psi"]
+    reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi)
+    return bool((reach <= configuration.canal.width / 2 - tank.clearance * ship.beam + 1e-9).all())

@@ -1,0 +1,232 @@
+"""``plan_tests``: a ship, a tank and a budget of runs in; the runs and what they would tell out."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from narrows.captive.runs import HarmonicRun, Run, StraightRun
+from narrows.captive.synthetic import NOISE
+from narrows.captive.tests import CaptiveTests, Tests
+from narrows.errors import InputError
+from narrows.experiment_design.candidates import Tank, candidates
+from narrows.experiment_design.information import run_information
+from narrows.experiment_design.optimal import CRITERIA, RIDGE, choose
+from narrows.identification.fit import check_one_condition
+from narrows.identification.moments import accumulate
+from narrows.identification.problem import reduced, slots
+from narrows.ship.particulars import Configuration
+from narrows.terms.tables import PAPER
+from narrows.terms.term import TermTable
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Runs to make, and what they would tell.
+
+    Parameters
+    ----------
+    runs : tuple of Run
+        In the order in which they help.
+    targets : tuple of str
+        The coefficients that they are chosen for.
+    std : mapping of str to array (runs,)
+        Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is known.
+    inflation : mapping of str to float [1]
+        Variance inflation of each target's column under all runs.
+    usual : mapping of str to float
+        Predicted standard errors of the best plan of as many harmonic runs about the centreline.
+    usual_inflation : mapping of str to float [1]
+        Variance inflation under that plan.
+    considered : int
+        How many runs there were to choose from.
+    assumed : str
+        Noise and length of a run, that the standard errors rest on.
+    """
+
+    runs: tuple[Run, ...]
+    targets: tuple[str, ...]
+    std: Mapping[str, np.ndarray]
+    inflation: Mapping[str, float]
+    usual: Mapping[str, float]
+    usual_inflation: Mapping[str, float]
+    considered: int
+    assumed: str
+
+    @property
+    def determined(self) -> bool:
+        """Whether the runs determine every target at all."""
+        return all(np.isfinite(self.std[name][-1]) for name in self.targets)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is gained, for each target."""
+        unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
+        said = tuple(
+            f"{name}: standard error {self.std[name][-1]:.2g} (VIF {self.inflation[name]:.3g}) with these runs, "
+            f"{self.usual[name]:.2g} (VIF {self.usual_inflation[name]:.3g}) with as many of the best harmonic runs "
+            "about the centreline."
+            for name in self.targets
+            if name not in unknown
+        )
+        lost = (f"No such runs determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(unknown)
+        return (*said, *lost, self.assumed)
+
+    def summary(self) -> dict[str, Any]:
+        """Everything as plain numbers and words: what ``design --json`` prints."""
+        return {
+            "runs": [{name: plain(value) for name, value in row.items()} for row in self.rows()],
+            "targets": {
+                name: {
+                    "std": plain(float(self.std[name][-1])),
+                    "vif": plain(self.inflation[name]),
+                    "usual_std": plain(self.usual[name]),
+                    "usual_vif": plain(self.usual_inflation[name]),
+                }
+                for name in self.targets
+            },
+            "considered": self.considered,
+            "says": list(self.sentences),
+        }
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row a run, with the standard errors once it is made."""
+        errors = [{f"std {name}": float(self.std[name][i]) for name in self.targets} for i in range(len(self.runs))]
+        return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON can hold it: None for infinity (ours).
+
+    Parameters
+    ----------
+    value : Any
+        A number, a word or None.
+    """
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _row(run: Run) -> dict[str, Any]:
+    given = asdict(run) if isinstance(run, HarmonicRun | StraightRun) else {"name": run.name}
+    drift = {"drift_deg": float(np.degrees(given.pop("drift")))} if "drift" in given else {}
+    return {"kind": "straight", **given, **drift, "duration": run.duration}
+
+
+def plan_tests(
+    configuration: Configuration, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
+    targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = NOISE,
+    correlation_time: float = 0.5, after: Tests | None = None,
+) -> Plan:  # fmt: skip
+    """Choose the runs that make some coefficients best known, all others being unknown too.
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship, canal and water.
+    runs : int
+        How many.
+    tank : Tank, optional
+        What the tank can do.
+    terms : TermTable
+        The terms that are to be identified.
+    targets : sequence of str
+        The coefficients that matter; those of the bank unless given.
+    criterion : str
+        ``c``: the sum of their variances, each over that of the best single run for it; ``d``: the determinant of
+        their covariance.
+    noise : mapping of str to float [N, N, N m]
+        Standard deviation of each force.
+    correlation_time : float [s]
+        Of the noise.
+    after : CaptiveTests, optional
+        Tests that were made already.
+
+    Returns
+    -------
+    Plan
+        The runs and their gain.
+
+    Raises
+    ------
+    InputError
+        Where there is no run to choose, a target is unknown, or the terms ask for what the ship file lacks.
+    """
+    if runs < 1:
+        raise InputError(f"{runs} runs are no plan; ask for one or more")
+    if criterion not in CRITERIA:
+        raise InputError(f"criterion {criterion!r} is unknown; choose {' or '.join(CRITERIA)}")
+    targets = _targets(terms, targets)
+    for force, own in terms.forces.items():
+        if own and not noise.get(force, 0.0) > 0:
+            raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
+    tank = tank or Tank()
+    if tank.depths and "depth" not in terms.inputs:
+        raise InputError("these terms do not know the depth of the water; leave the depths out, or take terms that do")
+    offered = candidates(configuration, tank)
+    told = np.array([run_information(run, configuration, terms, noise, correlation_time) for run in offered])
+    known = _known(after, terms, noise, correlation_time) if after is not None else np.zeros(told.shape[1:])
+    index = [slots(terms)[name] for name in targets]
+    wanted = sorted(set(index))  # tied coefficients are one parameter
+    best = choose(told, known, runs, wanted, criterion)
+    usual = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
+    ours = _said(known + np.cumsum(told[best], axis=0), index)
+    theirs = _said(
+        known + told[usual][choose(told[usual], known, len(best), wanted, criterion)].sum(axis=0)[None], index
+    )
+    return Plan(
+        tuple(offered[i] for i in best),
+        targets,
+        {name: ours[0][:, j] for j, name in enumerate(targets)},
+        {name: float(ours[1][-1, j]) for j, name in enumerate(targets)},
+        {name: float(theirs[0][-1, j]) for j, name in enumerate(targets)},
+        {name: float(theirs[1][-1, j]) for j, name in enumerate(targets)},
+        len(offered),
+        _assumed(noise, correlation_time, tank, configuration),
+    )
+
+
+def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, configuration: Configuration) -> str:
+    sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
+    return (
+        f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {tank.length_for(configuration):g} m of "
+        "steady motion a run."
+    )
+
+
+def _targets(terms: TermTable, given: Sequence[str]) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else tuple(given)
+    names = names or tuple(term.name for term in terms.terms if term.from_bank)
+    for name in names:
+        if name not in terms.names:
+            raise InputError(f"the terms have no {name!r}; targets are {', '.join(terms.names)}")
+    if not names:
+        raise InputError("these terms have no bank to plan for; name the coefficients that matter as targets")
+    return names
+
+
+def _said(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Standard errors and variance inflations of some parameters, (steps, targets); infinite while unknown."""
+    diagonal = np.diagonal(information, axis1=1, axis2=2)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    scaled = information / (size[:, :, None] * size[:, None, :]) + RIDGE * np.eye(information.shape[-1])
+    inflation = np.diagonal(np.linalg.inv(scaled), axis1=1, axis2=2)[:, index]
+    inflation = np.where(inflation > 1e-2 / RIDGE, np.inf, inflation)
+    return np.sqrt(inflation) / size[:, index], inflation
+
+
+def _known(tests: Tests, terms: TermTable, noise: Mapping[str, float], correlation_time: float) -> np.ndarray:
+    """Information of tests that were made; rows nearer in time than two correlation times share theirs."""
+    check_one_condition(tests, terms)
+    moments, _ = accumulate(tests, terms)
+    problem = reduced(moments, terms)
+    weighed = replace(problem, weights={force: 1 / noise[force] ** 2 for force, own in terms.forces.items() if own})
+    share = np.array([1 / max(1.0, 2 * correlation_time * _rate(tests, name)) for name in moments.names])
+    h, _ = weighed.normal(np.tensordot(share, moments.by_test(), axes=1))
+    return np.asarray(h * np.outer(problem.scale, problem.scale))
+
+
+def _rate(tests: Tests, name: str) -> float:
+    """Of sampling [Hz]; 0 where the rows carry no time, so that each is taken as independent."""
+    t = tests.test(name).get("t") if isinstance(tests, CaptiveTests) else None
+    return 0.0 if t is None or len(t) < 2 else float(1 / np.median(np.diff(t)))

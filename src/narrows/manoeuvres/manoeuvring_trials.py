@@ -1,0 +1,139 @@
+"""The trials that ships are judged by: a turning circle to either side, zigzags to either side first."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from narrows.errors import InputError
+from narrows.manoeuvres.measures import Turning, overshoots, turning_circle
+from narrows.model.model import Model
+from narrows.simulation.steering import Held, Zigzag
+from narrows.simulation.voyage import Voyage, simulate
+
+STEPS_A_LENGTH = 120
+MODEL_LENGTH = 30.0
+"""Below this [m] a hull is taken for a model's."""
+TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
+"""Ship lengths at the approach speed that a trial lasts."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Trials of one ship.
+
+    Parameters
+    ----------
+    model : Model
+        In open water.
+    speed : float [m/s]
+        Of the approach.
+    turning : dict of str to (Voyage, Turning)
+        By the order, as in ``+35``.
+    zigzags : dict of str to (Voyage, tuple of float [rad])
+        By rudder and heading, as in ``+10/10``, with the overshoots.
+    notes : tuple of str
+        What was assumed.
+    """
+
+    model: Model
+    speed: float
+    turning: dict[str, tuple[Voyage, Turning]]
+    zigzags: dict[str, tuple[Voyage, tuple[float, ...]]]
+    notes: tuple[str, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """Return the results as plain values: lengths over the ship's, degrees."""
+        length = self.model.configuration.ship.length
+        return {
+            "speed": self.speed,
+            "turning": {
+                order: {
+                    "advance_over_length": own.advance / length,
+                    "transfer_over_length": own.transfer / length,
+                    "tactical_diameter_over_length": own.tactical_diameter / length,
+                    "speed_over_approach": float(voyage.u[-1] / self.speed),
+                }
+                for order, (voyage, own) in self.turning.items()
+            },
+            "zigzags": {
+                order: {"overshoots_deg": [math.degrees(angle) for angle in own]}
+                for order, (_, own) in self.zigzags.items()
+            },
+            "notes": list(self.notes),
+        }
+
+
+def sail_trials(
+    model: Model, speed: float, turn_deg: float = 35.0, zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)),
+    dt: float | None = None,
+) -> Trials:  # fmt: skip
+    """Sail turning circles and zigzags in open water (ours).
+
+    The speed is free where the model knows what resists its change, and held where it does not.
+
+    Parameters
+    ----------
+    model : Model
+        With the terms of a rudder; those of the banks are left out.
+    speed : float [m/s]
+        Of the approach.
+    turn_deg : float [deg]
+        Rudder of the circles.
+    zigzags : pairs of float [deg]
+        Rudder and heading.
+    dt : float [s], optional
+        Step; a hundred and twentieth of the time for a ship length unless given.
+
+    Raises
+    ------
+    InputError
+        Where the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or she
+        does not turn far enough.
+    """
+    if not 0 < speed < math.inf:
+        raise InputError(f"an approach at {speed} m/s is none; give its speed over 0")
+    limit = model.configuration.gear.limit_deg
+    for angle in (turn_deg, *(rudder for rudder, _ in zigzags)):
+        if not 0 < angle <= limit:
+            raise InputError(f"a rudder of {angle:g} degrees is not between 0 and the gear's {limit:g}; choose another")
+    ship = model.in_open_water()
+    free = ship.surge_inertia > 0
+    pace = ship.configuration.ship.length / speed
+    step = pace / STEPS_A_LENGTH if dt is None else dt
+    options: dict[str, Any] = {"u": speed, "dt": step, "contact": "none", "surge": "free" if free else "held"}
+    turning, tacking = {}, {}
+    for sign in (1, -1):
+        order = Held(math.radians(sign * turn_deg))
+        voyage = simulate(ship, duration=TURNING_LENGTHS * pace, helm=order, **options)
+        turning[f"{sign * turn_deg:+g}"] = (voyage, turning_circle(voyage))
+    for rudder, heading in zigzags:
+        for sign in (1, -1):
+            zigzag = Zigzag(math.radians(sign * rudder), math.radians(heading))
+            voyage = simulate(ship, duration=ZIGZAG_LENGTHS * pace, helm=zigzag, **options)
+            tacking[f"{sign * rudder:+g}/{heading:g}"] = (voyage, overshoots(voyage, zigzag))
+    notes = () if free else ("the speed is held: nothing in the model says what resists its change",)
+    if model.configuration.steering is None and model.configuration.ship.length < MODEL_LENGTH:
+        notes = (*notes, "the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
+    if ship is not model:
+        notes = (*notes, "the terms of the banks are left out: open water, and the depth that the others hold for")
+    return Trials(ship, speed, turning, tacking, notes)
+
+
+def parse_zigzags(text: str) -> tuple[tuple[float, float], ...]:
+    """Read ``10/10,20/20`` (ours).
+
+    Parameters
+    ----------
+    text : str
+        Rudder and heading [deg].
+
+    Raises
+    ------
+    InputError
+        Where it is not that.
+    """
+    try:
+        pairs = [word.split("/") for word in text.split(",") if word]
+        return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
+    except ValueError:
+        raise InputError(f"--zigzags {text!r} is not understood; write 10/10,20/20, in degrees") from None

@@ -1,0 +1,254 @@
+"""Models at another scale by Froude's law, and what does not go with it."""
+
+from dataclasses import dataclass, fields, replace
+from math import log10
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.model.model import DataRange, Model, Range
+from narrows.model.nondimensional import Units
+from narrows.quantities.constants import GRAVITY
+from narrows.quantities.dimensions import KG, KG_M2, METRE, Dimension
+from narrows.ship.particulars import Canal, Configuration, Ship, Water
+
+SHIP = {"length": METRE, "beam": METRE, "draft": METRE, "mass": KG, "inertia": KG_M2, "x_g": METRE}
+ENVELOPE = {
+    "speed": Dimension(0, 1, -1),
+    "abs_y": METRE,
+    "abs_psi": Dimension(),
+    "abs_r": Dimension(0, 0, -1),
+    "depth_to_draft": Dimension(),
+    "width_to_beam": Dimension(),
+}
+LONGEST = 1e4
+"""Length [m] that no ship has."""
+SLACK = 0.02
+"""Of a range of the data, by which a place may leave it without a word."""
+RESISTANCE, CROSSFLOW_DRAG = ("a_uu", "R_0"), ("b_vv", "c_vv", "Y_vvv", "N_vvv")
+"""Coefficients that hold friction, and those that hold the drag of a bluff section."""
+ONE_SPEED = ("b_v", "b_r", "c_v", "c_r")
+"""Coefficients that hold a part proportional to the speed of the tests."""
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A model at another scale, and what does not go with it.
+
+    Parameters
+    ----------
+    model : Model
+        The model at the new scale.
+    ratio : float [1]
+        New length over old.
+    warnings : tuple of str
+        What does not scale, and where the new place leaves what the data covered.
+    """
+
+    model: Model
+    ratio: float
+    warnings: tuple[str, ...]
+
+    def speed(self, speed: float) -> float:
+        """Return the speed at the new scale that has the Froude number of one at the old [m/s].
+
+        Parameters
+        ----------
+        speed : float [m/s]
+            At the old scale.
+        """
+        return float(speed * self.ratio**0.5)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """What is needed to scale the friction in a_uu by the line of the ITTC.
+
+    Parameters
+    ----------
+    wetted_surface : float [m2]
+        Of the hull at the old scale.
+    form_factor : float [1]
+        k of the form.
+    speed : float [m/s]
+        At the old scale, that the line is taken at.
+    viscosity : pair of float [m2/s]
+        Kinematic, of the water at the old scale and at the new.
+
+    Raises
+    ------
+    InputError
+        Where a number is not positive, or the form factor is negative.
+    """
+
+    wetted_surface: float
+    form_factor: float
+    speed: float
+    viscosity: tuple[float, float] = (1.14e-6, 1.19e-6)
+
+    def __post_init__(self) -> None:
+        if not (self.wetted_surface > 0 and self.speed > 0 and min(self.viscosity) > 0 and self.form_factor >= 0):
+            raise InputError("friction needs a positive wetted surface, speed and viscosity, and a form factor from 0")
+
+
+def ittc57(reynolds: float) -> float:
+    """Return the frictional resistance coefficient of the ITTC's line [1], 0.075/(log10 Re - 2)^2.
+
+    Parameters
+    ----------
+    reynolds : float [1]
+        Number of Reynolds, over 1e5.
+
+    Raises
+    ------
+    InputError
+        Where the number is below the line's range.
+
+    References
+    ----------
+    ITTC (1957), Report of the 8th conference: model-ship correlation line.
+    """
+    if not reynolds >= 1e5:
+        raise InputError(f"a Reynolds number of {reynolds:g} is below the range of the ITTC's line; check the speed")
+    return 0.075 / (log10(reynolds) - 2) ** 2
+
+
+def scale_model(
+    model: Model, length: float, density: float | None = None, width: float | None = None, depth: float | None = None,
+    friction: Friction | None = None,
+) -> Scaled:  # fmt: skip
+    """Scale a model to another length by Froude's law.
+
+    Masses go with the cube of the ratio of lengths and with the density, times with its root.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    length : float [m]
+        Between perpendiculars, of the new ship.
+    density : float [kg/m3], optional
+        Of the new water; as it was unless given.
+    width, depth : float [m], optional
+        Of the new canal; those of the tests at the new scale unless given.
+    friction : Friction, optional
+        Scale the friction in a_uu by the line of the ITTC instead of by Froude's law.
+
+    Raises
+    ------
+    InputError
+        Where a number is not positive, or the ship does not fit the canal.
+    """
+    if not 0 < length < LONGEST:
+        raise InputError(f"a ship {length} m long is none; give her length in metres")
+    old = model.configuration
+    ratio = length / old.ship.length
+    water = Water(old.water.density if density is None else density)
+    units = Units(ratio**3 * water.density / old.water.density, ratio, ratio**0.5)
+    deep = None if old.canal.depth is None else old.canal.depth * ratio
+    canal = Canal(old.canal.width * ratio if width is None else width, deep if depth is None else depth)
+    configuration = Configuration(_scaled_ship(old.ship, units), canal, water, **_scaled_actuators(old, ratio))
+    factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
+    coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
+    said = (*_fixed_warnings(model, friction), *_place_warnings(model, configuration))
+    if friction:
+        coefficients["a_uu"] = _with_friction(model, friction, ratio, units, water.density)
+    scaled = replace(
+        model,
+        configuration=configuration,
+        coefficients=coefficients,
+        covariance=None if model.covariance is None else model.covariance * np.outer(factors, factors),
+        data_range=_scaled_range(model.data_range, units),
+        source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
+    )
+    return Scaled(scaled, ratio, said)
+
+
+def _scaled_ship(ship: Ship, units: Units) -> Ship:
+    given = {n: getattr(ship, n) * units.factor(d) for n, d in SHIP.items() if getattr(ship, n) is not None}
+    return replace(ship, **given)
+
+
+def _scaled_actuators(old: Configuration, ratio: float) -> dict[str, Any]:
+    """Gear, propeller and rudder at another size; their fractions stay."""
+    gear, propeller, rudder = old.steering, old.propeller, old.rudder
+    pace = ratio**-0.5
+    return {
+        "steering": gear and replace(gear, rate_deg=gear.rate_deg * pace),
+        "propeller": propeller
+        and replace(propeller, diameter=propeller.diameter * ratio, revolutions=propeller.revolutions * pace),
+        "rudder": rudder and replace(rudder, area=rudder.area * ratio**2),
+    }
+
+
+def _scaled_range(covered: DataRange, units: Units) -> DataRange:
+    def moved(name: str) -> Range | None:
+        pair, factor = getattr(covered, name), units.factor(ENVELOPE[name])
+        return pair and (pair[0] * factor, pair[1] * factor)
+
+    return DataRange(**{own.name: moved(own.name) for own in fields(DataRange)})
+
+
+def _with_friction(model: Model, friction: Friction, ratio: float, units: Units, density: float) -> float:
+    """a_uu with the form's friction taken off at the old scale and put on at the new."""
+    if "a_uu" not in model.terms.names:
+        raise InputError("the model has no a_uu to scale the friction of; leave the form factor out")
+    length, old_density = model.configuration.ship.length, model.configuration.water.density
+    speeds = friction.speed, friction.speed * ratio**0.5
+    lengths, densities = (length, length * ratio), (old_density, density)
+    surfaces = friction.wetted_surface, friction.wetted_surface * ratio**2
+    parts = [
+        0.5 * rho * surface * (1 + friction.form_factor) * ittc57(speed * own / nu)
+        for rho, surface, speed, own, nu in zip(densities, surfaces, speeds, lengths, friction.viscosity, strict=True)
+    ]
+    if parts[0] > model.coefficients["a_uu"] > 0:
+        raise InputError("the friction is more than the whole of a_uu; check the wetted surface, form factor and speed")
+    wave = (model.coefficients["a_uu"] - parts[0]) * units.factor(model.terms["a_uu"].dimension)
+    return max(wave + parts[1], 0.0)
+
+
+def _fixed_warnings(model: Model, friction: Friction | None) -> tuple[str, ...]:
+    said, names = [], model.terms.names
+    if resisting := [name for name in RESISTANCE if name in names and not friction]:
+        remedy = " (give a form factor)" if "a_uu" in names else ""
+        said.append(f"The friction in {resisting[0]} does not follow Froude's law: a ship has less than this{remedy}.")
+    if drags := [name for name in CROSSFLOW_DRAG if name in names]:
+        said.append(
+            f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which is not kept."
+        )
+    if "propeller_wake" in model.terms.inputs:
+        said.append(
+            "The wake of a ship is thinner than her model's, and her propeller is loaded less; both are kept here."
+        )
+    held = [name for name in ONE_SPEED if name in model.terms.names]
+    if held and (pair := model.data_range.speed):
+        said.append(
+            f"{', '.join(held)} hold parts proportional to the speed of the tests, {pair[0]:.3g} to {pair[1]:.3g} m/s: "
+            "far from that speed, scaled, they do not hold."
+        )
+    if any(term.from_bank for term in model.terms.terms):
+        said.append("The banks of the tests are the only shape that the coefficients know.")
+    return tuple(said)
+
+
+def _place_warnings(model: Model, configuration: Configuration) -> tuple[str, ...]:
+    """Where the new canal leaves what the data covered, in ratios that do not depend on the scale."""
+    said = []
+    old, ship = model.configuration, configuration.ship
+    wide, was = configuration.canal.width / ship.beam, old.canal.width / old.ship.beam
+    if abs(wide / was - 1) > SLACK:
+        said.append(f"W/B = {wide:.2f} is not that of the tests, {was:.2f}.")
+    if configuration.canal.depth is None:
+        return (*said, "The depth of the water is not given, so h/T and the depth Froude number are not known.")
+    covered = model.data_range.depth_to_draft or (old.canal.depth and (old.canal.depth / old.ship.draft,) * 2)
+    ratio = configuration.canal.depth / ship.draft
+    if not covered:
+        said.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
+    elif not covered[0] * (1 - SLACK) <= ratio <= covered[1] * (1 + SLACK):
+        said.append(f"h/T = {ratio:.2f} is outside the tests' {covered[0]:.2f} to {covered[1]:.2f}.")
+    if (pair := model.data_range.speed) and old.canal.depth:
+        froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5
+        most = froude * (GRAVITY * configuration.canal.depth) ** 0.5
+        said.append(f"Beyond {most:.3g} m/s her depth Froude number leaves the tests', up to {froude:.3g}.")
+    return tuple(said)

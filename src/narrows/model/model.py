@@ -1,0 +1,191 @@
+"""A model: a ship in a canal, a table of terms, their coefficients, and how far they can be trusted."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from numbers import Real
+from types import MappingProxyType
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean
+from narrows.quantities.names import AMIDSHIPS, Number
+from narrows.ship.motion import Motion
+from narrows.ship.particulars import Configuration
+from narrows.terms.term import Term, TermTable
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class DataRange:
+    """The ranges that the data covered; None where they did not say.
+
+    Parameters
+    ----------
+    speed : pair of float [m/s]
+        Surge velocity.
+    abs_y : pair of float [m]
+        Distance off the centreline.
+    abs_psi : pair of float [rad]
+        Size of the heading.
+    abs_r : pair of float [rad/s]
+        Size of the yaw rate.
+    depth_to_draft : pair of float [1]
+        h/T.
+    width_to_beam : pair of float [1]
+        W/B.
+    """
+
+    speed: Range | None = None
+    abs_y: Range | None = None
+    abs_psi: Range | None = None
+    abs_r: Range | None = None
+    depth_to_draft: Range | None = None
+    width_to_beam: Range | None = None
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where numbers come from.
+
+    Parameters
+    ----------
+    text : str
+        A citation, or how they were made.
+    table : str
+        File name of the table of tests.
+    sha256 : str
+        Hash of that file.
+    """
+
+    text: str = ""
+    table: str = ""
+    sha256: str = ""
+
+
+def _is_finite(value: object) -> bool:
+    return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A bank-effect model: what a fit gives and what simulation takes.
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship, canal and water.
+    terms : TermTable
+        The terms.
+    coefficients : mapping of str to float
+        One value for each term, in the term's own SI unit.
+    covariance : array (n, n), optional
+        Of the coefficients, in the order of ``terms.names``.
+    data_range : DataRange
+        What the data covered.
+    source : Source
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        Where a coefficient is missing, unknown or not finite.
+    """
+
+    configuration: Configuration
+    terms: TermTable
+    coefficients: Mapping[str, float]
+    covariance: np.ndarray | None = None
+    data_range: DataRange = field(default_factory=DataRange)
+    source: Source = field(default_factory=Source)
+
+    def __post_init__(self) -> None:
+        names = self.terms.names
+        for name, value in self.coefficients.items():
+            if name not in names:
+                hint = did_you_mean(name, names)
+                raise InputError(f"unknown coefficient {name!r}{hint}")
+            if not _is_finite(value):
+                raise InputError(f"coefficient {name} = {value} is not a finite number; give its value")
+        for name in names:
+            if name not in self.coefficients:
+                raise InputError(f"coefficient {name} is missing; add it, or choose a table without its term")
+
+    def with_coefficients(self, **values: float) -> "Model":
+        """Return the model with some coefficients changed.
+
+        Parameters
+        ----------
+        **values : float
+            New values by name.
+        """
+        return replace(self, coefficients={**self.coefficients, **values})
+
+    def forces(self, motion: Motion, rudder: Number = 0.0, revolutions: Number | None = None) -> dict[str, Number]:
+        """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
+
+        Parameters
+        ----------
+        motion : Motion
+            Floats or columns.
+        rudder : number [rad]
+            Its angle, positive where it turns the bow to starboard; floats or columns.
+        revolutions : number [1/s], optional
+            Of the propeller; those of the setting unless given.
+
+        Raises
+        ------
+        InputError
+            Where a term needs a particular that the setting does not give.
+        """
+        turning = {} if revolutions is None else {"revolutions": revolutions}
+        values = self._values(motion, turning) | {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
+        return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
+
+    def bank_forces(self, motion: Motion) -> dict[str, Number]:
+        """Evaluate the part of each force that the banks make [N, N, N m].
+
+        Parameters
+        ----------
+        motion : Motion
+            Floats or columns.
+        """
+        values = self._values(motion)
+        return {
+            force: self._sum([term for term in terms if term.from_bank], values)
+            for force, terms in self.terms.forces.items()
+        }
+
+    def in_open_water(self) -> "Model":
+        """Return the model without the terms of the banks; itself where it has none."""
+        if not any(term.from_bank for term in self.terms.terms):
+            return self
+        parts = ([term for term in own if not term.from_bank] for own in self.terms.forces.values())
+        surge, sway, yaw = map(tuple, parts)
+        names = [term.name for term in (*surge, *sway, *yaw)]
+        ties = tuple(tie for tie in self.terms.ties if set(tie) <= set(names))
+        place = [self.terms.names.index(name) for name in names]
+        return replace(
+            self,
+            terms=TermTable(f"{self.terms.name}, open water", surge, sway, yaw, ties),
+            coefficients={name: self.coefficients[name] for name in names},
+            covariance=None if self.covariance is None else self.covariance[np.ix_(place, place)],
+        )
+
+    def _values(self, motion: Motion, more: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
+        values = self.configuration.values() | motion.values() | AMIDSHIPS | dict(more)
+        for name in self.terms.inputs:
+            if name not in values:
+                raise InputError(f"the terms of this model need {name}; give it in the ship file")
+        return values
+
+    @property
+    def surge_inertia(self) -> float:
+        """What the terms resist a surge acceleration with [kg]."""
+        values = self._values(Motion.at(u=1.0, udot=1.0)) | {"revolutions": 0.0}
+        held = [term for term in self.terms.surge if "udot" in term.inputs]
+        return -float(self._sum(held, values) - self._sum(held, {**values, "udot": 0.0}))
+
+    def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
+        return sum((self.coefficients[term.name] * term.column(values) for term in terms), 0.0)

@@ -1,0 +1,122 @@
+"""Models without dimensions: every factor comes from the dimension of its term."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.quantities.constants import GRAVITY
+from narrows.quantities.dimensions import Dimension
+from narrows.ship.particulars import Configuration
+
+SYSTEMS = ("prime1", "prime2", "bis")
+
+
+@dataclass(frozen=True)
+class Units:
+    """A unit of mass, of length and of time.
+
+    Parameters
+    ----------
+    mass : float [kg]
+        One unit of mass.
+    length : float [m]
+        One unit of length.
+    time : float [s]
+        One unit of time.
+    """
+
+    mass: float
+    length: float
+    time: float
+
+    def factor(self, dimension: Dimension) -> float:
+        """Return one unit of a quantity of some dimension, in SI (ours).
+
+        Parameters
+        ----------
+        dimension : Dimension
+            Of the quantity.
+        """
+        return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
+
+
+def units_of(configuration: Configuration, system: str, speed: float | None = None) -> Units:
+    """Return the units of a nondimensional system.
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship and water.
+    system : str
+        ``prime1``: rho/2 L^3, L, L/U; ``prime2``: rho/2 L^2 T, L, L/U; ``bis``: the displacement, L, (L/g)^(1/2).
+    speed : float [m/s], optional
+        U, for the prime systems.
+
+    Raises
+    ------
+    InputError
+        Where the system is none of these, or a prime system is given no speed.
+
+    References
+    ----------
+    SNAME (1950), Nomenclature for treating the motion of a submerged body through a fluid; Norrbin (1970) for bis.
+    """
+    ship, density = configuration.ship, configuration.water.density
+    if system not in SYSTEMS:
+        raise InputError(f"nondimensional system {system!r} is unknown; choose {', '.join(SYSTEMS)}")
+    if system == "bis":
+        displaced = density * ship.block_coefficient * ship.length * ship.beam * ship.draft
+        return Units(ship.mass or displaced, ship.length, float((ship.length / GRAVITY) ** 0.5))
+    if not (speed and 0 < speed < float("inf")):
+        raise InputError(f"system {system} measures time by the speed; give a positive one")
+    depth = ship.length if system == "prime1" else ship.draft
+    return Units(density / 2 * ship.length**2 * depth, ship.length, ship.length / speed)
+
+
+def nondimensional(model: Model, system: str = "prime2", speed: float | None = None) -> dict[str, float]:
+    """Return a model's coefficients without dimensions.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    system : str
+        ``prime1``, ``prime2`` or ``bis``.
+    speed : float [m/s], optional
+        For the prime systems.
+
+    Raises
+    ------
+    InputError
+        Where the system is unknown or lacks a speed.
+    """
+    units = units_of(model.configuration, system, speed)
+    return {n: v / units.factor(model.terms[n].dimension) for n, v in model.coefficients.items()}
+
+
+def dimensional(
+    numbers: Mapping[str, float], model: Model, system: str = "prime2", speed: float | None = None
+) -> Model:
+    """Return a model with coefficients that are given without dimensions.
+
+    Parameters
+    ----------
+    numbers : mapping of str to float [1]
+        The coefficients.
+    model : Model
+        Gives the ship, the terms and all else; its own coefficients go.
+    system : str
+        ``prime1``, ``prime2`` or ``bis``.
+    speed : float [m/s], optional
+        For the prime systems.
+
+    Raises
+    ------
+    InputError
+        Where the system is unknown, lacks a speed, or a coefficient is missing or unknown.
+    """
+    units = units_of(model.configuration, system, speed)
+    known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}
+    unknown = {n: v for n, v in numbers.items() if n not in known}
+    return replace(model, coefficients=known | unknown, covariance=None)

@@ -1,0 +1,193 @@
+"""Squat formulas in one table, with what each gives and where it holds, and a choice among them."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from narrows.errors import InputError, did_you_mean
+from narrows.physics import squat_formulas as formulas
+from narrows.quantities.names import Number
+from narrows.ship.particulars import Configuration
+
+GIVES = ("midship", "bow", "largest")
+VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
+
+
+@dataclass(frozen=True)
+class SquatFormula:
+    """A squat formula.
+
+    Parameters
+    ----------
+    function : callable
+        Its arguments are names of the vocabulary.
+    gives : str
+        Which sinkage: ``midship``, ``bow`` or ``largest``.
+    status : str
+        How sure the formula is.
+    limits : mapping of str to pair of float [1]
+        Where it holds: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``.
+    """
+
+    function: Callable[..., Number]
+    gives: str
+    status: str
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def source(self) -> str:
+        """Where it is from."""
+        text = inspect.cleandoc(self.function.__doc__ or "").partition("Source:")[2]
+        return " ".join(text.partition("\n\n")[0].split()).rstrip(".")
+
+    def sinkage(self, configuration: Configuration, speed: float) -> float:
+        """Evaluate the formula [m].
+
+        Parameters
+        ----------
+        configuration : Configuration
+            Ship and canal; the depth must be given.
+        speed : float [m/s]
+            Through the water.
+        """
+        values = {**configuration.values(), "u": speed}
+        return float(self.function(*[values[name] for name in inspect.signature(self.function).parameters]))
+
+    def outside(self, configuration: Configuration, speed: float) -> tuple[str, ...]:
+        """Say where a ship is beyond what the formula holds for.
+
+        Parameters
+        ----------
+        configuration : Configuration
+            Ship and canal; the depth must be given.
+        speed : float [m/s]
+            Through the water.
+        """
+        place = ratios(configuration, speed)
+        return tuple(
+            f"{name.replace('_', ' ')} {place[name]:.3g} is outside {low:g} to {high:g}"
+            for name, (low, high) in self.limits.items()
+            if not low <= place[name] <= high
+        )
+
+
+SLOW = {"froude": (0.0, 0.7)}
+SQUAT = {
+    "huuska": SquatFormula(formulas.huuska, "bow", VERIFIED, {**SLOW, "block_coefficient": (0.6, 0.8)}),
+    "icorels": SquatFormula(formulas.icorels, "bow", VERIFIED, {**SLOW, "blockage": (0.0, 0.03)}),
+    "barrass": SquatFormula(
+        formulas.barrass, "largest", VERIFIED, {"blockage": (0.10, 0.25), "depth_to_draft": (1.1, 1.4)}
+    ),
+    "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SLOW),
+    "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SLOW),
+}
+"""The formulas by name, the preferred first."""
+
+
+@dataclass(frozen=True)
+class Squat:
+    """A sinkage and what it rests on.
+
+    Parameters
+    ----------
+    sinkage : float [m]
+        Downward.
+    formula : str
+        Its name in ``SQUAT``.
+    gives : str
+        Which sinkage it is.
+    critical_speed : float [m/s]
+        At which the canal chokes.
+    warnings : tuple of str
+        Where the formula is used outside of what it holds for, or is not verified.
+    """
+
+    sinkage: float
+    formula: str
+    gives: str
+    critical_speed: float
+    warnings: tuple[str, ...]
+
+
+def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
+    """Return what validity is stated in: froude, blockage, depth_to_draft, block_coefficient [1] (ours).
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship and canal.
+    speed : float [m/s]
+        Through the water.
+
+    Raises
+    ------
+    InputError
+        Where the canal has no depth.
+    """
+    ship, canal = configuration.ship, configuration.canal
+    if canal.depth is None:
+        raise InputError("[canal] depth is not given, and squat needs it; add it in metres")
+    return {
+        "froude": float(formulas.depth_froude(speed, canal.depth)),
+        "blockage": float(formulas.blockage(ship.beam, ship.draft, canal.width, canal.depth)),
+        "depth_to_draft": canal.depth / ship.draft,
+        "block_coefficient": ship.block_coefficient,
+    }
+
+
+def choke_speed(configuration: Configuration) -> float:
+    """Return the critical speed of a ship in her canal [m/s] (Schijf).
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship and canal.
+
+    Raises
+    ------
+    InputError
+        Where the canal has no depth.
+    """
+    ratios(configuration, 0.0)
+    ship, canal = configuration.ship, configuration.canal
+    return float(formulas.critical_speed(ship.beam, ship.draft, canal.width, canal.depth))
+
+
+def squat(configuration: Configuration, speed: float, gives: str = "midship", formula: str | None = None) -> Squat:
+    """Estimate how far a ship sinks at a speed.
+
+    The first formula of ``SQUAT`` that gives the wanted sinkage and holds here is taken; if none holds, the first that
+    gives it, with warnings.
+
+    Parameters
+    ----------
+    configuration : Configuration
+        Ship and canal; the depth must be given.
+    speed : float [m/s]
+        Through the water.
+    gives : str
+        ``midship``, ``bow`` or ``largest``.
+    formula : str, optional
+        Take this one.
+
+    Raises
+    ------
+    InputError
+        Where the depth is missing, the ship is as fast as the canal allows or faster, or a name is unknown.
+    """
+    if gives not in GIVES:
+        raise InputError(f"no formula gives the {gives!r} sinkage; choose {', '.join(GIVES)}")
+    if formula is not None and formula not in SQUAT:
+        raise InputError(f"unknown squat formula {formula!r}{did_you_mean(formula, SQUAT)}")
+    if formula is not None and SQUAT[formula].gives != gives:
+        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage; ask for that, or for another formula")
+    critical = choke_speed(configuration)
+    if not 0 <= speed < critical:
+        raise InputError(f"{speed:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
+    offered = [formula] if formula else [name for name, own in SQUAT.items() if own.gives == gives]
+    holding = [name for name in offered if not SQUAT[name].outside(configuration, speed)]
+    name = (holding or offered)[0]
+    own = SQUAT[name]
+    doubts = [f"{name} is {own.status}"] if own.status == UNVERIFIED else []
+    warnings = (*doubts, *own.outside(configuration, speed))
+    return Squat(own.sinkage(configuration, speed), name, own.gives, critical, warnings)

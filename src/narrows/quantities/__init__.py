@@ -1,0 +1,1 @@
+"""Names, units, dimensions and constants: the vocabulary of everything else."""

@@ -1,0 +1,133 @@
+"""What drives and steers a ship: propeller, rudder, steering gear."""
+
+import math
+from dataclasses import dataclass
+
+from narrows.errors import InputError
+from narrows.ship.checks import check_finite, check_positive
+
+
+@dataclass(frozen=True)
+class Propeller:
+    """A propeller, as the MMG standard method asks for it.
+
+    Parameters
+    ----------
+    diameter : float [m]
+        D_P.
+    revolutions : float [1/s]
+        n, held.
+    wake : float [1]
+        Wake fraction straight ahead, w_P0.
+    thrust_0, thrust_1, thrust_2 : float [1]
+        K_T = k_0 + k_1 J + k_2 J^2.
+    position : float [1]
+        Forward of midship over L, x_P'.
+    wake_rate : float [1]
+        How soon the wake thins as she turns, C_1.
+    wake_starboard, wake_port : float [1]
+        Inflow turning over inflow straight, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
+
+    Raises
+    ------
+    InputError
+        Where a number is not finite, a size is not positive, or the wake is not a fraction.
+    """
+
+    diameter: float
+    revolutions: float
+    wake: float
+    thrust_0: float
+    thrust_1: float
+    thrust_2: float
+    position: float = -0.5
+    wake_rate: float = 0.0
+    wake_starboard: float = 1.0
+    wake_port: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_finite(self)
+        check_positive(self, ("diameter", "revolutions"))
+        if not 0 <= self.wake < 1:
+            raise InputError(f"[propeller] wake = {self.wake} is no fraction; give one from 0 to less than 1")
+
+
+@dataclass(frozen=True)
+class Rudder:
+    """A rudder, as the MMG standard method asks for it.
+
+    Parameters
+    ----------
+    area : float [m2]
+        A_R.
+    lift : float [1]
+        Slope of the lift, f_alpha.
+    wake_ratio : float [1]
+        Inflow over that of the propeller, epsilon.
+    race : float [1]
+        How far the race is sped up, kappa.
+    in_race : float [1]
+        Propeller diameter over rudder height, eta.
+    position : float [1]
+        Effective place over L, l_R'.
+    straightening_starboard, straightening_port : float [1]
+        gamma_R in a turn to starboard (beta_R > 0, flow from port) and to port.
+
+    Raises
+    ------
+    InputError
+        Where a number is not finite, or a size is not positive.
+    """
+
+    area: float
+    lift: float
+    wake_ratio: float
+    race: float
+    in_race: float
+    position: float
+    straightening_starboard: float
+    straightening_port: float
+
+    def __post_init__(self) -> None:
+        check_finite(self)
+        check_positive(self, ("area", "lift", "wake_ratio", "in_race"))
+
+
+@dataclass(frozen=True)
+class SteeringGear:
+    """What turns the rudder; unless said otherwise as slow as the rules allow a ship.
+
+    Parameters
+    ----------
+    limit_deg : float [deg]
+        Largest rudder angle.
+    rate_deg : float [deg/s]
+        Of the rudder.
+
+    Raises
+    ------
+    InputError
+        Where a value is not a positive number, or the limit is beyond 90 degrees.
+
+    References
+    ----------
+    SOLAS regulation II-1/29.3.2: from 35 degrees on one side to 30 on the other in 28 s.
+    """
+
+    limit_deg: float = 35.0
+    rate_deg: float = 65 / 28
+
+    def __post_init__(self) -> None:
+        check_positive(self, ("limit_deg", "rate_deg"))
+        if self.limit_deg > 90:
+            raise InputError(f"[steering] limit_deg = {self.limit_deg} is beyond 90 degrees; check it")
+
+    @property
+    def limit(self) -> float:
+        """Largest rudder angle [rad]."""
+        return math.radians(self.limit_deg)
+
+    @property
+    def rate(self) -> float:
+        """Rate of the rudder [rad/s]."""
+        return math.radians(self.rate_deg)

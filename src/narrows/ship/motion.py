@@ -1,0 +1,60 @@
+"""How the ship moves, as floats, columns or symbols."""
+
+import math
+from dataclasses import dataclass, fields
+
+from narrows.quantities.names import Number
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Pose, velocity and acceleration in the paper's axes.
+
+    x runs along the canal, y to starboard of the centreline; psi and r turn clockwise seen from above.
+
+    Parameters
+    ----------
+    x, y : number [m]
+        Midship in the canal.
+    cos_psi, sin_psi : number [1]
+        Cosine and sine of the heading.
+    u, v : number [m/s]
+        Surge and sway velocity through the water.
+    r : number [rad/s]
+        Yaw rate.
+    udot, vdot : number [m/s2]
+        Surge and sway acceleration, in the ship's axes.
+    rdot : number [rad/s2]
+        Yaw acceleration.
+    heave : number [m]
+        Midship sinkage, positive down.
+    """
+
+    x: Number = 0.0
+    y: Number = 0.0
+    cos_psi: Number = 1.0
+    sin_psi: Number = 0.0
+    u: Number = 0.0
+    v: Number = 0.0
+    r: Number = 0.0
+    udot: Number = 0.0
+    vdot: Number = 0.0
+    rdot: Number = 0.0
+    heave: Number = 0.0
+
+    @classmethod
+    def at(cls, psi: float = 0.0, **rest: Number) -> "Motion":
+        """Make a Motion of a heading instead of its cosine and sine.
+
+        Parameters
+        ----------
+        psi : float [rad]
+            Heading.
+        **rest : number
+            The other fields, by name.
+        """
+        return cls(cos_psi=math.cos(psi), sin_psi=math.sin(psi), **rest)
+
+    def values(self) -> dict[str, Number]:
+        """Every field by its name, as the arguments that terms ask for."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}

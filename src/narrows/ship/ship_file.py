@@ -1,0 +1,124 @@
+"""Ship files: TOML with a section for each part of a configuration."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from pathlib import Path
+from typing import Any
+
+from narrows.errors import InputError, did_you_mean
+from narrows.ship.actuators import Propeller, Rudder, SteeringGear
+from narrows.ship.particulars import Canal, Configuration, Ship, Water
+
+SECTIONS = {
+    "ship": Ship, "canal": Canal, "water": Water, "steering": SteeringGear, "propeller": Propeller, "rudder": Rudder,
+}  # fmt: skip
+NEEDED = ("ship", "canal", "water")
+"""Sections that are made of their defaults where they are absent."""
+
+
+def read_ship(path: str | Path) -> Configuration:
+    """Read a ship file: TOML with [ship], [canal], and optionally [water] and [depths].
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Configuration
+        Ship, canal and water.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, is not TOML, or a key is missing, unknown or out of range.
+    """
+    return configuration_from(load_toml(path), str(path))
+
+
+def load_toml(path: str | Path) -> dict[str, Any]:
+    """Load a TOML file, or say in one sentence why it cannot be (ours).
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent or is not TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: is not valid TOML ({error}); mend it there") from None
+
+
+def configuration_from(tables: Mapping[str, Any], place: str) -> Configuration:
+    """Make a Configuration of the [ship], [canal], [water] and [depths] tables of a file (ours).
+
+    Parameters
+    ----------
+    tables : mapping
+        The parsed file.
+    place : str
+        The file's name, for messages.
+
+    Raises
+    ------
+    InputError
+        Where a key is missing, unknown or out of range.
+    """
+    known = {*SECTIONS, "depths"}
+    for name, table in tables.items():
+        if name not in known:
+            raise InputError(f"{place}: unknown section [{name}]{did_you_mean(name, known)}")
+        check_table(name, table, place)
+    try:
+        parts = {
+            name: _section(cls, name, tables.get(name, {}))
+            for name, cls in SECTIONS.items()
+            if name in {*tables, *NEEDED}
+        }
+        return Configuration(**parts, depths=dict(tables.get("depths", {})))
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
+
+
+def check_table(name: str, table: object, place: str) -> None:
+    """Raise where what should be a section of a file is a bare value (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the section.
+    table : object
+        What stands there.
+    place : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the section.
+    """
+    if not isinstance(table, Mapping):
+        raise InputError(f"{place}: {name} = {table!r} must be a section; write [{name}] and its keys under it")
+
+
+def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
+    known = {f.name: f for f in fields(cls)}
+    for key in values:
+        if key not in known:
+            raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")
+    try:
+        return cls(**values)
+    except TypeError:
+        required = [key for key, own in known.items() if own.default is MISSING]
+        missing = [key for key in required if key not in values]
+        raise InputError(f"[{name}] lacks {', '.join(missing)}; add it, in SI units") from None

@@ -1,0 +1,161 @@
+"""A model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from narrows.errors import InputError, did_you_mean
+from narrows.quantities.dimensions import Dimension
+from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number
+
+Bound = tuple[float, float]
+FREE: Bound = (float("-inf"), float("inf"))
+NONNEGATIVE: Bound = (0.0, float("inf"))
+
+
+@dataclass(frozen=True)
+class Term:
+    """One coefficient of a model and the regressor that it multiplies.
+
+    Parameters
+    ----------
+    name : str
+        Of the coefficient, as in ``b_vdot``.
+    symbol : str
+        The coefficient in LaTeX.
+    regressor : callable
+        A function of arithmetic and ``abs()``; its arguments are names of the vocabulary, and by them the
+        term says what it needs.
+    dimension : Dimension
+        Of the coefficient.
+    bound : tuple of float
+        Lowest and highest value of the coefficient, in its own unit.
+
+    Raises
+    ------
+    InputError
+        Where the regressor asks for a quantity that the vocabulary does not have.
+    """
+
+    name: str
+    symbol: str
+    regressor: Callable[..., Number]
+    dimension: Dimension
+    bound: Bound = FREE
+
+    def __post_init__(self) -> None:
+        for word in self.inputs:
+            if word not in REGRESSOR_INPUTS:
+                hint = did_you_mean(word, REGRESSOR_INPUTS)
+                raise InputError(f"term {self.name}: its regressor asks for an unknown {word!r}{hint}")
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that the regressor asks for."""
+        return tuple(inspect.signature(self.regressor).parameters)
+
+    @property
+    def from_bank(self) -> bool:
+        """Whether the term feels the banks: whether it asks for the canal's width."""
+        return "width" in self.inputs
+
+    def column(self, values: Mapping[str, Number]) -> Number:
+        """Evaluate the regressor.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            The quantities by name; more than needed is welcome.
+        """
+        return self.regressor(*[values[name] for name in self.inputs])
+
+
+@dataclass(frozen=True)
+class TermTable:
+    """The terms of surge force, sway force and yaw moment, and which coefficients are one and the same.
+
+    Parameters
+    ----------
+    name : str
+        What model files call the table.
+    surge, sway, yaw : tuple of Term
+        The terms of X [N], Y [N] and N [N m].
+    ties : tuple of pairs of str
+        Coefficients held equal.
+
+    Raises
+    ------
+    InputError
+        Where there are no terms, two share a name, one is called as a force is, or a tie names no term.
+    """
+
+    name: str
+    surge: tuple[Term, ...]
+    sway: tuple[Term, ...]
+    yaw: tuple[Term, ...]
+    ties: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        names = self.names
+        if not names:
+            raise InputError(f"table {self.name}: it has no terms; give it one")
+        for name in names:
+            if name in FORCES:
+                raise InputError(f"table {self.name}: {name!r} is a force; call the coefficient otherwise")
+            if names.count(name) > 1:
+                raise InputError(f"table {self.name}: two terms are called {name!r}; rename one")
+        for name in (name for tie in self.ties for name in tie):
+            if name not in names:
+                raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")
+
+    @cached_property
+    def forces(self) -> dict[str, tuple[Term, ...]]:
+        """The terms by the force that they add to."""
+        return dict(zip(FORCES, (self.surge, self.sway, self.yaw), strict=True))
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """Every term, surge first."""
+        return (*self.surge, *self.sway, *self.yaw)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every coefficient's name, surge first."""
+        return tuple(term.name for term in self.terms)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that the terms ask for between them."""
+        return tuple(dict.fromkeys(word for term in self.terms for word in term.inputs))
+
+    def __getitem__(self, name: str) -> Term:
+        """The term of a coefficient."""
+        for term in self.terms:
+            if term.name == name:
+                return term
+        raise KeyError(name)
+
+    def with_terms(
+        self, name: str, surge: Iterable[Term] = (), sway: Iterable[Term] = (), yaw: Iterable[Term] = ()
+    ) -> "TermTable":
+        """Return the table with terms added, or replaced where the name is already there.
+
+        Parameters
+        ----------
+        name : str
+            Of the new table.
+        surge, sway, yaw : iterable of Term
+            What to add to X, Y and N.
+        """
+        return replace(
+            self,
+            name=name,
+            surge=_merged(self.surge, surge),
+            sway=_merged(self.sway, sway),
+            yaw=_merged(self.yaw, yaw),
+        )
+
+
+def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
+    return tuple({term.name: term for term in (*old, *new)}.values())
