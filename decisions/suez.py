@@ -23,7 +23,7 @@ SHIP = nw.Ship(LENGTH, 58.8, 15.85, 0.661, name="a ship of her size")
 SPEEDS = (8.0, 10.0, 12.0, 13.5, 14.0)
 OFFSETS = (5.0, 10.0, 20.0)
 START, LONGEST, STEP = 2.0, 3600.0, 0.25
-DRAWS = 500
+SAMPLES = 500
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 
@@ -76,20 +76,22 @@ def adrift(models: dict[str, nw.Model]) -> str:
 
 
 def steered(models: dict[str, nw.Model]) -> str:
-    """The rudder that holds her, by offset: median of the draws, what 90 % of them are between, how many there are."""
+    """The rudder that holds her, by offset: median of the samples, where 90 % of them are, how many there are."""
     rows = []
     for name, model in models.items():
-        draws = {} if model.covariance is None else {"draws": DRAWS}
+        samples = {} if model.covariance is None else {"samples": SAMPLES}
         limit = model.configuration.gear.limit_deg
         for offset in OFFSETS:
-            angle = np.degrees(np.atleast_1d(nw.steady_course(model, y=offset, u=10 * KNOT, **draws)["rudder"]))
+            angle = np.degrees(np.atleast_1d(nw.steady_course(model, y=offset, u=10 * KNOT, **samples)["rudder"]))
             within = np.abs(angle) <= limit
             low, middle, high = np.quantile(
                 np.where(np.isnan(angle), np.inf, angle), (0.05, 0.5, 0.95), method="higher"
             )
-            known = f"{said(low, limit)} to {said(high, limit)}" if draws else "-"
+            known = f"{said(low, limit)} to {said(high, limit)}" if samples else "-"
             rows.append((name, f"{offset:g}", said(middle, limit), known, f"{100 * within.mean():.0f} %"))
-    return markdown(("model", "offset [m]", "rudder [deg]", "90 % of the draws [deg]", "the gear reaches it in"), rows)
+    return markdown(
+        ("model", "offset [m]", "rudder [deg]", "90 % of the samples [deg]", "the gear reaches it in"), rows
+    )
 
 
 def said(angle: float, limit: float) -> str:
@@ -112,7 +114,7 @@ def draw() -> None:
     from narrows.report.style import svg
 
     model = measured()["C0101A02"]
-    chart = envelope_chart(nw.safe_envelope(model, np.linspace(-40, 40, 33), draws=DRAWS), model)
+    chart = envelope_chart(nw.safe_envelope(model, np.linspace(-40, 40, 33), samples=SAMPLES), model)
     (DOCS / "suez.svg").write_text(svg(chart), encoding="utf-8")
 
 

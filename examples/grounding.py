@@ -9,6 +9,6 @@ for y in (2.30, 2.40):
     print(f"y(0) = {y:.2f} m: {nw.simulate(model, y=y).outcome.sentence}")
 
 fit = nw.identify(nw.twin(model, seed=1))
-fleet = nw.ensemble(fit.model, y=np.linspace(0.2, 2.4, 12), draws=100, seed=2)
+fleet = nw.ensemble(fit.model, y=np.linspace(0.2, 2.4, 12), samples=100, seed=2)
 for y, chance in zip(fleet.y.values, nw.grounding_probability(fleet, 10.0).values, strict=True):
-    print(f"y(0) = {y:.1f} m: grounds within 10 m in {chance:4.0%} of draws")
+    print(f"y(0) = {y:.1f} m: grounds within 10 m in {chance:4.0%} of samples")

@@ -22,7 +22,7 @@ for warning in scaled.warnings:
 
 # Where is she safe, with a gust and what the tests leave uncertain?
 gust = nw.Disturbance(heading_deg=2.0, gust=nw.wind_force(speed=15.0, area=6000.0))
-found = nw.safe_envelope(scaled.model, disturbance=gust, draws=100)
+found = nw.safe_envelope(scaled.model, disturbance=gust, samples=100)
 print(found.says)
 for note in found.notes:
     print("-", note)

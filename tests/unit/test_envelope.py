@@ -153,22 +153,22 @@ class TestAutopilot:
             track_gains(SimulatedShip(dead), 5.0)
 
 
-def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, draw: int, time: float) -> nw.Voyage:
+def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float) -> nw.Voyage:
     """One trial by the voyage's own march: gust first, then without."""
     pilot = nw.track_pilot(model, y, u)
     dt = LENGTH / (STEPS_A_LENGTH * u)
     blown = dt * round(time / dt)
-    push = {name: [(0.0, float(thrown[name][draw])), (blown, 0.0)] for name in ("Y", "N")}
+    push = {name: [(0.0, float(thrown[name][sample])), (blown, 0.0)] for name in ("Y", "N")}
     steps = np.ceil(time / dt) + LENGTHS * STEPS_A_LENGTH
     return nw.simulate(
-        model, y=y + float(thrown["y"][draw]), u=u, psi=pilot.psi + float(thrown["psi"][draw]), v=pilot.v,
+        model, y=y + float(thrown["y"][sample]), u=u, psi=pilot.psi + float(thrown["psi"][sample]), v=pilot.v,
         rudder=pilot.rudder, duration=steps * dt, dt=dt, helm=pilot, **push,
     )  # fmt: skip
 
 
-def was_held(model: nw.Model, thrown: dict, y: float, u: float, draw: int, time: float) -> bool:
+def was_held(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float) -> bool:
     try:
-        voyage = voyage_of(model, thrown, y, u, draw, time)
+        voyage = voyage_of(model, thrown, y, u, sample, time)
     except nw.InputError:  # no rudder holds her there
         return False
     last = voyage.t > voyage.t[-1] - LATE * LENGTH / u + 1e-9
@@ -184,29 +184,29 @@ class TestTrials:
     def test_each_is_a_voyage_of_its_own(self, ship: nw.Model) -> None:
         """Brute force: the same trials, one at a time, by another march in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=6e5, gust_lever=20.0, gust_time=90.0)
-        offsets, draws = np.array([-70.0, -25.0, 0.0, 10.0, 45.0, 85.0]), 4
-        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, draws, seed=5)
-        thrown = gust.drawn(draws, 5)
+        offsets, samples = np.array([-70.0, -25.0, 0.0, 10.0, 45.0, 85.0]), 4
+        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5)
+        thrown = gust.drawn(samples, 5)
         fates = set()
         for y in offsets:
             for u in SPEEDS:
-                for draw in range(draws):
-                    held = was_held(ship, thrown, float(y), float(u), draw, gust.gust_time)
-                    assert bool(tried.held.sel(y=y, u=u)[draw]) == held, (y, u, draw)
+                for sample in range(samples):
+                    held = was_held(ship, thrown, float(y), float(u), sample, gust.gust_time)
+                    assert bool(tried.held.sel(y=y, u=u)[sample]) == held, (y, u, sample)
                     fates.add(held)
         assert fates == {True, False}
 
     def test_a_keel_wall_stops_her_before_the_canals(self, ship: nw.Model) -> None:
         """A wall between where a gust to starboard and one to port carry her hull stops the former alone."""
-        gust, speed, draws = Disturbance(0.0, gust=4e5, gust_time=100.0), np.array([5.0]), 6
-        thrown = gust.drawn(draws, 0)
-        voyages = [voyage_of(ship, thrown, 30.0, 5.0, draw, gust.gust_time) for draw in range(draws)]
+        gust, speed, samples = Disturbance(0.0, gust=4e5, gust_time=100.0), np.array([5.0]), 6
+        thrown = gust.drawn(samples, 0)
+        voyages = [voyage_of(ship, thrown, 30.0, 5.0, sample, gust.gust_time) for sample in range(samples)]
         reach = np.array([hull_reach(voyage) for voyage in voyages])
         to_starboard = thrown["Y"].to_numpy() > 0
         wall = (reach[to_starboard].min() + reach[~to_starboard].max()) / 2
         assert reach[to_starboard].min() > reach[~to_starboard].max() + 1.0
         free, walled = (
-            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, draws, 0, walls=walls)["held"].to_numpy().ravel()
+            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, samples, 0, walls=walls)["held"].to_numpy().ravel()
             for walls in ((np.inf, np.inf), (np.inf, wall))
         )
         assert free.all()
@@ -219,13 +219,13 @@ class TestTrials:
         xr.testing.assert_identical(one, two)
 
     def test_no_draw_is_no_trial(self, ship: nw.Model) -> None:
-        with pytest.raises(nw.InputError, match="one draw at least"):
+        with pytest.raises(nw.InputError, match="one sample at least"):
             trials(ship, OFFSETS, SPEEDS, np.zeros(2), Disturbance(), 0, 0)
 
 
 @pytest.fixture(scope="module")
 def found(doubtful: nw.Model) -> nw.SafeEnvelope:
-    return nw.safe_envelope(doubtful, np.linspace(-98, 98, 15), np.array([3.0, 5.0, 7.0, 12.0]), draws=60)
+    return nw.safe_envelope(doubtful, np.linspace(-98, 98, 15), np.array([3.0, 5.0, 7.0, 12.0]), samples=60)
 
 
 class TestEnvelope:
@@ -239,7 +239,7 @@ class TestEnvelope:
         low, high = offsets[(rudder < most).to_numpy()].max(), offsets[(rudder > most).to_numpy()].min()
         edge = brentq(lambda y: float(nw.steady_course(ship, y=y, u=5.0, heave=heave)["rudder"]) - most, low, high)
         offsets = np.array([0.0, edge - 0.05, edge + 0.05])
-        found = nw.safe_envelope(ship, offsets, np.array([5.0]), disturbance=Disturbance(0.0), draws=1)
+        found = nw.safe_envelope(ship, offsets, np.array([5.0]), disturbance=Disturbance(0.0), samples=1)
         np.testing.assert_array_equal(found.safe()[:, 0], [True, True, False])
         assert found.limited_by()[-1] == "the rudder"
 
@@ -250,11 +250,11 @@ class TestEnvelope:
             np.testing.assert_allclose(data[own], -data[other][::-1], rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(data["rudder_95"], data["rudder_95"][::-1], rtol=1e-9, atol=1e-12)
 
-    def test_quantiles_are_those_of_the_draws(self, doubtful: nw.Model, found: nw.SafeEnvelope) -> None:
-        """NumPy on the steady courses of the same draws; those without one are beyond hard over."""
+    def test_quantiles_are_those_of_the_samples(self, doubtful: nw.Model, found: nw.SafeEnvelope) -> None:
+        """NumPy on the steady courses of the same samples; those without one are beyond hard over."""
         heave = keel_at(doubtful.configuration, np.array([5.0])).midship[0]
         for y in (28.0, 84.0):
-            rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, draws=60)["rudder"].to_numpy()
+            rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, samples=60)["rudder"].to_numpy()
             beyond = np.sign(np.nanmedian(rudder)) * np.inf
             signed, own = np.where(np.isnan(rudder), beyond, rudder), found.data.sel(y=y, u=5.0)
             assert float(own["rudder_low"]) == np.quantile(signed, 0.05, method="lower")
@@ -280,14 +280,14 @@ class TestEnvelope:
     def test_the_keel_takes_the_bottom(self, ship: nw.Model) -> None:
         shallow = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0, 11.8)))
         speeds = np.array([1.0, 4.0])
-        found = nw.safe_envelope(shallow, np.array([0.0]), speeds, draws=1, disturbance=Disturbance(0.0))
+        found = nw.safe_envelope(shallow, np.array([0.0]), speeds, samples=1, disturbance=Disturbance(0.0))
         under = keel_at(shallow.configuration, speeds)
         assert under.clearance[0] > 0.05 * shallow.configuration.ship.draft > under.clearance[1]
         assert found.limited_by() == ["the keel"]
 
     def test_a_gust_may_make_a_slow_ship_the_unsafe_one(self, ship: nw.Model) -> None:
         blow = Disturbance(0.0, gust=6e5, gust_time=120.0)
-        found = nw.safe_envelope(ship, np.array([0.0, 20.0]), np.array([0.4, 2.0, 5.0]), disturbance=blow, draws=20)
+        found = nw.safe_envelope(ship, np.array([0.0, 20.0]), np.array([0.4, 2.0, 5.0]), disturbance=blow, samples=20)
         np.testing.assert_array_equal(found.safe().to_numpy(), [[False, True, True]] * 2)
         np.testing.assert_array_equal(found.lowest_speed(), 2.0)
         assert "Safe from 3.9 to 9.7 knots between +0.0 and +20.0 m" in found.says
@@ -298,14 +298,14 @@ class TestEnvelope:
 
     def test_a_models_gear_is_asked_for(self, kcs_tests: dict) -> None:
         tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
-        found = nw.safe_envelope(tank, np.array([0.0]), np.array([0.5]), draws=1)
+        found = nw.safe_envelope(tank, np.array([0.0]), np.array([0.5]), samples=1)
         assert any("a model's size" in note for note in found.notes)
 
     def test_a_rudder_that_is_not_needed_or_not_enough_says_nothing_of_speed(self, ship: nw.Model) -> None:
         """Zero on the middle, or no course at all, is the same at every speed and no proof of anything."""
         tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
         for y in (np.array([0.0]), np.array([-2.0, 0.0, 2.0])):
-            assert not nw.safe_envelope(tank, y, np.array([0.4, 1.0]), draws=1).speed_free
+            assert not nw.safe_envelope(tank, y, np.array([0.4, 1.0]), samples=1).speed_free
 
     def test_a_propeller_turns_as_the_speed_asks(self) -> None:
         """All forces of the MMG method then go with the square of the speed, so one rudder serves at every speed."""
@@ -319,14 +319,14 @@ class TestEnvelope:
 
     def test_what_the_rudder_needs_at_any_speed_is_said(self, ship: nw.Model) -> None:
         dry = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0)))
-        found = nw.safe_envelope(dry, OFFSETS, SPEEDS, draws=1)
+        found = nw.safe_envelope(dry, OFFSETS, SPEEDS, samples=1)
         assert found.speed_free
         assert any("square of the speed" in note for note in found.notes)
         assert any("the depth is not given" in note for note in found.notes)
         table = with_helm(nw.PAPER)
         linear = {"a_u": 0.0, "b_v": 1e6, "b_r": 1e8, "c_v": 1e8, "c_r": 1e10}
         slow = nw.Model(dry.configuration, table, {n: {**ship.coefficients, **linear}[n] for n in table.names})
-        assert not nw.safe_envelope(slow, OFFSETS, SPEEDS, draws=1).speed_free
+        assert not nw.safe_envelope(slow, OFFSETS, SPEEDS, samples=1).speed_free
 
     @pytest.mark.parametrize(
         ("given", "words"),
@@ -337,7 +337,7 @@ class TestEnvelope:
             ({"keel": float("nan")}, "metres from 0"),
             ({"y": [0.0, 140.0]}, "have the hull in a bank"),
             ({"seed": -1}, "a seed from 0"),
-            ({"draws": 10**8}, "take fewer draws"),
+            ({"samples": 10**8}, "take fewer samples"),
         ],
     )
     def test_bad_ranges_are_refused(self, ship: nw.Model, given: dict, words: str) -> None:
@@ -349,7 +349,7 @@ class TestCommand:
     def test_table_chart_data(self, doubtful: nw.Model, cli, tmp_path) -> None:
         nw.save_model(doubtful, tmp_path / "full.toml")
         code, out, _ = cli(
-            "envelope", tmp_path / "full.toml", "--offsets=-60:60:7", "--speeds", "6:16:3", "--draws", "20",
+            "envelope", tmp_path / "full.toml", "--offsets=-60:60:7", "--speeds", "6:16:3", "--samples", "20",
             "--plot", tmp_path / "chart.svg", "-o", tmp_path / "e.nc",
         )  # fmt: skip
         assert code == 0
@@ -361,7 +361,7 @@ class TestCommand:
 
     def test_json_in_the_pilots_units(self, doubtful: nw.Model, cli, tmp_path) -> None:
         nw.save_model(doubtful, tmp_path / "full.toml")
-        words = ("--offsets", "0,30", "--speeds", "8", "--draws", "20", "--json")
+        words = ("--offsets", "0,30", "--speeds", "8", "--samples", "20", "--json")
         code, out, _ = cli("envelope", tmp_path / "full.toml", *words)
         said = json.loads(out)
         assert code == 0
@@ -371,7 +371,7 @@ class TestCommand:
 
     def test_where_nothing_is_safe_it_says_no(self, ship: nw.Model, cli, tmp_path) -> None:
         nw.save_model(ship.with_coefficients(c_bank=20.0), tmp_path / "full.toml")
-        code, out, _ = cli("envelope", tmp_path / "full.toml", "--offsets", "40,60", "--speeds", "8", "--draws", "5")
+        code, out, _ = cli("envelope", tmp_path / "full.toml", "--offsets", "40,60", "--speeds", "8", "--samples", "5")
         assert code == 1
         assert "At no offset and speed" in out
 
@@ -405,7 +405,7 @@ def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli,
     way = Waterway(line, *banks, (ends, np.full(2, 16.2)), origin=(7.6, 52.0))
     nw.write_waterway(way, tmp_path / "canal.geojson")
     nw.save_model(doubtful, tmp_path / "full.toml")
-    words = ("envelope", tmp_path / "full.toml", "--offsets", "0,30", "--speeds", "8", "--draws", "20", "--json")
+    words = ("envelope", tmp_path / "full.toml", "--offsets", "0,30", "--speeds", "8", "--samples", "20", "--json")
     code, out, _ = cli(*words, "--waterway", tmp_path / "canal.geojson", "--at", "2500")
     said = json.loads(out)
     assert code == 0

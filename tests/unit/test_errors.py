@@ -132,7 +132,7 @@ def test_absent_files_and_folders(ship_file: Path, tmp_path: Path, table: pd.Dat
         ("simulate", "mikkelsen2025_dtc", "--surge", "free"),
         ("simulate", "mikkelsen2025_dtc", "--plot", tmp_path / "v.doc"),
         ("map", "mikkelsen2025_dtc", "--y", "a:b:c"),
-        ("map", "mikkelsen2025_dtc", "--draws", "5"),
+        ("map", "mikkelsen2025_dtc", "--samples", "5"),
     ):
         code, out, err = cli(*words)
         assert (code, out, err.count("\n")) == (2, "", 1), (words, out, err)

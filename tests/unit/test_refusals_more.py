@@ -19,7 +19,7 @@ DTC = nw.published("mikkelsen2025_dtc")
         (lambda: nw.compare(short_twin(), [nw.PAPER, nw.PAPER]), "two tables of terms"),
         (lambda: nw.nondimensional(DTC, "prime1", np.inf), "positive one"),
         (lambda: nw.identify(short_twin()).influence.most_moving("b_bnk"), "did you mean 'b_bank'"),
-        (lambda: nw.ensemble(DTC, draws=-1), "from 0"),
+        (lambda: nw.ensemble(DTC, samples=-1), "from 0"),
         (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "wider than the canal"),
         (lambda: nw.scale_model(DTC, 1e200), "is none"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
@@ -65,7 +65,7 @@ def test_a_covariance_must_be_one(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("map", "mikkelsen2025_dtc", "--draws", "20", "--within", "-10"), "no distance"),
+        (("map", "mikkelsen2025_dtc", "--samples", "20", "--within", "-10"), "no distance"),
         (("scale", "mikkelsen2025_dtc", "--length", "355", "--wetted-surface", "3"), "serve --form-factor"),
         (("scale", "mikkelsen2025_dtc", "--length", "355", "--width", "0"), "must be positive"),
     ],

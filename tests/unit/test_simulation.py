@@ -155,8 +155,8 @@ def test_labels_go_in_and_come_out(dtc: nw.Model) -> None:
 
 
 def test_coefficients_are_drawn_from_the_fit(twin_fit: nw.Fit) -> None:
-    one = nw.ensemble(twin_fit.model, y=1.0, draws=64, seed=3, duration=20.0)
-    two = nw.ensemble(twin_fit.model, y=1.0, draws=64, seed=3, duration=20.0)
+    one = nw.ensemble(twin_fit.model, y=1.0, samples=64, seed=3, duration=20.0)
+    two = nw.ensemble(twin_fit.model, y=1.0, samples=64, seed=3, duration=20.0)
     assert one.identical(two)
     assert 0 < float(one["time"].std()) < 1.0
     chance = nw.grounding_probability(one, 1e3)
@@ -182,7 +182,7 @@ def test_starts_on_the_bank_end_there_and_others_go_on(dtc: nw.Model) -> None:
         ({"y": [0.1, np.nan]}, "y"),
         ({"y": []}, "y is empty"),
         ({"yy": 1.0}, "cannot vary 'yy'"),
-        ({"draws": 5}, "no covariance"),
+        ({"samples": 5}, "no covariance"),
         ({"contact": "bow"}, "contact 'bow'"),
         ({"client": object()}, "store"),
     ],

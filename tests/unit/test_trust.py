@@ -179,7 +179,7 @@ def test_an_estimate_lies_in_its_own_interval(terms: str, kcs_tests: dict[int, n
             assert low - slack <= fit.coefficients[name] <= high + slack, (terms, name)
 
 
-def test_draws_keep_what_the_tests_determine(kcs_fits: dict[int, nw.Fit]) -> None:
+def test_samples_keep_what_the_tests_determine(kcs_fits: dict[int, nw.Fit]) -> None:
     """b_v and b_vv trade: where one is brought back to its bound, the force at the speeds of the tests stays."""
     from narrows.simulation.grid import grid_of
 

@@ -43,10 +43,10 @@ def envelope(
     keel: Annotated[
         float | None, typer.Option(help="Least water under the keel [m]; a twentieth of the draft.")
     ] = None,
-    draws: Annotated[
+    samples: Annotated[
         int, typer.Option(help="Of the coefficients, where their covariance is known, and disturbances.")
     ] = 200,
-    seed: Annotated[int, typer.Option(help="Of the draws.")] = 0,
+    seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Data to write: NetCDF.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Chart to write: PNG, SVG or PDF.")] = None,
     json: AsJson = False,
@@ -75,7 +75,7 @@ def envelope(
         ship,
         None if offsets is None else parse_range("--offsets", offsets),
         None if speeds is None else parse_range("--speeds", speeds) * KNOT,
-        disturbance=disturbance, reserve=reserve, keel=keel, draws=draws, seed=seed, walls=walls,
+        disturbance=disturbance, reserve=reserve, keel=keel, samples=samples, seed=seed, walls=walls,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip
     if where:

@@ -116,11 +116,11 @@ def map_(
     u: Annotated[str, typer.Option(help="Surge velocity [m/s], likewise.")] = "1.0",
     psi_deg: Annotated[str, typer.Option(help="Heading at the start [deg], likewise.")] = "0",
     width: Annotated[str | None, typer.Option(help="Canal width [m], likewise; the model's own unless given.")] = None,
-    draws: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0,
+    samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0,
     within: Annotated[
-        float | None, typer.Option(help="With --draws: map the probability of grounding so near [m].")
+        float | None, typer.Option(help="With --samples: map the probability of grounding so near [m].")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of the draws.")] = 0,
+    seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
     duration: Duration = 60.0,
     dt: TimeStep = 0.02,
     contact: ContactKind = "corners",
@@ -138,11 +138,11 @@ def map_(
 
     if within is not None and not 0 < within < float("inf"):
         raise InputError(f"--within {within} is no distance; give metres")
-    if within is not None and not draws:
-        raise InputError("--within maps a probability, which needs draws of the coefficients: add --draws 200")
+    if within is not None and not samples:
+        raise InputError("--within maps a probability, which needs samples of the coefficients: add --samples 200")
     chosen, ranges = model_named(model), {"--y": y, "--u": u, "--psi-deg": psi_deg, "--width": width}
     shown = sys.stderr.isatty() and not json
-    options = {"duration": duration, "dt": dt, "draws": draws, "seed": seed, "contact": contact, "progress": shown}
+    options = {"duration": duration, "dt": dt, "samples": samples, "seed": seed, "contact": contact, "progress": shown}
     voyages = mapped(chosen, ranges, **options)
     if output:
         save_netcdf(voyages, output)

@@ -77,7 +77,7 @@ def _draw_tested(axes: Axes, model: Model) -> None:
 
 def _speed_legend(blocked: bool) -> list[Patch | Line2D]:
     handles: list[Patch | Line2D] = [
-        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 95 % of the draws (the 5 % line)"),
+        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 95 % of the samples (the 5 % line)"),
         Patch(facecolor=PALER, edgecolor=BLACK, ls="--", label="safe in half of them"),
         Line2D([], [], color=PURPLE, ls=":", label="as far as the tests went"),
     ]
@@ -95,7 +95,7 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: floa
         own = data.isel(u=place)
         label = "at every speed" if envelope.speed_free else f"at {float(own['u']) / KNOT:.1f} knots"
         axes.plot(y, np.degrees(own["rudder"]), color=BLUE, ls=style, label=f"median, {label}")
-        for name, said in (("rudder_low", f"90 % of the draws, {label}"), ("rudder_high", None)):
+        for name, said in (("rudder_low", f"90 % of the samples, {label}"), ("rudder_high", None)):
             axes.plot(y, np.degrees(own[name].where(np.isfinite(own[name]))), color=ORANGE, ls=style, label=said)
     for sign in (1, -1):
         axes.axhline(sign * limit, color=BLACK, lw=1.4)

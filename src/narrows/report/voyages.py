@@ -208,17 +208,17 @@ def map_figure(voyages: xr.Dataset, configuration: Configuration, within: float 
     configuration : Configuration
         Ship and canal.
     within : float [m], optional
-        Draw the probability of grounding within this distance, over the draws.
+        Draw the probability of grounding within this distance, over the samples.
 
     Raises
     ------
     InputError
-        Where there are more than two dimensions beside the draws.
+        Where there are more than two dimensions beside the samples.
     """
     quantity = grounding_distance(voyages) if within is None else grounding_probability(voyages, within)
-    if within is None and "draw" in quantity.dims:
-        quantity = quantity.median("draw", keep_attrs=True)
-        voyages = voyages.isel(draw=0)
+    if within is None and "sample" in quantity.dims:
+        quantity = quantity.median("sample", keep_attrs=True)
+        voyages = voyages.isel(sample=0)
     dims = [str(name) for name in quantity.dims]
     if len(dims) not in (1, 2):
         raise InputError(f"a picture has one or two dimensions, and this map has {len(dims)}: {', '.join(dims)}")

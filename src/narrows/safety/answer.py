@@ -9,7 +9,7 @@ import xarray as xr
 from narrows.quantities.constants import KNOT
 
 MEDIAN, FIVE_PERCENT = 0.5, 0.95
-"""Shares of draws that must be safe: the line of even odds, and the one that one draw in twenty may cross."""
+"""Shares of samples that must be safe: the line of even odds, and the one that one sample in twenty may cross."""
 SAME, TURNED = 1e-6, 1e-4
 """Rudder angles [rad] that are one, and the least that says something."""
 CHOKED, AGROUND, RUDDER, HELM, RANGE, NONE = (
@@ -25,12 +25,12 @@ class SafeEnvelope:
     Parameters
     ----------
     data : xarray.Dataset
-        Over y [m] and u [m/s]: ``rudder`` [rad] of the steady course, the median of the draws; ``rudder_low`` and
-        ``rudder_high`` [rad], that 90 % of the draws are between; ``rudder_95`` [rad], the size that 95 % stay within,
-        infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose course leaves
-        the reserve; ``held``, the share that the autopilot also holds; over u: ``clearance`` [m] under the keel and
-        whether the keel is ``clear``. Its attributes are ship and canal, the notes, and where a keel meets the
-        banks [m].
+        Over y [m] and u [m/s]: ``rudder`` [rad] of the steady course, the median of the samples; ``rudder_low`` and
+        ``rudder_high`` [rad], that 90 % of the samples are between; ``rudder_95`` [rad], the size that 95 % stay
+        within, infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose
+        course leaves the reserve; ``held``, the share that the autopilot also holds; over u: ``clearance`` [m] under
+        the keel and whether the keel is ``clear``. Its attributes are ship and canal, the notes, and where a keel meets
+        the banks [m].
     """
 
     data: xr.Dataset
@@ -61,12 +61,12 @@ class SafeEnvelope:
         return SafeEnvelope(self.data.assign_attrs(notes="\n".join((note, *self.notes))))
 
     def safe(self, share: float = FIVE_PERCENT) -> xr.DataArray:
-        """Say at which offsets and speeds she is safe: keel clear, and held in at least a share of the draws.
+        """Say at which offsets and speeds she is safe: keel clear, and held in at least a share of the samples.
 
         Parameters
         ----------
         share : float [1]
-            Of the draws.
+            Of the samples.
         """
         return (self.data["held"] >= share) & self.data["clear"]
 
@@ -78,7 +78,7 @@ class SafeEnvelope:
         Parameters
         ----------
         share : float [1]
-            Of the draws.
+            Of the samples.
         """
         return self._speeds(share, 1)
 
@@ -88,7 +88,7 @@ class SafeEnvelope:
         Parameters
         ----------
         share : float [1]
-            Of the draws.
+            Of the samples.
         """
         return self._speeds(share, 0)
 
@@ -98,7 +98,7 @@ class SafeEnvelope:
         Parameters
         ----------
         share : float [1]
-            Of the draws.
+            Of the samples.
         """
         return [self._reason(place, ends, share) for place, ends in enumerate(self._ends(share))]
 
@@ -108,7 +108,7 @@ class SafeEnvelope:
         Parameters
         ----------
         share : float [1]
-            Of the draws.
+            Of the samples.
         """
         need = self.data["rudder_95"].where(self.safe(share), np.inf).transpose("u", "y").to_numpy()
         offsets = self.data["y"].to_numpy()
@@ -127,7 +127,7 @@ class SafeEnvelope:
         """The answer in one sentence."""
         top, bottom = self.highest_speed().to_numpy(), self.lowest_speed().to_numpy()
         if np.isnan(top).all():
-            return "At no offset and speed is she held in 95 % of the draws with the rudder and the keel in reserve."
+            return "At no offset and speed is she held in 95 % of the samples with the rudder and the keel in reserve."
         best = int(np.nanargmax(top - bottom + 1e-9 * (top == np.nanmax(top))))
         offsets, alike = self.data["y"].to_numpy(), (top == top[best]) & (bottom == bottom[best])
         first, last = best, best
@@ -137,7 +137,7 @@ class SafeEnvelope:
             last += 1
         return (
             f"Safe from {bottom[best] / KNOT:.1f} to {top[best] / KNOT:.1f} knots between {offsets[first]:+.1f} and "
-            f"{offsets[last]:+.1f} m off the middle (starboard is positive), in 95 % of the draws."
+            f"{offsets[last]:+.1f} m off the middle (starboard is positive), in 95 % of the samples."
         )
 
     def _ends(self, share: float) -> list[tuple[int, int] | None]:

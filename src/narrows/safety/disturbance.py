@@ -17,7 +17,7 @@ class Disturbance:
     Parameters
     ----------
     heading_deg : float [deg]
-        Heading off at the start: standard deviation of normal draws.
+        Heading off at the start: standard deviation of normal samples.
     offset : float [m]
         Off the line at the start: likewise.
     gust : float [N]
@@ -46,24 +46,24 @@ class Disturbance:
         if not math.isfinite(self.gust_lever):
             raise InputError("a gust's lever must be a finite number of metres")
 
-    def drawn(self, draws: int, seed: int) -> dict[str, xr.DataArray]:
-        """Draw disturbances along a dimension ``draw``: psi [rad], y [m], Y [N], N [N m] off.
+    def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
+        """Draw disturbances along a dimension ``sample``: psi [rad], y [m], Y [N], N [N m] off.
 
         Parameters
         ----------
-        draws : int
+        samples : int
             How many.
         seed : int
-            Of the draws.
+            Of the samples.
 
         Raises
         ------
         InputError
-            Where there is no draw, or the seed is negative.
+            Where there is no sample, or the seed is negative.
         """
-        if draws < 1 or seed < 0:
-            raise InputError(f"draws = {draws} and seed = {seed}: give one draw at least, and a seed from 0")
-        heading, offset, side = np.random.default_rng((seed, 1)).standard_normal((3, draws))
+        if samples < 1 or seed < 0:
+            raise InputError(f"samples = {samples} and seed = {seed}: give one sample at least, and a seed from 0")
+        heading, offset, side = np.random.default_rng((seed, 1)).standard_normal((3, samples))
         gust = np.sign(side)
         columns = {
             "psi": math.radians(self.heading_deg) * heading,
@@ -71,7 +71,7 @@ class Disturbance:
             "Y": self.gust * gust,
             "N": self.gust * self.gust_lever * gust,
         }
-        return {name: xr.DataArray(column, dims="draw") for name, column in columns.items()}
+        return {name: xr.DataArray(column, dims="sample") for name, column in columns.items()}
 
 
 def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:

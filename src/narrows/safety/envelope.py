@@ -33,7 +33,7 @@ SQUARED = (
 
 def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
-    disturbance: Disturbance | None = None, reserve: float = RESERVE, keel: float | None = None, draws: int = 200,
+    disturbance: Disturbance | None = None, reserve: float = RESERVE, keel: float | None = None, samples: int = 200,
     seed: int = 0, walls: Walls | None = None, workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
     """Find how fast and how far off the middle a ship is still in hand (ours).
@@ -56,10 +56,10 @@ def safe_envelope(
         Of the rudder, to be left on the steady course.
     keel : float [m], optional
         Least clearance under the keel; a twentieth of the draft unless given.
-    draws : int
+    samples : int
         Of coefficients and disturbances.
     seed : int
-        Of the draws.
+        Of the samples.
     walls : pair of float [m], optional
         Where her keel meets the banks, to port and to starboard of the middle; the walls of the canal unless given.
     workers : int, optional
@@ -86,7 +86,7 @@ def safe_envelope(
     _check(offsets, speeds, room, configuration.ship.beam)
     under = keel_at(configuration, speeds)
     thrown = disturbance or Disturbance()
-    tried = trials(model, offsets, speeds, under.midship, thrown, draws, seed, room, workers, progress)
+    tried = trials(model, offsets, speeds, under.midship, thrown, samples, seed, room, workers, progress)
     data = _summed(tried, (1 - reserve) * configuration.gear.limit)
     clear = ((under.clearance >= least) | (configuration.canal.depth is None)) & (speeds < under.choke)
     data = data.assign(clearance=("u", under.clearance, {"units": "m"}), clear=("u", clear))
@@ -98,15 +98,15 @@ def safe_envelope(
 
 
 def _summed(tried: xr.Dataset, limit: float) -> xr.Dataset:
-    """Draws as shares and quantiles; one without a course counts as hard over and beyond, on the side of the others."""
+    """Samples as shares and quantiles; one without a course counts as beyond hard over, on the side of the others."""
     rudder = tried["rudder"]
-    beyond = np.sign(rudder.median("draw")).fillna(1.0) * np.inf
+    beyond = np.sign(rudder.median("sample")).fillna(1.0) * np.inf
     filled, size = rudder.fillna(beyond.where(beyond != 0, np.inf)), np.abs(rudder).fillna(np.inf)
     holds = size <= limit
 
     def quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
         with np.errstate(invalid="ignore"):
-            found = values.quantile(share, "draw", method=method).drop_vars("quantile")
+            found = values.quantile(share, "sample", method=method).drop_vars("quantile")
         return found.assign_attrs(units="rad")
 
     middle = quantile(filled, MEDIAN, "midpoint")
@@ -116,9 +116,9 @@ def _summed(tried: xr.Dataset, limit: float) -> xr.Dataset:
             "rudder_low": quantile(filled, 1 - FIVE_PERCENT, "lower"),
             "rudder_high": quantile(filled, FIVE_PERCENT, "higher"),
             "rudder_95": quantile(size, FIVE_PERCENT, "higher"),
-            "found": np.isfinite(rudder).mean("draw").assign_attrs(units="1"),
-            "holds": holds.mean("draw").assign_attrs(units="1"),
-            "held": (holds & tried["held"]).mean("draw").assign_attrs(units="1"),
+            "found": np.isfinite(rudder).mean("sample").assign_attrs(units="1"),
+            "holds": holds.mean("sample").assign_attrs(units="1"),
+            "held": (holds & tried["held"]).mean("sample").assign_attrs(units="1"),
         }
     )
 
@@ -161,7 +161,7 @@ def _in_words(model: Model) -> str:
 def _notes(model: Model, under: Keel, least: float, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
     notes, configuration = [*_beyond(model, offsets, speeds), *under.notes], model.configuration
     if model.covariance is None:
-        notes.append("no covariance of the coefficients is known: the draws are of disturbances alone")
+        notes.append("no covariance of the coefficients is known: the samples are of disturbances alone")
     if configuration.canal.depth is not None:
         notes.append(f"{least:.2g} m are to be left under the keel")
     gear = configuration.gear

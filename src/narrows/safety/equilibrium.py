@@ -29,7 +29,7 @@ Residual = Callable[[np.ndarray, np.ndarray, slice | np.ndarray], tuple[np.ndarr
 
 
 def steady_course(
-    model: Model, *, draws: int = 0, seed: int = 0, workers: int | None = None, **vary: Any
+    model: Model, *, samples: int = 0, seed: int = 0, workers: int | None = None, **vary: Any
 ) -> xr.Dataset:  # fmt: skip
     """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal (ours).
 
@@ -40,10 +40,10 @@ def steady_course(
     ----------
     model : Model
         With terms of a rudder.
-    draws : int
-        Of the coefficients, from the fit's covariance: a dimension ``draw``.
+    samples : int
+        Of the coefficients, from the fit's covariance: a dimension ``sample``.
     seed : int
-        Of the draws.
+        Of the samples.
     workers : int, optional
         Threads; all cores unless given.
     **vary : number, sequence or DataArray
@@ -63,7 +63,7 @@ def steady_course(
     for name in SOUGHT:
         if name in vary:
             raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
-    ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, {"u": 1.0, **vary}), draws, seed)
+    ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, {"u": 1.0, **vary}), samples, seed)
     check_inside(grid.values["y"], grid.values["width"], grid.values["beam"])
     if not (grid.values["u"] > 0).all():
         raise InputError("a steady course needs a speed over 0; give u in m/s")

@@ -1,4 +1,4 @@
-"""Trials of an autopilot: ships thrown off their steady courses, at every offset, speed and draw at once."""
+"""Trials of an autopilot: ships thrown off their steady courses, at every offset, speed and sample at once."""
 
 import math
 from collections.abc import Mapping
@@ -30,14 +30,14 @@ Walls = tuple[float, float]
 
 
 def trials(
-    model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, draws: int, seed: int,
+    model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, samples: int, seed: int,
     walls: Walls = (math.inf, math.inf), workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, her coefficients drawn where their covariance is known.
 
-    Every draw starts from the steady course that its own coefficients ask for, and is thrown off it. She is held where
-    she touches no bank, stays within 85 degrees of the canal, and is back within half a beam of her line for the last
-    three ship lengths of the trial (ours).
+    Every sample starts from the steady course that its own coefficients ask for, and is thrown off it. She is held
+    where she touches no bank, stays within 85 degrees of the canal, and is back within half a beam of her line for the
+    last three ship lengths of the trial (ours).
 
     Parameters
     ----------
@@ -51,10 +51,10 @@ def trials(
         Midship sinkage at each speed.
     disturbance : Disturbance
         What throws her off.
-    draws : int
+    samples : int
         Of coefficients and disturbance.
     seed : int
-        Of the draws.
+        Of the samples.
     walls : pair of float [m]
         Where her keel meets the banks, to port and to starboard of the middle, if nearer than the walls of the canal.
     workers : int, optional
@@ -65,19 +65,21 @@ def trials(
     Returns
     -------
     xarray.Dataset
-        Over y, u and draw: ``rudder`` [rad] of the steady course (NaN where there is none), and ``held``.
+        Over y, u and sample: ``rudder`` [rad] of the steady course (NaN where there is none), and ``held``.
 
     Raises
     ------
     InputError
-        Where the model has no rudder, there is no draw, or there are more points than fit.
+        Where the model has no rudder, there is no sample, or there are more points than fit.
     """
-    if draws * len(y) * len(u) > MOST:
-        raise InputError(f"{draws * len(y) * len(u)} points are more than {MOST}; take fewer draws, offsets or speeds")
+    if samples * len(y) * len(u) > MOST:
+        points = samples * len(y) * len(u)
+        raise InputError(f"{points} points are more than {MOST}; take fewer samples, offsets or speeds")
     ship = SimulatedShip(model)
-    drawn = draws if model.covariance is not None else 0
-    thrown = disturbance.drawn(draws, seed)
-    steady = {"y": y, "u": u, "heave": xr.DataArray(heave, dims="u"), "x": xr.DataArray(np.zeros(draws), dims="draw")}
+    drawn = samples if model.covariance is not None else 0
+    thrown = disturbance.drawn(samples, seed)
+    along = xr.DataArray(np.zeros(samples), dims="sample")
+    steady = {"y": y, "u": u, "heave": xr.DataArray(heave, dims="u"), "x": along}
     grid = grid_of(model, with_propulsion(model, steady), drawn, seed)
     gains = _gains(ship, grid, len(u))
     extra = {f"off_{name}": column for name, column in thrown.items()}
@@ -91,7 +93,7 @@ def trials(
                 kept[name][whole.region(block)] = column.reshape(shape)
             advance(math.prod(shape))
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
-    found = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "draw")
+    found = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
     return found.assign(held=found["held"] > 0)
 
 

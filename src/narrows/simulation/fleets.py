@@ -21,7 +21,7 @@ BLOCK_VESSELS = 65_536
 
 
 def ensemble(
-    model: Model, *, duration: float = 60.0, dt: float = 0.02, draws: int = 0, seed: int = 0,
+    model: Model, *, duration: float = 60.0, dt: float = 0.02, samples: int = 0, seed: int = 0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: str | Outline = "corners", precision: Precision = "float64", workers: int | None = None,
     progress: bool = False, store: str | Path | None = None, client: Any = None, **vary: Any,
@@ -36,10 +36,10 @@ def ensemble(
         Longest time of a voyage.
     dt : float [s]
         Step of the Runge-Kutta method.
-    draws : int
-        Of the coefficients, from the fit's covariance: a dimension ``draw``.
+    samples : int
+        Of the coefficients, from the fit's covariance: a dimension ``sample``.
     seed : int
-        Of the draws.
+        Of the samples.
     surge : str
         ``held`` or ``free``.
     surge_inertia : float [kg], optional
@@ -75,7 +75,7 @@ def ensemble(
     InputError
         Where a name is unknown, a value does not fit, or a cluster has no store.
     """
-    grid = grid_of(model, vary, draws, seed)
+    grid = grid_of(model, vary, samples, seed)
     fleet = Fleet(SimulatedShip(model, surge, surge_inertia, coriolis, contact), duration, dt, precision)
     if store is not None:
         from narrows.simulation.store import run_into

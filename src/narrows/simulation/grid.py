@@ -17,7 +17,7 @@ START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
 """Constant surge force, sway force and yaw moment."""
 PASSES = 3
-"""Over the coefficients, to bring draws back to their bounds."""
+"""Over the coefficients, to bring samples back to their bounds."""
 STEADY = {"heave": 0.0, "rudder": 0.0}
 """Sinkage and rudder angle, held through a voyage."""
 
@@ -110,7 +110,7 @@ class Grid:
         return np.ascontiguousarray(np.broadcast_to(wide.reshape(spread), shape)).ravel()
 
 
-def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Grid:
+def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> Grid:
     """Lay out an ensemble.
 
     Parameters
@@ -119,10 +119,10 @@ def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Gr
         Gives what is not given.
     given : mapping of str to number, sequence or DataArray
         A sequence is a dimension of its own name; DataArrays that share a dimension vary together.
-    draws : int
+    samples : int
         Of the coefficients from the model's covariance; 0 for none.
     seed : int
-        Of the draws.
+        Of the samples.
 
     Raises
     ------
@@ -137,8 +137,8 @@ def grid_of(model: Model, given: Mapping[str, Any], draws: int, seed: int) -> Gr
         if name not in words:
             raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
-    if draws or seed < 0:
-        values |= _drawn(model, draws, seed)
+    if samples or seed < 0:
+        values |= _drawn(model, samples, seed)
     values |= {name: _labelled(name, value) for name, value in given.items()}
     if (values["width"] <= values["beam"]).any():
         raise InputError("the ship is wider than the canal in some of these voyages; check width and beam")
@@ -167,32 +167,32 @@ def _from_plain(name: str, value: Any) -> xr.DataArray:
     return xr.DataArray(plain, dims=[name], coords={name: plain})
 
 
-def _drawn(model: Model, draws: int, seed: int) -> dict[str, xr.DataArray]:
+def _drawn(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
     """Coefficients from their covariance, tied ones together, brought back to their bounds."""
-    if draws < 0 or seed < 0:
-        raise InputError(f"draws = {draws} and seed = {seed}: give numbers from 0")
+    if samples < 0 or seed < 0:
+        raise InputError(f"samples = {samples} and seed = {seed}: give numbers from 0")
     if model.covariance is None:
-        raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or draws=0")
+        raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or samples=0")
     names = model.terms.names
     mean = np.array([model.coefficients[name] for name in names])
-    sample = mean + _correlated(model.covariance, draws, seed)
+    sample = mean + _correlated(model.covariance, samples, seed)
     low, high = np.array([term.bound for term in model.terms.terms]).T
     columns = _within(sample, model.covariance, low, high).T
-    coordinate = {"draw": np.arange(draws)}
-    return {name: xr.DataArray(c, dims=["draw"], coords=coordinate) for name, c in zip(names, columns, strict=True)}
+    coordinate = {"sample": np.arange(samples)}
+    return {name: xr.DataArray(c, dims=["sample"], coords=coordinate) for name, c in zip(names, columns, strict=True)}
 
 
-def _correlated(covariance: np.ndarray, draws: int, seed: int) -> np.ndarray:
+def _correlated(covariance: np.ndarray, samples: int, seed: int) -> np.ndarray:
     """Draw normal errors, by the correlations: coefficients of a ship differ in size by many powers of ten."""
     size = np.sqrt(np.diag(covariance))
     scale = np.where(size > 0, size, 1.0)
     share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
-    normal = np.random.default_rng(seed).standard_normal((draws, len(size)))
+    normal = np.random.default_rng(seed).standard_normal((samples, len(size)))
     return np.asarray((normal * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
 
 
 def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Bring draws back to their bounds; what is correlated with a coefficient that moves, moves along."""
+    """Bring samples back to their bounds; what is correlated with a coefficient that moves, moves along."""
     for _ in range(PASSES):
         for k in np.flatnonzero(np.diag(covariance) > 0):
             shift = np.clip(sample[:, k], low[k], high[k]) - sample[:, k]

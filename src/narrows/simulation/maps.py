@@ -24,17 +24,17 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
     return found.assign_attrs(units="m", long_name="distance to grounding")
 
 
-def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "draw") -> xr.DataArray:
-    """Return the share of draws that ground within a distance [1].
+def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sample") -> xr.DataArray:
+    """Return the share of samples that ground within a distance [1].
 
     Parameters
     ----------
     voyages : Dataset
-        From ``ensemble`` with ``draws``.
+        From ``ensemble`` with ``samples``.
     distance : float [m]
         Along the canal.
     over : str
-        The dimension of the draws.
+        The dimension of the samples.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "dra
         Where the voyages have no such dimension.
     """
     if over not in voyages.dims:
-        raise InputError(f"these voyages have no dimension {over!r}; draw coefficients, as in ensemble(..., draws=200)")
+        raise InputError(f"these voyages have no dimension {over!r}; draw some, as in ensemble(..., samples=200)")
     within = (voyages["outcome"] == Code.GROUNDED) & (voyages["distance"] <= distance)
     name = f"probability of grounding within {distance:g} m"
     return within.mean(over).assign_attrs(units="1", long_name=name)

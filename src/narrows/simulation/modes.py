@@ -67,7 +67,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
         part.
     """
     ship = SimulatedShip(model)
-    grid = grid_of(model, vary, draws=0, seed=0)
+    grid = grid_of(model, vary, samples=0, seed=0)
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     silent = {} if bank else {term.name: 0.0 for term in model.terms.terms if term.from_bank}
     jacobian = ship.program.jacobian({**ship.values(), **values, **silent})
