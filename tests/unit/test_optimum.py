@@ -51,6 +51,13 @@ def test_no_face_of_the_box_is_better(seed: int, rank: int) -> None:
     assert solution.kkt.satisfied
 
 
+def test_a_step_that_ends_a_rounding_short_of_a_bound_is_at_it() -> None:
+    """Of many problems with dependent columns some do; which of them differs by processor."""
+    for seed in range(20, 220):
+        matrix, right, lower, upper = problem(seed, 3)
+        assert solve(matrix.T @ matrix, matrix.T @ right, lower, upper).kkt.satisfied, seed
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_agrees_with_scipys_other_method(seed: int) -> None:
     """The trust-region method knows nothing of active sets."""

@@ -66,6 +66,17 @@ def test_the_choice_is_near_the_best_of_all(criterion: str) -> None:
     assert worth(found) <= best + 0.05 * abs(best)
 
 
+def test_the_order_does_not_hang_on_rounding() -> None:
+    """The first run leaves one of two parameters unknown, so that its spread is rounding over the ridge."""
+    draw = np.random.default_rng(6)
+    columns = draw.normal(size=(12, 1, 2))
+    runs = np.einsum("nri,nrj->nij", columns, columns)
+    chosen = choose(runs, np.zeros((2, 2)), 4, [0, 1])
+    for _ in range(20):
+        rounded = runs * (1 + 4 * np.finfo(float).eps * draw.uniform(-1, 1, runs.shape[:1] + (1, 1)))
+        assert choose(rounded, np.zeros((2, 2)), 4, [0, 1]) == chosen
+
+
 @pytest.fixture(scope="module")
 def plan() -> nw.Plan:
     return nw.plan_tests(SETTING, 8, tank=TANK)

@@ -8,6 +8,9 @@ CRITERIA = ("c", "d")
 ROUNDS = 20
 RIDGE = 1e-9
 """Over the largest information of each parameter: stands for what is known of it before any test, next to nothing."""
+TIE = 1e-4
+"""Share of the spread within which runs are as good as one another: while a parameter is unknown, rounding over the
+ridge moves the spread by about 1e-5 of it."""
 
 
 def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
@@ -67,9 +70,16 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
 
 
 def _best(runs: np.ndarray, so_far: np.ndarray, taken: list[int], targets: Sequence[int], criterion: str) -> int:
-    worth = spread(so_far + runs, targets, criterion)
-    worth[taken] = np.inf
-    return int(worth.argmin())
+    rest = np.setdiff1d(np.arange(len(runs)), taken)
+    return int(rest[_least(so_far + runs[rest], targets, criterion)])
+
+
+def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> int:
+    """The least spread; among those that differ by rounding the least determinant, and then the first."""
+    worth = spread(information, targets, criterion)
+    tied = np.flatnonzero(worth <= worth.min() + TIE * (worth.min() if criterion == "c" else 1.0))
+    volume = spread(information[tied], targets, "d")
+    return int(tied[np.flatnonzero(volume <= volume.min() + TIE)[0]])
 
 
 def _in_order(
@@ -80,5 +90,5 @@ def _in_order(
     order: list[int] = []
     while left:
         so_far = base + runs[order].sum(axis=0)
-        order.append(left.pop(int(spread(so_far + runs[left], targets, criterion).argmin())))
+        order.append(left.pop(_least(so_far + runs[left], targets, criterion)))
     return order
