@@ -73,7 +73,7 @@ def test_the_order_does_not_hang_on_rounding() -> None:
     runs = np.einsum("nri,nrj->nij", columns, columns)
     chosen = choose(runs, np.zeros((2, 2)), 4, [0, 1])
     for _ in range(20):
-        rounded = runs * (1 + 4 * np.finfo(float).eps * draw.uniform(-1, 1, runs.shape[:1] + (1, 1)))
+        rounded = runs * (1 + 4 * np.finfo(float).eps * draw.uniform(-1, 1, (len(runs), 1, 1)))
         assert choose(rounded, np.zeros((2, 2)), 4, [0, 1]) == chosen
 
 
