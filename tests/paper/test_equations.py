@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.physics.bank import Cushion, Suction, cushion, suction
+from narrows.physics.bank import cushion, suction
 from narrows.physics.clearance import delta, port_clearance, starboard_clearance, taper, tapered_delta
 
 W, B = 7.0, 0.572
@@ -81,8 +81,8 @@ def test_bank_forces(dtc: nw.Model) -> None:
 
 
 def test_sinkage_adds_to_the_side() -> None:
-    particulars = (3.984, B, 0.163, 0.661, W, 1000.0)
-    level, sunk = (suction(1.0, 1.0, 1.0, z, *particulars) for z in (0.0, 0.0163))
+    particulars = (3.984, 0.163, 0.661, 1000.0)
+    level, sunk = (suction(0.1, 1.0, z, *particulars) for z in (0.0, 0.0163))
     assert sunk / level == pytest.approx(1.1, rel=1e-12)
 
 
@@ -90,9 +90,13 @@ def test_sinkage_adds_to_the_side() -> None:
 def test_taper_is_the_red_curve_in_the_papers_tank(y: float) -> None:
     red = 0.5 - 0.5 * math.tanh(5 * (abs(y) - 2.5))
     assert taper(y, W) == pytest.approx(red, rel=1e-9, abs=1e-15)
-    state = (y, 1.0, 1.0, 0.0, 3.984, B, 0.163, 0.661, W, 1000.0)
-    assert Suction(tapered_delta)(*state) == pytest.approx(red * suction(*state), rel=1e-9, abs=1e-12)
-    assert Cushion(tapered_delta)(*state) == pytest.approx(red * cushion(*state), rel=1e-9, abs=1e-12)
+    place, rest = (y, 1.0, W, B), (1.0, 0.0, 3.984, 0.163, 0.661, 1000.0)
+    values = dict(zip(("y", "cos_psi", "width", "beam"), place, strict=True))
+    values |= dict(zip(("u", "heave", "length", "draft", "block_coefficient", "density"), rest, strict=True))
+    for name, law in (("b_bank", suction), ("c_bank", cushion)):
+        expected = red * law(delta(*place), *rest)
+        assert law(tapered_delta(*place), *rest) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+        assert nw.TAPERED[name].column(values) == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
 def test_taper_falls_at_the_same_relative_place_in_another_canal() -> None:

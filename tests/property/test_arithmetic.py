@@ -11,6 +11,7 @@ from strategies import STATES
 
 import narrows as nw
 from narrows.physics import clearance, damping, inertia
+from narrows.quantities.names import asked_by, name_of
 
 PHYSICS = [
     function
@@ -23,24 +24,22 @@ FORCES = ("X", "Y", "N")
 
 
 def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> dict[str, float]:
-    from inspect import signature
-
     values = dtc.configuration.values() | nw.Motion.at(**state).values() | {"depth": DEPTH}
-    return {name: values[name] for name in signature(function).parameters}
+    return {name: values[name] for name in asked_by(function)}
 
 
-@pytest.mark.parametrize("function", PHYSICS, ids=lambda function: function.__name__)
+@pytest.mark.parametrize("function", PHYSICS, ids=name_of)
 @given(state=STATES)
 @settings(max_examples=10)
 def test_floats_columns_and_symbols_agree(
     function: Callable[..., float], dtc: nw.Model, state: dict[str, float]
 ) -> None:
     values = arguments(function, dtc, state)
-    expected = function(**values)
+    expected = function(*values.values())
     columns = {name: np.full(3, value) for name, value in values.items()}
-    np.testing.assert_allclose(np.broadcast_to(function(**columns), 3), expected, rtol=1e-15, atol=0)
+    np.testing.assert_allclose(np.broadcast_to(function(*columns.values()), 3), expected, rtol=1e-15, atol=0)
     symbols = {name: sympy.Symbol(name, real=True) for name in values}
-    formula = sympy.sympify(function(**symbols))
+    formula = sympy.sympify(function(*symbols.values()))
     exact = formula.evalf(30, subs={symbols[name]: sympy.Float(value, 30) for name, value in values.items()})
     assert expected == pytest.approx(float(exact), rel=1e-12, abs=1e-300)
 

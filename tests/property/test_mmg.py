@@ -1,7 +1,6 @@
 """The MMG standard method's parts: limits, symmetry, scale."""
 
-from dataclasses import replace
-from inspect import signature
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -10,6 +9,9 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.physics import hull, propeller, rudder
+from narrows.physics.rudder import RudderQuantities
+from narrows.quantities.names import name_of
+from narrows.ship.ship_file import configuration_from
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 VALUES = {**KVLCC2.configuration.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_rudder": 1.0, "sin_rudder": 0.0}
@@ -17,7 +19,7 @@ VALUES = {**KVLCC2.configuration.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_ru
 
 def value(function, **changed: float) -> float:
     values = VALUES | changed
-    return float(function(**{name: values[name] for name in signature(function).parameters}))
+    return float(function(RudderQuantities(**{own.name: values[own.name] for own in fields(RudderQuantities)})))
 
 
 @given(degrees=numbers(-45, 45))
@@ -66,14 +68,34 @@ def test_a_rudder_to_starboard_turns_her_to_starboard_and_holds_her_back(angle: 
 
 
 @given(slow=numbers(1.4, 15.0), more=numbers(0.01, 5.0))
-def test_more_revolutions_never_slow_the_race(slow: float, more: float) -> None:
-    """From where the thrust itself rises, dragging too; where it neither drives nor drags the race is the inflow."""
+def test_more_revolutions_never_slow_the_slipstream(slow: float, more: float) -> None:
+    """From where the thrust itself rises, dragging too; without thrust the inflow stays as it is."""
     flows = [value(rudder.along, revolutions=n) for n in (slow, slow + more)]
     assert flows[0] <= flows[1] + 1e-12
     screw = KVLCC2.configuration.propeller
     idle = np.roots([screw.thrust_2, screw.thrust_1, screw.thrust_0]).max()  # J of no thrust
     n = value(propeller.inflow) / (idle * screw.diameter)
     assert value(rudder.along, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
+
+
+def test_what_files_called_a_race_is_read_as_the_slipstream() -> None:
+    area = {"area": 1.0, "lift": 2.0, "wake_ratio": 1.0, "position": -0.7}
+    sides = {"straightening_starboard": 0.6, "straightening_port": 0.4}
+    hull = {"ship": {"length": 7.0, "beam": 1.0, "draft": 0.4, "block_coefficient": 0.8}, "canal": {"width": 30.0}}
+    old, new = (
+        configuration_from({**hull, "rudder": {**area, **sides, **flow}}, "a file")
+        for flow in ({"race": 0.5, "in_race": 0.6}, {"slipstream": 0.5, "in_slipstream": 0.6})
+    )
+    assert old == new
+    with pytest.raises(nw.InputError, match="gives slipstream twice"):
+        configuration_from({**hull, "rudder": {**area, **sides, "race": 0.5, "slipstream": 0.5}}, "a file")
+
+
+def test_every_term_has_a_name_in_print() -> None:
+    names = [name_of(term.regressor) for term in nw.MMG.terms]
+    assert all(names)
+    assert name_of(nw.MMG["X_rudder"].regressor) == "rudder_surge"
+    assert name_of(nw.MMG["Y_vvr"].regressor) == "hull_v2_r1"
 
 
 def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
@@ -84,7 +106,7 @@ def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
         nw.Held(np.nan)
 
 
-def test_the_race_makes_the_rudder_stronger() -> None:
+def test_the_slipstream_makes_the_rudder_stronger() -> None:
     turned = {"sin_rudder": 0.3, "cos_rudder": 0.954}
     assert value(rudder.rudder_yaw, revolutions=15.0, **turned) > value(rudder.rudder_yaw, revolutions=8.0, **turned)
 

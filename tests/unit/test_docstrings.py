@@ -4,15 +4,17 @@ import ast
 import importlib
 import inspect
 import pkgutil
+import re
 import textwrap
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import docstring_parser
 import pytest
 
 import narrows as nw
-from narrows.quantities.names import MOTION, PARTICULARS
+from narrows.quantities.names import MOTION, PARTICULARS, REGRESSOR_INPUTS
 
 NEVER_IMPORTED = ("narrows.compile.lanes", "narrows.compile.wheel")
 """Source text that goes into compiled programs."""
@@ -99,8 +101,17 @@ def test_physics_states_units_and_source(place: str) -> None:
     said = documented(SPOKEN[place])
     assert said
     assert all("[" in text for text in said.values())
+    units = {name: REGRESSOR_INPUTS[name].unit for name in said if name in REGRESSOR_INPUTS}
+    assert {name: said[name].partition("[")[2].partition("]")[0] for name in units} == units
     assert "Source:" in SPOKEN[place].__doc__
     assert "[" in SPOKEN[place].__doc__.split("Source:")[0], "the result states no unit"
+
+
+def test_what_an_editor_shows_is_what_holds() -> None:
+    """No docstring, signature or field is made while the program runs."""
+    tricks = re.compile(r"__signature__|object\.__setattr__|__doc__ =")
+    made = [path for path in Path(nw.__path__[0]).rglob("*.py") if tricks.search(path.read_text(encoding="utf-8"))]
+    assert [path.name for path in made if path.name != "centreline.py"] == []
 
 
 def refuses(thing: Any) -> bool:

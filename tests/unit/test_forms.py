@@ -89,7 +89,7 @@ def test_a_form_of_ones_own() -> None:
     mine = nw.BankForm("gap", {"bank": gap}, "mine", "anywhere", "ours")
     table = nw.with_bank(nw.PAPER, mine)
     assert table.name == "paper+gap"
-    assert table["b_bank"].inputs == ("y", "u", "heave", "length", "draft", "block_coefficient", "width", "density")
+    assert table["b_bank"].inputs == ("y", "width", "u", "heave", "length", "draft", "block_coefficient", "density")
     assert nw.with_bank(table, "delta") == nw.with_bank(nw.PAPER, "delta")
     with pytest.raises(nw.InputError, match="did you mean 'distance'"):
         nw.with_bank(nw.PAPER, "distanc")

@@ -1,12 +1,10 @@
 """The table of terms, and a user's own term that goes through identification without a touch to the package."""
 
-import inspect
-
 import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.quantities.names import REGRESSOR_INPUTS
+from narrows.quantities.names import REGRESSOR_INPUTS, asked_by
 from tables import frame_of, many_runs, written
 
 
@@ -128,7 +126,7 @@ def test_own_table_comes_back_from_a_model_file_only_with_itself(dtc: nw.Model, 
 
 @pytest.mark.parametrize("term", nw.PAPER.terms, ids=lambda term: term.name)
 def test_inputs_are_the_arguments_and_of_the_vocabulary(term: nw.Term) -> None:
-    assert term.inputs == tuple(inspect.signature(term.regressor).parameters)
+    assert term.inputs == asked_by(term.regressor)
     assert set(term.inputs) <= set(REGRESSOR_INPUTS)
     assert term.from_bank == term.name.endswith("bank")
 

@@ -1,6 +1,5 @@
 """A model of one depth taken to another: the few corrections there are, and what they leave out."""
 
-import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -9,7 +8,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.physics import shallow
-from narrows.quantities.names import Number
+from narrows.quantities.names import Number, asked_by
 from narrows.ship.particulars import Configuration
 
 FACTORS: Mapping[str, Callable[..., Number]] = {
@@ -61,7 +60,7 @@ def factor_at(name: str, configuration: Configuration, depth: float) -> float:
     """
     function = FACTORS[name]
     values = {**configuration.values(), "depth": depth}
-    return float(function(*[values[word] for word in inspect.signature(function).parameters]))
+    return float(function(*[values[word] for word in asked_by(function)]))
 
 
 def at_depth(model: Model, depth: float) -> AtDepth:

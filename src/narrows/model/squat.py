@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import squat_formulas as formulas
-from narrows.quantities.names import Number
+from narrows.quantities.names import Number, asked_by
 from narrows.ship.particulars import Configuration
 
 GIVES = ("midship", "bow", "largest")
@@ -51,7 +51,7 @@ class SquatFormula:
             Through the water.
         """
         values = {**configuration.values(), "u": speed}
-        return float(self.function(*[values[name] for name in inspect.signature(self.function).parameters]))
+        return float(self.function(*[values[name] for name in asked_by(self.function)]))
 
     def outside(self, configuration: Configuration, speed: float) -> tuple[str, ...]:
         """Say where a ship is beyond what the formula holds for.

@@ -1,32 +1,44 @@
 """Force on the rig that accelerates the hull and its added water, per unit of each coefficient."""
 
-from narrows.quantities.names import Number, documented
+from narrows.quantities.names import Number
 
 
-@documented
 def surge_inertia(udot: Number) -> Number:
     """Regressor of the mass in surge [m/s2], X = -a_udot udot.
 
     Source: Mikkelsen et al. (2025), eq. (mass_inertia_x).
+
+    Parameters
+    ----------
+    udot : number [m/s2]
+        Surge acceleration in the ship's axes.
     """
     return -udot
 
 
-@documented
 def sway_inertia(vdot: Number) -> Number:
     """Regressor of the mass in sway [m/s2], Y = -b_vdot vdot and N = -c_vdot vdot.
 
     Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y) and (mass_inertia_z).
+
+    Parameters
+    ----------
+    vdot : number [m/s2]
+        Sway acceleration in the ship's axes.
     """
     return -vdot
 
 
-@documented
 def yaw_inertia(rdot: Number) -> Number:
     """Regressor of the inertia in yaw [rad/s2], Y = -b_rdot rdot and N = -c_rdot rdot.
 
     The paper once prints + for the latter; its regression matrix and the physics have -.
 
     Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y) and (mass_inertia_z).
+
+    Parameters
+    ----------
+    rdot : number [rad/s2]
+        Yaw acceleration.
     """
     return -rdot

@@ -1,18 +1,11 @@
 """Every quantity that physics, tables and files speak of: one name, one unit, one meaning."""
 
 import inspect
-from collections.abc import Callable, Iterable
-from functools import wraps
-from types import SimpleNamespace
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 Number = Any
 """A float, a NumPy array or a symbol: whatever knows arithmetic and ``abs()``."""
-
-Values = Any
-"""Quantities of the vocabulary as attributes: ``at.u``."""
-
-FunctionType = TypeVar("FunctionType", bound=Callable[..., Number])
 
 
 class Quantity(NamedTuple):
@@ -73,8 +66,8 @@ PARTICULARS = {
     "rudder_area": Quantity("m2", "rudder area A_R"),
     "rudder_lift": Quantity("1", "slope of the rudder's lift f_alpha"),
     "rudder_wake_ratio": Quantity("1", "inflow at the rudder over that at the propeller epsilon"),
-    "rudder_race": Quantity("1", "how far the race is sped up at the rudder kappa"),
-    "rudder_in_race": Quantity("1", "propeller diameter over rudder height eta"),
+    "rudder_slipstream": Quantity("1", "how far the slipstream is sped up at the rudder kappa"),
+    "rudder_in_slipstream": Quantity("1", "propeller diameter over rudder height eta"),
     "rudder_position": Quantity("1", "effective place of the rudder over L, l_R'"),
     "rudder_straightening_starboard": Quantity("1", "flow straightening in a turn to starboard gamma_R"),
     "rudder_straightening_port": Quantity("1", "flow straightening in a turn to port gamma_R"),
@@ -91,57 +84,24 @@ REGRESSOR_INPUTS = MOTION | CONTROLS | PARTICULARS
 """What the function of a term may ask for."""
 
 
-def documented(function: FunctionType) -> FunctionType:
-    """Write the Parameters section of a physics function from the vocabulary (ours).
+def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
+    """Return the names of the quantities that a function takes, in its order (ours).
 
     Parameters
     ----------
     function : callable
-        Its arguments are names of the vocabulary.
+        Its arguments are names of the vocabulary; or it says what it takes by an ``inputs`` of its own.
     """
-    function.__doc__ = described(function.__doc__ or "", inspect.signature(function).parameters)
-    return function
+    stated: tuple[str, ...] | None = getattr(function, "inputs", None)
+    return tuple(inspect.signature(function).parameters) if stated is None else stated
 
 
-def asking(*names: str) -> Callable[[Callable[[Values], Number]], Callable[..., Number]]:
-    """Make a physics function of many quantities, written by attributes, into one of named arguments (ours).
-
-    It may also be called with the attributes of another that asks for as much.
+def name_of(function: Callable[..., Number]) -> str:
+    """Return what a function is called in print (ours).
 
     Parameters
     ----------
-    *names : str
-        Quantities of the vocabulary, each once.
+    function : callable
+        A function, or an object with a ``name``.
     """
-    wanted = tuple(dict.fromkeys(names))
-    signature = inspect.Signature([inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in wanted])
-
-    def made(function: Callable[[Values], Number]) -> Callable[..., Number]:
-        @wraps(function)
-        def regressor(*given: Number, **named: Number) -> Number:
-            if len(given) == 1 and isinstance(given[0], SimpleNamespace):
-                return function(given[0])
-            return function(SimpleNamespace(**signature.bind(*given, **named).arguments))
-
-        regressor.__signature__ = signature  # type: ignore[attr-defined]
-        regressor.__doc__ = described(function.__doc__ or "", wanted)
-        return regressor
-
-    return made
-
-
-def described(text: str, names: Iterable[str]) -> str:
-    """Return a docstring with a Parameters section from the vocabulary (ours).
-
-    Parameters
-    ----------
-    text : str
-        What comes before it.
-    names : iterable of str
-        Quantities of the vocabulary.
-    """
-    lines = ["Parameters", "----------"]
-    for name in names:
-        quantity = REGRESSOR_INPUTS[name]
-        lines += [f"{name} : number [{quantity.unit}]", f"    {quantity.meaning}."]
-    return inspect.cleandoc(text) + "\n\n" + "\n".join(lines) + "\n"
+    return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))

@@ -12,6 +12,7 @@ from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
+from narrows.quantities.names import name_of
 from narrows.report import banks, columns, motions, outcomes, trust
 from narrows.report.numbers import interval, readable
 from narrows.report.style import svg
@@ -133,7 +134,7 @@ def equations(fit: Fit) -> list[str]:
         Whose table.
     """
     return [
-        f"{force} = " + " + ".join(f"{term.name} {term.regressor.__name__}({', '.join(term.inputs)})" for term in terms)
+        f"{force} = " + " + ".join(f"{term.name} {name_of(term.regressor)}({', '.join(term.inputs)})" for term in terms)
         for force, terms in fit.terms.forces.items()
         if terms
     ]

@@ -64,9 +64,9 @@ class Rudder:
         Slope of the lift, f_alpha.
     wake_ratio : float [1]
         Inflow over that of the propeller, epsilon.
-    race : float [1]
-        How far the race is sped up, kappa.
-    in_race : float [1]
+    slipstream : float [1]
+        How far the slipstream is sped up, kappa.
+    in_slipstream : float [1]
         Propeller diameter over rudder height, eta.
     position : float [1]
         Effective place over L, l_R'.
@@ -82,15 +82,15 @@ class Rudder:
     area: float
     lift: float
     wake_ratio: float
-    race: float
-    in_race: float
+    slipstream: float
+    in_slipstream: float
     position: float
     straightening_starboard: float
     straightening_port: float
 
     def __post_init__(self) -> None:
         check_finite(self)
-        check_positive(self, ("area", "lift", "wake_ratio", "in_race"))
+        check_positive(self, ("area", "lift", "wake_ratio", "in_slipstream"))
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,8 @@ SECTIONS = {
 }  # fmt: skip
 NEEDED = ("ship", "canal", "water")
 """Sections that are made of their defaults where they are absent."""
+RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
+"""Keys as earlier files spell them."""
 
 
 def read_ship(path: str | Path) -> Configuration:
@@ -111,8 +113,17 @@ def check_table(name: str, table: object, place: str) -> None:
         raise InputError(f"{place}: {name} = {table!r} must be a section; write [{name}] and its keys under it")
 
 
+def _renamed(name: str, values: Mapping[str, Any]) -> Mapping[str, Any]:
+    for old, new in RENAMED.get(name, {}).items():
+        if old in values and new in values:
+            raise InputError(f"[{name}] gives {new} twice, as {old} too; leave {old} out")
+        values = {new if key == old else key: value for key, value in values.items()}
+    return values
+
+
 def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
     known = {f.name: f for f in fields(cls)}
+    values = _renamed(name, values)
     for key in values:
         if key not in known:
             raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import clearance
-from narrows.physics.bank import Cushion, Suction
+from narrows.physics.bank import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
+from narrows.terms.regressors import Composed
 from narrows.terms.term import Term, TermTable
 
 WITH_HELM = "helm"
@@ -43,7 +44,7 @@ class BankForm:
     def sway(self) -> tuple[Term, ...]:
         """The terms of the sway force."""
         return tuple(
-            Term(f"b_{ending}", _symbol("b", ending), Suction(parameter), dim.NUMBER)
+            Term(f"b_{ending}", _symbol("b", ending), Composed(suction, parameter), dim.NUMBER)
             for ending, parameter in self.parameters.items()
         )
 
@@ -51,7 +52,7 @@ class BankForm:
     def yaw(self) -> tuple[Term, ...]:
         """The terms of the yaw moment."""
         return tuple(
-            Term(f"c_{ending}", _symbol("c", ending), Cushion(parameter), dim.NUMBER)
+            Term(f"c_{ending}", _symbol("c", ending), Composed(cushion, parameter), dim.NUMBER)
             for ending, parameter in self.parameters.items()
         )
 

@@ -3,9 +3,12 @@
 from dataclasses import replace
 
 from narrows.errors import InputError, did_you_mean
-from narrows.physics import bank, damping, hull, inertia, propeller, rudder
+from narrows.physics import damping, hull, inertia, propeller, rudder
+from narrows.physics.propeller import PropellerQuantities
+from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.terms.bank_forms import FORMS, WITH_HELM, with_bank
+from narrows.terms.regressors import Grouped
 from narrows.terms.term import NONNEGATIVE, Term, TermTable
 
 SURGE_POWERS = (("vv", (2, 0)), ("vr", (1, 1)), ("rr", (0, 2)), ("vvvv", (4, 0)))
@@ -25,7 +28,7 @@ SWAY = (
     Term("b_r", r"b_r", damping.linear_yaw, dim.KG_M_PER_S),
     Term("b_vv", r"b_{|v|v}", damping.quadratic_sway, dim.KG_PER_M, NONNEGATIVE),
     Term("b_rr", r"b_{|r|r}", damping.quadratic_yaw, dim.KG_M),
-    Term("b_bank", r"b_{bank}", bank.suction, dim.NUMBER),
+    *FORMS["delta"].sway,
 )
 YAW = (
     Term("c_vdot", r"c_{\dot v}", inertia.sway_inertia, dim.KG_M),
@@ -34,7 +37,7 @@ YAW = (
     Term("c_r", r"c_r", damping.linear_yaw, dim.KG_M2_PER_S, NONNEGATIVE),
     Term("c_vv", r"c_{|v|v}", damping.quadratic_sway, dim.KG),
     Term("c_rr", r"c_{|r|r}", damping.quadratic_yaw, dim.KG_M2, NONNEGATIVE),
-    Term("c_bank", r"c_{bank}", bank.cushion, dim.NUMBER),
+    *FORMS["delta"].yaw,
 )
 # The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
 # they are masses and inertias, so the table has them.
@@ -112,25 +115,25 @@ MMG = TermTable(
         Term("X_my", r"m_y'", hull.added_sway_turning, dim.NUMBER, NONNEGATIVE),
         Term("R_0", r"R_0'", hull.HullPower(0, 0, sign=-1), dim.NUMBER, NONNEGATIVE),
         *(Term(f"X_{name}", rf"X_{{{name}}}'", hull.HullPower(*powers), dim.NUMBER) for name, powers in SURGE_POWERS),
-        Term("X_thrust", r"1 - t_P", propeller.thrust, dim.NUMBER, NONNEGATIVE),
-        Term("X_rudder", r"1 - t_R", rudder.rudder_surge, dim.NUMBER, NONNEGATIVE),
+        Term("X_thrust", r"1 - t_P", Grouped(propeller.thrust, PropellerQuantities), dim.NUMBER, NONNEGATIVE),
+        Term("X_rudder", r"1 - t_R", Grouped(rudder.rudder_surge, RudderQuantities), dim.NUMBER, NONNEGATIVE),
     ),
     sway=(
         Term("Y_mass", r"m", hull.rigid_sway, dim.NUMBER, NONNEGATIVE),
         Term("Y_my", r"m_y'", hull.added_sway, dim.NUMBER, NONNEGATIVE),
         Term("Y_mx", r"m_x'", hull.added_surge_turning, dim.NUMBER, NONNEGATIVE),
         *(Term(f"Y_{name}", rf"Y_{{{name}}}'", hull.HullPower(*powers), dim.NUMBER) for name, powers in TURNING_POWERS),
-        Term("Y_rudder", r"1 + a_H", rudder.rudder_sway, dim.NUMBER, NONNEGATIVE),
+        Term("Y_rudder", r"1 + a_H", Grouped(rudder.rudder_sway, RudderQuantities), dim.NUMBER, NONNEGATIVE),
     ),
     yaw=(
         Term("N_mass", r"I_z", hull.rigid_yaw, dim.NUMBER, NONNEGATIVE),
         Term("N_jz", r"J_z'", hull.added_yaw, dim.NUMBER, NONNEGATIVE),
         *(Term(f"N_{name}", rf"N_{{{name}}}'", hull.HullPower(*p, lever=1), dim.NUMBER) for name, p in TURNING_POWERS),
-        Term("N_rudder", r"-(x_R' + a_H x_H')", rudder.rudder_yaw, dim.NUMBER, NONNEGATIVE),
+        Term("N_rudder", r"-(x_R' + a_H x_H')", Grouped(rudder.rudder_yaw, RudderQuantities), dim.NUMBER, NONNEGATIVE),
     ),
     ties=(("X_mass", "Y_mass"), ("X_mass", "N_mass"), ("X_mx", "Y_mx"), ("X_my", "Y_my")),
 )
-"""The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its race."""
+"""The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its slipstream."""
 
 TAPERED = with_bank(PAPER, "tapered", name="tapered")
 """The paper's terms with its boundary-layer taper on the bank."""

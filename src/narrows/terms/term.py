@@ -1,13 +1,12 @@
 """A model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
 
-import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from narrows.errors import InputError, did_you_mean
 from narrows.quantities.dimensions import Dimension
-from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number
+from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, asked_by
 
 Bound = tuple[float, float]
 FREE: Bound = (float("-inf"), float("inf"))
@@ -26,7 +25,7 @@ class Term:
         The coefficient in LaTeX.
     regressor : callable
         A function of arithmetic and ``abs()``; its arguments are names of the vocabulary, and by them the
-        term says what it needs.
+        term says what it needs. One made of others says it by an attribute ``inputs``, in the order of its arguments.
     dimension : Dimension
         Of the coefficient.
     bound : tuple of float
@@ -53,7 +52,7 @@ class Term:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The quantities that the regressor asks for."""
-        return tuple(inspect.signature(self.regressor).parameters)
+        return asked_by(self.regressor)
 
     @property
     def from_bank(self) -> bool:

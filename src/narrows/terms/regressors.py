@@ -1,0 +1,70 @@
+"""Regressors made of physics functions: one fed by another, and one of more quantities than a signature can show."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+from narrows.quantities.names import Number, asked_by, name_of
+
+
+@dataclass(frozen=True)
+class Composed:
+    """A law whose first argument is what another function gives.
+
+    Parameters
+    ----------
+    law : callable
+        Of that result, then of names of the vocabulary.
+    parameter : callable
+        Of names of the vocabulary.
+    """
+
+    law: Callable[..., Number]
+    parameter: Callable[..., Number]
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that it takes: the parameter's, then the law's others."""
+        return tuple(dict.fromkeys((*asked_by(self.parameter), *asked_by(self.law)[1:])))
+
+    @property
+    def name(self) -> str:
+        """What it is called in print."""
+        return f"{name_of(self.parameter)}_{name_of(self.law)}"
+
+    def __call__(self, *values: Number) -> Number:
+        """Evaluate it, of values in the order of ``inputs``."""
+        at = dict(zip(self.inputs, values, strict=True))
+        result = self.parameter(*[at[name] for name in asked_by(self.parameter)])
+        return self.law(result, *[at[name] for name in asked_by(self.law)[1:]])
+
+
+@dataclass(frozen=True)
+class Grouped:
+    """A function that takes its quantities together, as one object.
+
+    Parameters
+    ----------
+    function : callable
+        Of that object.
+    quantities : type
+        A dataclass, its fields names of the vocabulary.
+    """
+
+    function: Callable[[Any], Number]
+    quantities: type
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that it takes: the fields."""
+        return tuple(own.name for own in fields(self.quantities))
+
+    @property
+    def name(self) -> str:
+        """What it is called in print."""
+        return name_of(self.function)
+
+    def __call__(self, *values: Number) -> Number:
+        """Evaluate it, of values in the order of ``inputs``."""
+        return self.function(self.quantities(*values))
