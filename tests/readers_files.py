@@ -1,0 +1,63 @@
+"""Stand-ins of the files that a reader of the docs brings: tests, a ship, models of both sizes, a waterway, a chart."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.terms.tables import table_named
+from narrows.waterway.geojson import unprojected
+from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point
+from tables import frame_of
+
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+DEPTH = "C0101A02"
+LENGTH = 400.0
+"""Of the waterway and of the chart [m]."""
+
+
+def write(folder: Path) -> None:
+    """Write them under the names that the pages call them by."""
+    table, ship = measured_files("kcs")
+    shutil.copy(ship, folder / "ship.toml")
+    frame_of(nw.measured_tests("kcs").by_condition()[DEPTH]).to_csv(folder / "tests.csv", index=False)
+    terms = table_named("speed+helm")
+    model = nw.identify(nw.read_captive(table, ship, terms, TURNED).by_condition()[DEPTH], terms).model
+    nw.save_model(model, folder / "model.toml")
+    nw.save_model(nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model, folder / "full.toml")
+    lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
+    write_lines(folder / "canal.geojson", lines, depth=0.3)
+    write_lines(folder / "axis.geojson", {"centreline": at(0.0)})
+    write_chart(folder / "1W7RH001.000")
+
+
+def at(aside: float, reach: float = 0.0) -> list[Point]:
+    """A line northward, so far to starboard of the middle and beyond both ends [m]."""
+    points = np.array([[aside, north] for north in (-reach, LENGTH / 2, LENGTH + reach)])
+    return [(float(east), float(north)) for east, north in unprojected(points, np.array([7.6, 52.0]))]
+
+
+def write_lines(path: Path, lines: dict[str, list[Point]], **properties: float) -> None:
+    """Lines with their roles as GeoJSON; the first has the properties."""
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"role": role, **(properties if role == "centreline" else {})},
+            "geometry": {"type": "LineString", "coordinates": points},
+        }
+        for role, points in lines.items()
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}), encoding="utf-8")
+
+
+def write_chart(path: Path) -> None:
+    """A cell with a canal 75 m wide and 4 m deep."""
+    cell = Cell(path.name)
+    for aside in (30.0, -45.0):
+        cell.line(CANAL_BANK, at(aside, 100.0))
+    starboard, port = at(50.0, 100.0), at(-50.0, 100.0)
+    cell.area(DEPTH_AREA, [*starboard, *reversed(port), starboard[0]], "4.0", "5.0")
+    cell.save(path)
