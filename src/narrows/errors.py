@@ -2,6 +2,10 @@
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from reprlib import Repr
+
+LONGEST = 200
+"""Characters of what another library said, or of a value, that a sentence repeats."""
 
 
 class InputError(ValueError):
@@ -47,3 +51,37 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """
     known = sorted(known)
     return near_miss(word, known) or f"; known: {', '.join(known)}"
+
+
+def shown(value: object) -> str:
+    """Return a value as it is written, cut short where it is long (ours).
+
+    Parameters
+    ----------
+    value : object
+        As given.
+    """
+    try:
+        return _SHORT.repr(value)
+    except ValueError:  # Python does not write out integers of more than 4300 digits.
+        return f"a {type(value).__name__} too long to show"
+
+
+_SHORT = Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 60
+
+
+def reason(error: BaseException) -> str:
+    """Return what an error of another library says, in one short line (ours).
+
+    Parameters
+    ----------
+    error : exception
+        As it was caught.
+    """
+    said = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    if isinstance(error, MemoryError):
+        said = "too large for this computer's memory"
+    if isinstance(error, RecursionError):
+        said = "nested too deeply"
+    return " ".join((said or type(error).__name__).split())[:LONGEST]

@@ -7,7 +7,7 @@ import typer
 
 from narrows.cli.app import app
 from narrows.cli.options import AsJson, Condition, ModelFile, Report, ShipFile, Table, TermsName, Where
-from narrows.cli.output import folder, print_json
+from narrows.cli.output import folder, output_of, print_json
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Pat
     written = []
     for label, fit in fits.items():
         if output:
-            path = output.with_stem(f"{output.stem}-{label}") if len(fits) > 1 else output
+            path = output_of(output, label) if len(fits) > 1 else output
             save_model(fit.model, path)
             written.append(path)
     if report:

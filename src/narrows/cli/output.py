@@ -5,6 +5,10 @@ from pathlib import Path
 import typer
 
 from narrows.errors import InputError
+from narrows.files import is_stream
+
+NOT_IN_NAMES = str.maketrans({character: f"%{ord(character):02X}" for character in "/\\\0%"})
+"""What a file's name cannot hold, written as addresses write it."""
 
 
 def folder(path: Path) -> None:
@@ -24,6 +28,28 @@ def folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{path}: cannot be made a folder ({error.strerror}); choose another") from None
+
+
+def output_of(path: Path, label: str) -> Path:
+    """Return where a condition's own file goes: its label is added to the name, and all share a device (ours).
+
+    Parameters
+    ----------
+    path : Path
+        As the user named it.
+    label : str
+        Of the condition.
+
+    Raises
+    ------
+    InputError
+        Where the path names no file.
+    """
+    if is_stream(path):
+        return path
+    if not path.name:
+        raise InputError(f"{path}: is a folder; name a file")
+    return path.with_name(f"{path.stem}-{label.translate(NOT_IN_NAMES)}{path.suffix}")
 
 
 def numbers(text: str, option: str) -> tuple[float, ...]:

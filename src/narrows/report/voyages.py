@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from narrows.errors import InputError
-from narrows.files import write_whole
+from narrows.files import is_stream, write_whole
 from narrows.ship.particulars import Configuration
 from narrows.simulation.maps import grounding_distance, grounding_probability
 from narrows.simulation.voyage import Voyage
@@ -37,7 +37,7 @@ def save_figure(figure: Figure, path: Path) -> None:
     figure : Figure
         The picture.
     path : Path
-        Its suffix says which kind: png, svg or pdf.
+        Its suffix says which kind: png, svg or pdf; png into a device without one.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def save_figure(figure: Figure, path: Path) -> None:
     """
     from io import BytesIO
 
-    kind = path.suffix.lower().removeprefix(".")
+    kind = path.suffix.lower().removeprefix(".") or ("png" if is_stream(path) else "")
     if kind not in ("png", "svg", "pdf"):
         raise InputError(f"{path}: cannot draw a {kind or 'nameless'} picture; name it .png, .svg or .pdf")
     memory = BytesIO()
