@@ -13,20 +13,22 @@ from common import median_seconds, show
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.moments import Layout, Moments, accumulate, products
-from narrows.identification.problem import reduced
-from narrows.identification.solve import solve
+from narrows.identification.regression.accumulation import accumulate, products
+from narrows.identification.regression.design_matrix import DesignMatrix
+from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.regression.problem import reduced
+from narrows.identification.regression.solve import solve
 
 
-def formed(tests: nw.CaptiveTests) -> tuple[Layout, np.ndarray]:
+def formed(tests: nw.CaptiveTests) -> tuple[DesignMatrix, np.ndarray]:
     """Every column of the design, (m, rows)."""
-    layout = Layout(nw.PAPER)
-    return layout, np.concatenate([layout.design(block).copy() for block in tests.blocks()], axis=1)
+    layout = DesignMatrix(nw.PAPER)
+    return layout, np.concatenate([layout.evaluate(block).copy() for block in tests.blocks()], axis=1)
 
 
-def ours(layout: Layout, design: np.ndarray) -> dict[str, float]:
+def ours(layout: DesignMatrix, design: np.ndarray) -> dict[str, float]:
     """Columns to coefficients."""
-    return fitted(Moments(layout.columns, products(design)[None], ("all",), np.ones(1)))
+    return fitted(NormalEquations(layout.columns, products(design)[None], ("all",), np.ones(1)))
 
 
 def from_motions(tests: nw.CaptiveTests) -> dict[str, float]:
@@ -34,16 +36,16 @@ def from_motions(tests: nw.CaptiveTests) -> dict[str, float]:
     return fitted(accumulate(tests, nw.PAPER)[0])
 
 
-def fitted(moments: Moments) -> dict[str, float]:
+def fitted(equations: NormalEquations) -> dict[str, float]:
     """Sums to coefficients."""
-    problem = reduced(moments, nw.PAPER)
-    solution = solve(*problem.normal(moments.total), problem.lower, problem.upper)
+    problem = reduced(equations, nw.PAPER)
+    solution = solve(*problem.normal(equations.total), problem.lower, problem.upper)
     return dict(zip(nw.PAPER.names, problem.coefficients(solution.z), strict=True))
 
 
-def stacked(layout: Layout, design: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
+def stacked(layout: DesignMatrix, design: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     """The three regressor matrices over the 16 parameters, the forces, and the lower bounds."""
-    slots = reduced(Moments(layout.columns, products(design)[None], ("all",), np.ones(1)), nw.PAPER).slot
+    slots = reduced(NormalEquations(layout.columns, products(design)[None], ("all",), np.ones(1)), nw.PAPER).slot
     size, lower = max(slots.values()) + 1, np.full(max(slots.values()) + 1, -np.inf)
     matrices, forces = [], []
     for force, terms in nw.PAPER.forces.items():

@@ -7,6 +7,7 @@ python decisions/bank_forms.py --write  # and puts them into docs/
 import sys
 from collections.abc import Iterator
 
+import numpy as np
 from pages import DOCS, publish
 
 import narrows as nw
@@ -45,7 +46,7 @@ def sets() -> dict[str, nw.Comparison]:
 def cell(row: dict, name: str) -> str:  # type: ignore[type-arg]
     """Write a coefficient with its interval and verdict."""
     own = row["bank"][name]
-    if None in own["ci95"]:
+    if not np.isfinite(own["ci95"]).all():
         return f"{name}: {own['verdict']}"
     low, high = own["ci95"]
     return f"{name} {own['value']:.3f} ({low:.3f} to {high:.3f}), {own['verdict']}"

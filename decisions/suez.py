@@ -36,7 +36,7 @@ def published() -> nw.Model:
 def measured() -> dict[str, nw.Model]:
     """The KCS by condition, each in water as deep for her draft as in her tests."""
     table, ship = measured_files("kcs")
-    fits = nw.identify_each(nw.read_captive(table, ship, nw.STEERED, TURNED), terms=nw.STEERED)
+    fits = nw.identify_conditions(nw.read_captive(table, ship, nw.STEERED, TURNED), terms=nw.STEERED)
     return {label: nw.scale_model(fit.model, LENGTH, DENSITY, width=WIDTH).model for label, fit in fits.items()}
 
 

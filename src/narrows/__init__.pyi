@@ -16,7 +16,7 @@ from .identification import Fit as Fit
 from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
-from .identification import identify_each as identify_each
+from .identification import identify_conditions as identify_conditions
 from .manoeuvres import Trials as Trials
 from .manoeuvres import Turning as Turning
 from .manoeuvres import overshoots as overshoots

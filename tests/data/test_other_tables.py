@@ -44,12 +44,12 @@ def tanker(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, nw.CaptiveTe
 def assert_truth(shown: dict) -> None:
     for name, value in TRUTH.items():
         own = shown["coefficients"][name]
-        if own["identifiable"] and own["verdict"] != "at its bound":
+        if own["determined"] and own["verdict"] != "at its bound":
             assert own["value"] == pytest.approx(value, abs=5 * own["std"])
             assert own["std"] > 0
     assert shown["coefficients"]["b_bank"]["value"] == pytest.approx(0.6, rel=0.02)
     assert shown["coefficients"]["c_bank"]["value"] == pytest.approx(0.09, rel=0.02)
-    assert shown["coefficients"]["a_udot"]["identifiable"] is False
+    assert shown["coefficients"]["a_udot"]["determined"] is False
     assert min(shown["fit"][force]["r2"] for force in "YN") > 0.95
 
 

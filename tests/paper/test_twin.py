@@ -29,7 +29,7 @@ def test_without_noise_the_truth_comes_back(dtc: nw.Model) -> None:
     fit = nw.identify(nw.twin(noise={}))
     for name in FREE_OF_A_SINGLE_SPEED:
         assert fit.coefficients[name] == pytest.approx(dtc.coefficients[name], rel=1e-7)
-    assert fit.kkt.satisfied
+    assert fit.solution.kkt.satisfied
 
 
 @pytest.mark.parametrize("correlation_time", NOISES)
@@ -65,7 +65,7 @@ def test_correlated_noise_widens_the_intervals() -> None:
 
 def test_surge_inertia_is_flagged(twin_fit: nw.Fit) -> None:
     verdict = twin_fit.verdicts["a_udot"]
-    assert (verdict.status, verdict.identifiable) == ("not excited", False)
+    assert (verdict.status, verdict.determined) == ("not excited", False)
     assert verdict.sentence("a_udot") == "a_udot is not identifiable: udot is 0 in every test."
     assert twin_fit.coefficients["a_udot"] == 0.0
     assert np.isnan(twin_fit.std["a_udot"])
@@ -76,7 +76,7 @@ def test_surge_inertia_is_flagged(twin_fit: nw.Fit) -> None:
 def test_resistance_at_one_speed_is_flagged(twin_fit: nw.Fit, name: str) -> None:
     """The paper prints (0, 12.6) for what one speed determines in combination only."""
     verdict = twin_fit.verdicts[name]
-    assert (verdict.status, verdict.identifiable) == ("not identifiable", False)
+    assert (verdict.status, verdict.determined) == ("not identifiable", False)
     assert "a_u and a_uu only in combination" in verdict.reasons[0]
     assert np.isnan(twin_fit.std[name])
     combined = twin_fit.coefficients["a_u"] * 1.0 + twin_fit.coefficients["a_uu"] * 1.0
@@ -86,8 +86,8 @@ def test_resistance_at_one_speed_is_flagged(twin_fit: nw.Fit, name: str) -> None
 def test_two_speeds_tell_the_two_apart(dtc: nw.Model) -> None:
     runs = tuple(nw.HarmonicRun(f"{u}", "yaw", 0.5, 25.0, u) for u in (0.5, 1.0, 1.5))
     fit = nw.identify(nw.twin(dtc, runs))
-    assert fit.verdicts["a_u"].identifiable
-    assert fit.verdicts["a_uu"].identifiable
+    assert fit.verdicts["a_u"].determined
+    assert fit.verdicts["a_uu"].determined
     low, high = fit.intervals["a_uu"]
     assert low <= 12.6 <= high
 
@@ -146,7 +146,7 @@ def test_mean_abs_cannot_be_the_papers_value_function(twin_fit: nw.Fit) -> None:
 def test_random_split_is_the_papers_option(dtc: nw.Model) -> None:
     fit = nw.identify(nw.twin(seed=3), split="random", seed=1)
     assert fit.split == "random"
-    share = fit.moments.total[-1, -1] / nw.twin(seed=3).rows
+    share = fit.normal_equations.total[-1, -1] / nw.twin(seed=3).rows
     assert share == pytest.approx(0.8, abs=0.02)
     for name in FREE_OF_A_SINGLE_SPEED:
         assert fit.coefficients[name] == pytest.approx(dtc.coefficients[name], abs=5 * fit.std[name])

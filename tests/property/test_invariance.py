@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.identification.moments import accumulate
+from narrows.identification.regression.accumulation import accumulate
 from tables import SHORT_RUNS, frame_of, many_runs, short_twin, written
 
 BLOCKS = st.sampled_from([1, 7, 64, 100, 444, 445, 1000])
@@ -122,7 +122,7 @@ def test_unit_of_one_of_two_dependent_columns(factor: float) -> None:
     table = nw.PAPER.with_terms("slow", surge=[nw.Term("a_u", "a_u", slow, nw.Dimension(), nw.NONNEGATIVE)])
     fit = nw.identify(short_twin(runs=SHORT_RUNS[1:2]), table)
     for name in ("a_u", "a_uu"):
-        assert not fit.verdicts[name].identifiable
+        assert not fit.verdicts[name].determined
         assert np.isnan(fit.std[name])
         assert "a_u and a_uu only in combination" in fit.verdicts[name].reasons[0]
 
@@ -130,16 +130,16 @@ def test_unit_of_one_of_two_dependent_columns(factor: float) -> None:
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=8)
 def test_score_from_sums_is_score_from_rows(seed: int) -> None:
-    from narrows.identification.score import score
+    from narrows.identification.regression.scores import score
 
     tests = short_twin(seed)
     draw = np.random.default_rng(seed)
     coefficients = {name: float(draw.normal()) * 100 for name in nw.PAPER.names}
-    moments, _ = accumulate(tests, nw.PAPER)
+    equations, _ = accumulate(tests, nw.PAPER)
     predicted = nw.Model(tests.configuration, nw.PAPER, coefficients).forces(
         nw.Motion(**{name: tests.columns[name] for name in nw.Motion().values()})
     )
-    for force, own in score(moments, moments.total, nw.PAPER, coefficients).items():
+    for force, own in score(equations, equations.total, nw.PAPER, coefficients).items():
         error = tests.columns[force] - predicted[force]
         assert own.rmse == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
         assert own.r2 == pytest.approx(1 - np.mean(error**2) / np.var(tests.columns[force]), rel=1e-9, abs=1e-9)

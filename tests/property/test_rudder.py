@@ -97,7 +97,7 @@ def test_voyages_turn_with_the_rudder_and_mirror() -> None:
 def test_the_measured_rudder_sits_at_the_stern() -> None:
     table, ship = measured_files("kcs")
     tests = nw.read_captive(table, ship, nw.STEERED, TURNED)
-    for fit in nw.identify_each(tests, terms=nw.STEERED).values():
+    for fit in nw.identify_conditions(tests, terms=nw.STEERED).values():
         for name in ("a_helm", "b_helm", "c_helm"):
             assert fit.verdicts[name].status == "identified"
             assert fit.intervals[name][0] > 0

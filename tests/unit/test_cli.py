@@ -28,14 +28,14 @@ def test_json_is_the_documented_shape(good: Path, ship_file: Path, cli) -> None:
     fit = nw.identify(nw.read_captive(good, ship_file))
     assert list(shown["coefficients"]) == list(nw.PAPER.names)
     for name, own in shown["coefficients"].items():
-        assert {"value", "std", "ci95", "unit", "identifiable"} <= own.keys()
+        assert {"value", "std", "ci95", "unit", "determined"} <= own.keys()
         assert own["value"] == fit.coefficients[name]
         assert own["unit"] == nw.PAPER[name].dimension.unit
-        assert own["identifiable"] is fit.verdicts[name].identifiable
-        assert (own["std"] is None) == (not own["identifiable"])
+        assert own["determined"] is fit.verdicts[name].determined
+        assert (own["std"] is None) == (not own["determined"])
         expected = [end if math.isfinite(end) else None for end in fit.intervals[name]]
         assert own["ci95"] == expected
-    assert shown["coefficients"]["a_udot"]["identifiable"] is False
+    assert shown["coefficients"]["a_udot"]["determined"] is False
     for force in "XYN":
         assert {"r2", "rmse", "r2_left_out"} <= shown["fit"][force].keys()
         assert shown["fit"][force]["r2"] == fit.scores[force].r2
@@ -95,7 +95,7 @@ def test_options_reach_the_fit(ship_file: Path, tmp_path: Path, cli) -> None:
 
 def test_unsolved_problem_leaves_with_one(good: Path, ship_file: Path, cli, monkeypatch) -> None:
     """The command ran, and says that its answer is not the optimum."""
-    monkeypatch.setattr("narrows.identification.solve.KKT_TOLERANCE", -1.0)
+    monkeypatch.setattr("narrows.identification.regression.solve.KKT_TOLERANCE", -1.0)
     code, out, _ = cli("identify", good, "--ship", ship_file, "--json")
     assert code == 1
     assert json.loads(out)["kkt"]["satisfied"] is False

@@ -163,8 +163,8 @@ def test_json_of_several_conditions(cli) -> None:
     shown = json.loads(out)["conditions"]
     assert set(shown) == {"C0101A01", "C0101A02", "C0101A03"}
     one = shown["C0101A01"]
-    assert set(one["coefficients"]["b_bank"]) >= {"value", "std", "ci95", "unit", "identifiable"}
+    assert set(one["coefficients"]["b_bank"]) >= {"value", "std", "ci95", "unit", "determined"}
     assert set(one["fit"]["Y"]) >= {"r2", "rmse", "r2_left_out"}
     assert set(one["diagnostics"]["Y"]) >= {"rank", "columns", "condition", "vif"}
     assert set(one["shapley"]) == {"mse", "mean_abs", "lmg"}
-    assert one["coefficients"]["a_udot"]["identifiable"] is False
+    assert one["coefficients"]["a_udot"]["determined"] is False

@@ -35,7 +35,7 @@ def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
 def test_a_wrong_model_does_not(found: nw.Explanation) -> None:
     wrong = nw.explain(found.model.with_coefficients(b_bank=1.5), found.fit.tests, ("speed",))
     assert wrong.distance["b_bank"] > 10
-    assert any("Beyond 3 standard errors" in said and "b_bank" in said for said in wrong.sentences)
+    assert any("Beyond 3 standard errors" in said and "b_bank" in said for said in wrong.summary().splitlines())
 
 
 def test_shares_are_those_of_the_model(found: nw.Explanation) -> None:
@@ -119,5 +119,5 @@ def test_explain_asks_for_a_condition_and_tells_the_depth(cli, tmp_path) -> None
     assert code == 0
     told = json.loads(out)
     assert not told["fitted_on_this_table"]
-    assert any("depth to draft" in said for said in told["says"])
-    assert not any("abs r" in said for said in told["says"])
+    assert any("depth to draft" in said for said in told["notes"])
+    assert not any("abs r" in said for said in told["notes"])

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.solve import check, solve
+from narrows.identification.regression.solve import check, solve
 
 
 def problem(seed: int, rank: int, size: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -123,4 +123,4 @@ def test_a_chain_of_ties_is_one_parameter(short: nw.CaptiveTests) -> None:
     )
     values = nw.identify(short, chained).coefficients
     assert values["b_rdot"] == values["c_vdot"] == values["b_rr"]
-    assert nw.identify(short, chained).kkt.satisfied
+    assert nw.identify(short, chained).solution.kkt.satisfied

@@ -98,7 +98,7 @@ def test_a_plan_beats_harmonic_runs_about_the_centreline(plan: nw.Plan) -> None:
         assert plan.std[name][-1] < plan.usual[name]
         assert np.all(np.diff(plan.std[name]) <= 0)
         assert plan.inflation[name] < 5
-    assert "standard error" in plan.sentences[0]
+    assert "standard error" in plan.summary()
 
 
 def test_what_was_made_already_counts(plan: nw.Plan) -> None:
@@ -187,7 +187,7 @@ def test_what_no_run_determines_is_said(cli, tmp_path) -> None:
     terms = nw.with_bank(nw.PAPER, "distance_depth")
     plan = nw.plan_tests(SETTING, 4, tank=nw.Tank(speeds=(0.7,), depths=(0.3,)), terms=terms)
     assert not plan.determined
-    assert any("No such runs determine" in said for said in plan.sentences)
+    assert "No such runs determine" in plan.summary()
     many = nw.plan_tests(SETTING, 10_000, tank=TANK)
     assert len(many.runs) == many.considered
 

@@ -238,8 +238,8 @@ def test_a_write_that_fails_leaves_the_old_file(dtc: nw.Model, tmp_path: Path, m
         (lambda: nw.identify(short_twin()).shapley("owen"), "kind 'owen' is unknown; choose mse, mean_abs, lmg"),
         (lambda: short_twin().test("swai"), "no test is called 'swai'; did you mean 'sway'"),
         (lambda: short_twin().where([False] * 4), "no test is left"),
-        (lambda: nw.identify_each(nw.measured_tests("kcs"), "C0101A04"), "no condition 'C0101A04'; did you mean"),
-        (lambda: nw.identify_each(short_twin(), "deep"), "no condition 'deep'; it names none"),
+        (lambda: nw.identify_conditions(nw.measured_tests("kcs"), "C0101A04"), "no condition 'C0101A04'; did you mean"),
+        (lambda: nw.identify_conditions(short_twin(), "deep"), "no condition 'deep'; it names none"),
     ],
 )
 def test_calls_that_make_no_sense(make, sentence: str) -> None:

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.moments import accumulate
-from narrows.identification.problem import reduced
-from narrows.identification.solve import check, solve
+from narrows.identification.regression.accumulation import accumulate
+from narrows.identification.regression.problem import reduced
+from narrows.identification.regression.solve import check, solve
 
 
 def stacked(tests: nw.CaptiveTests, terms: nw.TermTable = nw.PAPER) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -44,7 +44,7 @@ def test_kcs_agrees_with_stacked_bvls(kcs_tests: dict[int, nw.CaptiveTests], cle
     for name, value in expected.items():
         assert fit.coefficients[name] == pytest.approx(value, rel=1e-8, abs=1e-10 / scale.max())
     assert fit.coefficients["c_vdot"] == fit.coefficients["b_rdot"]
-    assert fit.kkt.satisfied
+    assert fit.solution.kkt.satisfied
 
 
 def brute_force(h: np.ndarray, g: np.ndarray, lower: np.ndarray) -> np.ndarray:
@@ -90,11 +90,11 @@ def test_a_direction_without_data_stays_at_its_smallest_norm() -> None:
 
 
 def test_sums_are_those_of_the_rows(short: nw.CaptiveTests) -> None:
-    moments, envelope = accumulate(short, nw.PAPER)
+    equations, envelope = accumulate(short, nw.PAPER)
     matrix, right, _ = stacked(short)
-    h, g = reduced(moments, nw.PAPER).normal(moments.total)
-    scale = reduced(moments, nw.PAPER).scale
-    order = [reduced(moments, nw.PAPER).slot[name] for name in nw.PAPER.names if name != "c_vdot"]
+    h, g = reduced(equations, nw.PAPER).normal(equations.total)
+    scale = reduced(equations, nw.PAPER).scale
+    order = [reduced(equations, nw.PAPER).slot[name] for name in nw.PAPER.names if name != "c_vdot"]
     np.testing.assert_allclose(
         (h * np.outer(scale, scale))[np.ix_(order, order)], matrix.T @ matrix, rtol=1e-10, atol=1e-9
     )

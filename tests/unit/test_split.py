@@ -7,7 +7,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.split import random_split
-from narrows.identification.moments import accumulate
+from narrows.identification.regression.accumulation import accumulate
 from tables import frame_of, short_twin, written
 
 
@@ -68,10 +68,10 @@ def test_fit_and_check_are_on_their_own_rows(short: nw.CaptiveTests) -> None:
 
 def test_spans_follow_the_rows_that_stay(short: nw.CaptiveTests) -> None:
     drawn, _ = random_split(short, seed=5)
-    moments, _ = accumulate(drawn, nw.PAPER, 3)
-    one = moments.columns["1"]
-    assert round(moments.sums[:, one, one].sum()) == len(rows(drawn))
-    assert set(moments.names) == set(short.names)
+    equations, _ = accumulate(drawn, nw.PAPER, 3)
+    one = equations.columns["1"]
+    assert round(equations.sums[:, one, one].sum()) == len(rows(drawn))
+    assert set(equations.names) == set(short.names)
 
 
 @pytest.mark.parametrize("size", [1, 2, 3])

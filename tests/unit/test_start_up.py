@@ -18,7 +18,7 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
 
 
 def test_identification_needs_no_compiler() -> None:
-    code = "import narrows as nw; nw.identify(nw.twin(rate=1.0)).summary()"
+    code = "import narrows as nw; nw.identify(nw.twin(rate=1.0)).to_dict()"
     assert not loaded_by(code) & {"numba", "sympy", "matplotlib"}
 
 

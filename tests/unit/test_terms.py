@@ -28,7 +28,7 @@ def test_own_term_is_identified(dtc: nw.Model) -> None:
     for name, value in (("b_ur", 150.0), ("c_ur", -80.0), ("b_bank", 1.07)):
         assert fit.coefficients[name] == pytest.approx(value, abs=5 * fit.std[name])
         assert fit.std[name] < 20
-    summary = fit.summary()
+    summary = fit.to_dict()
     assert summary["coefficients"]["b_ur"]["unit"] == "kg"
     assert "b_ur" in summary["diagnostics"]["Y"]["vif"]
     assert all("b_ur" in summary["shapley"][kind]["Y"] for kind in ("mse", "mean_abs", "lmg"))

@@ -36,14 +36,14 @@ def test_a_resample_is_the_fit_to_the_tests_that_were_drawn(fit: nw.Fit) -> None
     times = np.random.default_rng(3).multinomial(12, np.full(12, 1 / 12), size=20)
     for i in (0, 7, 19):
         refit = nw.identify(repeated(fit.tests, times[i]))
-        known = [n for n in NAMES if fit.verdicts[n].identifiable and refit.verdicts[n].identifiable]
+        known = [n for n in NAMES if fit.verdicts[n].determined and refit.verdicts[n].determined]
         for name in known:
-            own = found.draws[i, NAMES.index(name)]
+            own = found.samples[i, NAMES.index(name)]
             assert own == pytest.approx(refit.coefficients[name], rel=1e-5, abs=1e-6 * abs(fit.std[name]))
 
 
 def test_draws_keep_the_bounds_and_the_tie(fit: nw.Fit, kind: str) -> None:
-    draws = dict(zip(NAMES, fit.bootstrap(400, kind).draws.T, strict=True))
+    draws = dict(zip(NAMES, fit.bootstrap(400, kind).samples.T, strict=True))
     np.testing.assert_array_equal(draws["b_rdot"], draws["c_vdot"])
     for term in nw.PAPER.terms:
         assert (draws[term.name] >= term.bound[0] - 1e-9).all()
@@ -51,8 +51,8 @@ def test_draws_keep_the_bounds_and_the_tie(fit: nw.Fit, kind: str) -> None:
 
 def test_bootstrap_and_jackknife_agree(fit: nw.Fit, kind: str) -> None:
     found = fit.bootstrap(4000, kind)
-    known = [i for i, n in enumerate(NAMES) if fit.verdicts[n].identifiable and not fit.robust.few[i]]
-    ratio = found.std[known] / fit.robust.std[known]
+    known = [i for i, n in enumerate(NAMES) if fit.verdicts[n].determined and not fit.unbounded.few[i]]
+    ratio = found.std[known] / fit.unbounded.std[known]
     assert (ratio > 0.8).all()
     assert (ratio < 1.25).all()
     if kind == "scores":  # the same errors, drawn instead of summed
@@ -62,7 +62,7 @@ def test_bootstrap_and_jackknife_agree(fit: nw.Fit, kind: str) -> None:
 
 
 def test_the_same_seed_gives_the_same_draws(fit: nw.Fit, kind: str) -> None:
-    one, two, other = (fit.bootstrap(50, kind, seed).draws for seed in (1, 1, 2))
+    one, two, other = (fit.bootstrap(50, kind, seed).samples for seed in (1, 1, 2))
     np.testing.assert_array_equal(one, two)
     assert not np.array_equal(one, other)
 
@@ -111,7 +111,7 @@ def test_a_trade_off_is_what_the_profile_does() -> None:
     fit = nw.identify(
         nw.twin(runs=(nw.HarmonicRun("yaw", "yaw", 0.9, 25.0), nw.HarmonicRun("sway", "sway", 0.9, 25.0)))
     )
-    pair = next(p for p in fit.tradeoffs if {p.first, p.second} == {"b_r", "b_bank"})
+    pair = next(p for p in fit.correlations if {p.first, p.second} == {"b_r", "b_bank"})
     assert abs(pair.correlation) > 0.98
     found = fit.profile(pair.first)
     assert found is not None
@@ -126,7 +126,7 @@ def test_influence_is_that_of_refits(fit: nw.Fit) -> None:
         kept = [j != i for j in range(12)]
         refit = nw.identify(fit.tests.where(kept))
         for j, name in enumerate(NAMES):
-            if fit.verdicts[name].identifiable and refit.verdicts[name].identifiable:
+            if fit.verdicts[name].determined and refit.verdicts[name].determined:
                 moved = fit.coefficients[name] - refit.coefficients[name]
                 assert fit.influence.moved[i, j] == pytest.approx(moved, rel=1e-4, abs=1e-6 * fit.std[name])
     assert ((fit.influence.information >= 0) & (fit.influence.information <= 1)).all()

@@ -9,8 +9,8 @@ from scipy import stats
 
 import narrows as nw
 from narrows.captive.tests import cuts
-from narrows.identification.interval import bounded_interval, reach
-from narrows.identification.uncertainty import MIN_TESTS, jackknife, pieces_for
+from narrows.identification.uncertainty.clusters import MIN_TESTS, jackknife, pieces_for
+from narrows.identification.uncertainty.interval import bounded_interval, t_quantile
 from tables import many_runs, short_twin
 
 COLUMNS = list(nw.Motion().values())
@@ -49,7 +49,7 @@ def test_clusters(case) -> None:
     tests, fit, rows, _ = case
     assert len(fit.clusters.labels) == len(rows)
     assert fit.clusters.by_test == (len(tests.names) >= MIN_TESTS)
-    one = fit.moments.columns["1"]
+    one = fit.normal_equations.columns["1"]
     assert [round(sums[one, one]) for sums in fit.clusters.sums] == [int(out.sum()) for out in rows]
     said = f"by test ({len(rows)} tests)" if fit.clusters.by_test else f"by {len(rows)} consecutive stretches"
     assert said in fit.clusters.sentence
@@ -99,7 +99,7 @@ def test_standard_errors_are_the_corrected_jackknife_of_refits_without_bounds(ca
     variance = (len(rows) - 1) / len(rows) * (np.array(moved) ** 2).sum(axis=0) / excess_of(tests, rows)
     told = 0
     for i, name in enumerate(nw.PAPER.names):
-        if fit.verdicts[name].identifiable and not fit.robust.few[i] and not fit.robust.held.any():
+        if fit.verdicts[name].determined and not fit.unbounded.few[i] and not fit.unbounded.held.any():
             assert fit.std[name] == pytest.approx(np.sqrt(variance[i]), rel=1e-4)
             told += 1
     assert told > 10
@@ -107,8 +107,8 @@ def test_standard_errors_are_the_corrected_jackknife_of_refits_without_bounds(ca
 
 def test_covariance_has_the_standard_errors(case) -> None:
     _, fit, _, _ = case
-    known = ~fit.robust.held
-    np.testing.assert_allclose(np.sqrt(np.diag(fit.covariance))[known], fit.robust.std[known], rtol=1e-9)
+    known = ~fit.unbounded.held
+    np.testing.assert_allclose(np.sqrt(np.diag(fit.covariance))[known], fit.unbounded.std[known], rtol=1e-9)
     assert np.linalg.eigvalsh(fit.covariance / np.abs(fit.covariance).max()).min() > -1e-12
 
 
@@ -128,13 +128,13 @@ def test_intervals_are_students_t_away_from_the_bounds(case) -> None:
     _, fit, _, _ = case
     for i, term in enumerate(nw.PAPER.terms):
         low, high = fit.intervals[term.name]
-        if not fit.verdicts[term.name].identifiable:
+        if not fit.verdicts[term.name].determined:
             assert (low, high) == term.bound
             continue
-        half = stats.t.ppf(0.975, max(round(fit.robust.counts[i], 1) - 1, 1)) * fit.std[term.name]
-        if fit.robust.values[i] - 2 * half > term.bound[0]:
-            assert low == pytest.approx(fit.robust.values[i] - half, rel=1e-9)
-            assert high == pytest.approx(fit.robust.values[i] + half, rel=1e-9)
+        half = stats.t.ppf(0.975, max(round(fit.unbounded.counts[i], 1) - 1, 1)) * fit.std[term.name]
+        if fit.unbounded.values[i] - 2 * half > term.bound[0]:
+            assert low == pytest.approx(fit.unbounded.values[i] - half, rel=1e-9)
+            assert high == pytest.approx(fit.unbounded.values[i] + half, rel=1e-9)
         assert term.bound[0] <= low <= fit.coefficients[term.name] + 1e-9 * abs(low) or term.name in fit.at_bound
 
 
@@ -149,8 +149,8 @@ def test_an_interval_starts_at_the_bound(kcs_fits: dict[int, nw.Fit]) -> None:
 
 @pytest.mark.parametrize("clusters", [2, 3, 10, 25, 400])
 def test_reach_of_an_interval(clusters: int) -> None:
-    assert reach(clusters) == pytest.approx(stats.t.ppf(0.975, clusters - 1), rel=1e-10)
-    assert reach(clusters, 0.5) == pytest.approx(stats.t.ppf(0.75, clusters - 1), rel=1e-10)
+    assert t_quantile(clusters) == pytest.approx(stats.t.ppf(0.975, clusters - 1), rel=1e-10)
+    assert t_quantile(clusters, 0.5) == pytest.approx(stats.t.ppf(0.75, clusters - 1), rel=1e-10)
 
 
 @pytest.mark.parametrize(

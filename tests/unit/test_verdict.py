@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.verdict import CONFOUNDED_VIF, VIF_LIMIT
+from narrows.identification.identifiability.verdict import CONFOUNDED_VIF, VIF_LIMIT
 from tables import many_runs, short_twin
 
 
@@ -17,7 +17,7 @@ def test_not_excited_names_what_stood_still() -> None:
     fit = sway_only()
     for name, motion in (("a_udot", "udot"), ("b_r", "r"), ("c_rr", "r"), ("c_rdot", "rdot")):
         assert fit.verdicts[name].sentence(name) == f"{name} is not identifiable: {motion} is 0 in every test."
-        assert not fit.verdicts[name].identifiable
+        assert not fit.verdicts[name].determined
         assert fit.coefficients[name] == 0.0
         assert np.isnan(fit.std[name])
 
@@ -27,7 +27,7 @@ def test_a_tie_determines_what_its_own_force_does_not() -> None:
     fit = sway_only()
     assert fit.coefficients["b_rdot"] == fit.coefficients["c_vdot"] == pytest.approx(-56.1, abs=5 * fit.std["c_vdot"])
     assert fit.std["b_rdot"] == fit.std["c_vdot"] > 0
-    assert fit.verdicts["c_vdot"].identifiable
+    assert fit.verdicts["c_vdot"].determined
     assert fit.verdicts["b_rdot"].status == "weakly identified"
     assert fit.verdicts["b_rdot"].reasons == ("rdot is 0 in every test, so that only its tie determines it",)
 
@@ -39,8 +39,8 @@ def test_at_its_bound_is_where_the_data_press_it() -> None:
     assert fit.coefficients["b_v"] == 0.0
     assert "b_v" in fit.at_bound
     assert fit.verdicts["b_v"].status == "at its bound"
-    assert fit.verdicts["b_v"].identifiable
-    assert fit.kkt.satisfied
+    assert fit.verdicts["b_v"].determined
+    assert fit.solution.kkt.satisfied
 
 
 def test_one_test_alone_is_named() -> None:
@@ -55,14 +55,14 @@ def test_an_interval_around_zero_is_weak(kcs_fits: dict[int, nw.Fit]) -> None:
     for fit in kcs_fits.values():
         for name, (low, high) in fit.intervals.items():
             said = any("holds 0" in reason for reason in fit.verdicts[name].reasons)
-            assert said == (low <= 0 <= high and fit.verdicts[name].identifiable and name not in fit.at_bound)
+            assert said == (low <= 0 <= high and fit.verdicts[name].determined and name not in fit.at_bound)
 
 
 def test_inflation_over_the_limits_is_weak(kcs_fits: dict[int, nw.Fit]) -> None:
     for fit in kcs_fits.values():
         for force, terms in nw.PAPER.forces.items():
             for term in terms:
-                if not fit.verdicts[term.name].identifiable:
+                if not fit.verdicts[term.name].determined:
                     continue
                 reasons = " ".join(fit.verdicts[term.name].reasons)
                 assert ("over all rows" in reasons) == (fit.diagnostics()[force].vif[term.name] > VIF_LIMIT)

@@ -34,14 +34,14 @@ def identify(
     A table that holds several conditions (water depths) gives one model each.
     """
     from narrows.captive import read_captive, stream_captive
-    from narrows.identification.conditions import identify_each
+    from narrows.identification.conditions import identify_conditions
     from narrows.terms.tables import table_named
 
     chosen = table_named(terms)
     if stream and report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
     tests = (stream_captive if stream else read_captive)(table, ship, chosen, where)
-    fits = identify_each(tests, condition, terms=chosen, weights=weights, split=split, seed=seed)
+    fits = identify_conditions(tests, condition, terms=chosen, weights=weights, split=split, seed=seed)
     publish(fits, table.stem, output, report, json)
 
 
@@ -52,10 +52,10 @@ def demo(
 ) -> None:
     """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""
     from narrows.captive.measured import measured_tests
-    from narrows.identification.conditions import identify_each
+    from narrows.identification.conditions import identify_conditions
 
     folder(out)
-    fits = identify_each(measured_tests("kcs"))
+    fits = identify_conditions(measured_tests("kcs"))
     publish(fits, "kcs", out / "kcs.toml", out / "report.html", json)
 
 
@@ -90,7 +90,7 @@ def explain(
     if report:
         write_explanation(found, report, f"{model} on {table.name}")
     if json:
-        print_json(found.summary())
+        print_json(found.to_dict())
         return
     print_explanation(found, condition or "")
     if report:
@@ -129,13 +129,13 @@ def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Pat
     _show(fits, json)
     if not json:
         typer.echo("\n".join(f"wrote {path}" for path in written))
-    if not all(fit.kkt.satisfied for fit in fits.values()):
+    if not all(fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
 
 
 def _show(fits: dict[str, "Fit"], json: bool) -> None:
     if json:
-        shown = {label: fit.summary() for label, fit in fits.items()}
+        shown = {label: fit.to_dict() for label, fit in fits.items()}
         print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
         return
     from narrows.report.terminal import print_fit

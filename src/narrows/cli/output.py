@@ -79,8 +79,8 @@ def print_json(value: object) -> None:
     Parameters
     ----------
     value : object
-        Of plain numbers and words.
+        Of numbers and words, what a result's ``to_dict`` gives.
     """
-    from json import dumps
+    from narrows.results import to_json
 
-    typer.echo(dumps(value, indent=2, allow_nan=False))
+    typer.echo(to_json(value))

@@ -45,7 +45,7 @@ def design(
     if output:
         write_plan(plan, output)
     if json:
-        print_json(plan.summary())
+        print_json(plan.to_dict())
     else:
         print_plan(plan)
         if output:

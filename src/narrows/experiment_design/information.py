@@ -7,7 +7,7 @@ import numpy as np
 from narrows.captive.runs import Run
 from narrows.captive.synthetic import NOISE, motion_of
 from narrows.errors import InputError
-from narrows.identification.problem import slots
+from narrows.identification.regression.problem import slots
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
 

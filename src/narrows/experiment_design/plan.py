@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,15 +13,18 @@ from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
 from narrows.experiment_design.information import run_information
 from narrows.experiment_design.optimal import CRITERIA, RIDGE, choose
-from narrows.identification.fit import check_one_condition
-from narrows.identification.moments import accumulate
-from narrows.identification.problem import reduced, slots
+from narrows.identification.fitting import check_one_condition
+from narrows.identification.regression.accumulation import accumulate
+from narrows.identification.regression.problem import reduced, slots
 from narrows.ship.particulars import Configuration
 from narrows.terms.tables import PAPER
 from narrows.terms.term import TermTable
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Plan:
     """Runs to make, and what they would tell.
 
@@ -41,7 +44,7 @@ class Plan:
         Variance inflation under that plan.
     considered : int
         How many runs there were to choose from.
-    assumed : str
+    notes : tuple of str
         Noise and length of a run, that the standard errors rest on.
     """
 
@@ -52,16 +55,18 @@ class Plan:
     usual: Mapping[str, float]
     usual_inflation: Mapping[str, float]
     considered: int
-    assumed: str
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Plan of {len(self.runs)} runs of {self.considered} for {', '.join(self.targets)}>"
 
     @property
     def determined(self) -> bool:
         """Whether the runs determine every target at all."""
         return all(np.isfinite(self.std[name][-1]) for name in self.targets)
 
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """What is gained, for each target."""
+    def summary(self) -> str:
+        """Say what is gained, for each target: a line each."""
         unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
         said = tuple(
             f"{name}: standard error {self.std[name][-1]:.2g} (VIF {self.inflation[name]:.3g}) with these runs, "
@@ -71,23 +76,24 @@ class Plan:
             if name not in unknown
         )
         lost = (f"No such runs determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(unknown)
-        return (*said, *lost, self.assumed)
+        return "\n".join((*said, *lost))
 
-    def summary(self) -> dict[str, Any]:
-        """Everything as plain numbers and words: what ``design --json`` prints."""
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: what ``design --json`` prints."""
         return {
-            "runs": [{name: plain(value) for name, value in row.items()} for row in self.rows()],
+            "runs": self.rows(),
             "targets": {
                 name: {
-                    "std": plain(float(self.std[name][-1])),
-                    "vif": plain(self.inflation[name]),
-                    "usual_std": plain(self.usual[name]),
-                    "usual_vif": plain(self.usual_inflation[name]),
+                    "std": float(self.std[name][-1]),
+                    "vif": self.inflation[name],
+                    "usual_std": self.usual[name],
+                    "usual_vif": self.usual_inflation[name],
                 }
                 for name in self.targets
             },
             "considered": self.considered,
-            "says": list(self.sentences),
+            "summary": self.summary(),
+            "notes": list(self.notes),
         }
 
     def rows(self) -> list[dict[str, Any]]:
@@ -95,16 +101,11 @@ class Plan:
         errors = [{f"std {name}": float(self.std[name][i]) for name in self.targets} for i in range(len(self.runs))]
         return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
 
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the runs as a table: a row each, with the standard errors once it is made."""
+        import pandas as pd
 
-def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: None for infinity (ours).
-
-    Parameters
-    ----------
-    value : Any
-        A number, a word or None.
-    """
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+        return pd.DataFrame(self.rows())
 
 
 def _row(run: Run) -> dict[str, Any]:
@@ -182,7 +183,7 @@ def plan_tests(
         {name: float(theirs[0][-1, j]) for j, name in enumerate(targets)},
         {name: float(theirs[1][-1, j]) for j, name in enumerate(targets)},
         len(offered),
-        _assumed(noise, correlation_time, tank, configuration),
+        (_assumed(noise, correlation_time, tank, configuration),),
     )
 
 
@@ -218,11 +219,11 @@ def _said(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.nda
 def _known(tests: Tests, terms: TermTable, noise: Mapping[str, float], correlation_time: float) -> np.ndarray:
     """Information of tests that were made; rows nearer in time than two correlation times share theirs."""
     check_one_condition(tests, terms)
-    moments, _ = accumulate(tests, terms)
-    problem = reduced(moments, terms)
+    equations, _ = accumulate(tests, terms)
+    problem = reduced(equations, terms)
     weighed = replace(problem, weights={force: 1 / noise[force] ** 2 for force, own in terms.forces.items() if own})
-    share = np.array([1 / max(1.0, 2 * correlation_time * _rate(tests, name)) for name in moments.names])
-    h, _ = weighed.normal(np.tensordot(share, moments.by_test(), axes=1))
+    share = np.array([1 / max(1.0, 2 * correlation_time * _rate(tests, name)) for name in equations.names])
+    h, _ = weighed.normal(np.tensordot(share, equations.by_test(), axes=1))
     return np.asarray(h * np.outer(problem.scale, problem.scale))
 
 

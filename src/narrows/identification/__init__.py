@@ -2,8 +2,8 @@
 
 from narrows.identification.comparison import Comparison as Comparison
 from narrows.identification.comparison import compare as compare
-from narrows.identification.conditions import identify_each as identify_each
+from narrows.identification.conditions import identify_conditions as identify_conditions
 from narrows.identification.explanation import Explanation as Explanation
 from narrows.identification.explanation import explain as explain
 from narrows.identification.fit import Fit as Fit
-from narrows.identification.fit import identify as identify
+from narrows.identification.fitting import identify as identify

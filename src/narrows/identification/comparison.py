@@ -2,21 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from narrows.captive.tests import Tests
 from narrows.errors import InputError
-from narrows.identification.fit import Fit, identify
-from narrows.identification.summary import finite
-from narrows.identification.verdict import CONFOUNDED
+from narrows.identification.fit import Fit
+from narrows.identification.fitting import identify
+from narrows.identification.identifiability.verdict import CONFOUNDED
 from narrows.terms.bank_forms import FORMS
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
-Tables = str | TermTable | Sequence[str | TermTable]
+if TYPE_CHECKING:
+    import pandas as pd
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Fits of several tables of terms to the same tests.
 
@@ -30,6 +31,9 @@ class Comparison:
 
     fits: Mapping[str, Fit]
     left_out: Mapping[str, str]
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {', '.join(self.fits)}>"
 
     def best(self, force: str) -> str:
         """Return the table with the smallest error on tests left out.
@@ -48,8 +52,12 @@ class Comparison:
         return tuple(dict.fromkeys(force for fit in self.fits.values() for force in fit.scores))
 
     @property
-    def sentences(self) -> tuple[str, ...]:
-        """For each force: which table errs least on tests left out, against the first table."""
+    def notes(self) -> tuple[str, ...]:
+        """Which tables were not fitted, and why."""
+        return tuple(f"{name} was left out: {reason}." for name, reason in self.left_out.items())
+
+    def summary(self) -> str:
+        """Say for each force which table errs least on tests left out, against the first table: a line each."""
         first = next(iter(self.fits))
         unit = {"X": "N", "Y": "N", "N": "N m"}
         said = []
@@ -60,11 +68,26 @@ class Comparison:
             said.append(
                 f"{force}: {best} errs least on what was left out, by {errors[best]:.3g} {unit[force]}{against}."
             )
-        return tuple(said)
+        return "\n".join(said)
 
     def rows(self) -> list[dict[str, Any]]:
         """One row for each table and force, as plain numbers and words."""
         return [_row(name, fit, force) for name, fit in self.fits.items() for force in fit.scores]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the tables and their errors by name."""
+        return {
+            "tables": self.rows(),
+            "tables_left_out": dict(self.left_out),
+            "summary": self.summary(),
+            "notes": list(self.notes),
+        }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the errors as a table: a row for each table of terms and force."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows()).drop(columns="bank").set_index(["table", "force"])
 
 
 def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
@@ -78,11 +101,11 @@ def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
         "confounded": sum(fit.verdicts[own_name].status == CONFOUNDED for own_name in own),
         "rmse": fit.scores[force].rmse,
         "rmse_left_out": fit.left_out[force].rmse,
-        "rmse_other_speeds": finite(speeds.rmse) if speeds else None,
+        "rmse_other_speeds": speeds.rmse if speeds else float("nan"),
         "bank": {
             name: {
                 "value": fit.coefficients[name],
-                "ci95": [finite(end) for end in fit.intervals[name]],
+                "ci95": list(fit.intervals[name]),
                 "verdict": fit.verdicts[name].status,
             }
             for name in bank

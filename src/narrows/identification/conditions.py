@@ -4,10 +4,11 @@ from typing import Any
 
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
-from narrows.identification.fit import Fit, identify
+from narrows.identification.fit import Fit
+from narrows.identification.fitting import identify
 
 
-def identify_each(tests: Tests, condition: str | None = None, **options: Any) -> dict[str, Fit]:
+def identify_conditions(tests: Tests, condition: str | None = None, **options: Any) -> dict[str, Fit]:
     """Fit each condition of a table by itself.
 
     Parameters

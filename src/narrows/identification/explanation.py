@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from narrows.captive.tests import Tests
-from narrows.identification import shapley
 from narrows.identification.comparison import Comparison, compare, ready_tables
-from narrows.identification.fit import Fit, identify
-from narrows.identification.score import Score, score
-from narrows.identification.summary import finite
+from narrows.identification.fit import Fit
+from narrows.identification.fitting import identify
+from narrows.identification.regression.scores import Score, score
+from narrows.identification.shapley import KINDS
 from narrows.model.model import DataRange, Model
 
 SLACK = 0.01
@@ -21,7 +21,7 @@ UNLIKELY = 3.0
 """Joint standard errors between the model's coefficient and the table's beyond which they disagree."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Explanation:
     """A model on a table of tests, that it was fitted on or not.
 
@@ -45,14 +45,13 @@ class Explanation:
     by_test: Mapping[str, Mapping[str, Score]]
     comparison: Comparison
 
+    def __repr__(self) -> str:
+        return f"<Explanation of a model of {self.model.configuration.ship.name or 'a ship'}: {self.fit!r}>"
+
     @cached_property
     def shares(self) -> dict[str, dict[str, dict[str, float]]]:
         """Shapley shares of the model's own coefficients on these tests: kind -> force -> coefficient -> share."""
-        fit = self.fit
-        return {
-            kind: shapley.shares(kind, fit.moments, fit.terms, self.model.coefficients, lambda: fit.deviations)
-            for kind in shapley.KINDS
-        }
+        return {kind: self.fit.shapley(kind, self.model.coefficients) for kind in KINDS}
 
     @cached_property
     def distance(self) -> dict[str, float]:
@@ -76,8 +75,12 @@ class Explanation:
         return bool(own.source.sha256) and own.source.sha256 == tests.source.sha256 and same_canal
 
     @property
-    def sentences(self) -> tuple[str, ...]:
-        """What there is to say first."""
+    def notes(self) -> tuple[str, ...]:
+        """Where the tests lie outside of what the model's data covered."""
+        return outside(self.model.data_range, self.fit.data_range)
+
+    def summary(self) -> str:
+        """Say how far the model errs on these tests, where most, and which coefficients differ: a line each."""
         said = ["The model was fitted on this table."] if self.fitted_on_these else []
         for force, own in self.scores.items():
             worst = max(self.by_test, key=lambda test: self.by_test[test][force].rmse)
@@ -88,20 +91,21 @@ class Explanation:
         apart = [name for name, far in self.distance.items() if abs(far) > UNLIKELY]
         if apart and not self.fitted_on_these:
             said.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
-        return (*said, *outside(self.model.data_range, self.fit.data_range))
+        return "\n".join(said)
 
-    def summary(self) -> dict[str, Any]:
-        """Everything as plain numbers and words: what ``explain --json`` prints."""
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: what ``explain --json`` prints."""
         return {
             "fitted_on_this_table": self.fitted_on_these,
-            "says": list(self.sentences),
-            "model": {force: {"r2": finite(own.r2), "rmse": finite(own.rmse)} for force, own in self.scores.items()},
+            "summary": self.summary(),
+            "notes": list(self.notes),
+            "model": {force: own._asdict() for force, own in self.scores.items()},
             "by_test": {
-                test: {force: finite(own.rmse) for force, own in found.items()} for test, found in self.by_test.items()
+                test: {force: own.rmse for force, own in found.items()} for test, found in self.by_test.items()
             },
-            "distance": {name: finite(far) for name, far in self.distance.items()},
+            "distance": dict(self.distance),
             "shapley": self.shares,
-            "these_tests": self.fit.summary(),
+            "these_tests": self.fit.to_dict(),
             "profiles": {
                 name: {"value": found.values.tolist(), "deviance": found.deviance.tolist()}
                 for name in self.fit.terms.names
@@ -155,11 +159,11 @@ def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanati
         Where the tests lack what the model's terms need, or are of several conditions.
     """
     fit = identify(tests, model.terms)
-    moments = fit.moments
+    equations = fit.normal_equations
     return Explanation(
         model,
         fit,
-        score(moments, moments.total, model.terms, model.coefficients),
-        {name: score(moments, moments.of_test(name), model.terms, model.coefficients) for name in moments.names},
+        score(equations, equations.total, model.terms, model.coefficients),
+        {name: score(equations, equations.of_test(name), model.terms, model.coefficients) for name in equations.names},
         compare(tests, (model.terms, *(t for t in tables or ready_tables() if t != model.terms.name))),
     )

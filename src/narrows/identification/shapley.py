@@ -7,7 +7,7 @@ from math import factorial
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.moments import Moments
+from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
 KINDS = ("mse", "mean_abs", "lmg")
@@ -100,7 +100,7 @@ def _normalised(phi: np.ndarray) -> np.ndarray:
 
 def shares(
     kind: str,
-    moments: Moments,
+    equations: NormalEquations,
     terms: TermTable,
     coefficients: Mapping[str, float],
     deviations: Callable[[], Mapping[str, float]],
@@ -111,7 +111,7 @@ def shares(
     ----------
     kind : str
         ``mse``, ``mean_abs`` or ``lmg``.
-    moments : Moments
+    equations : NormalEquations
         Sums over the rows.
     terms : TermTable
         The terms.
@@ -127,13 +127,13 @@ def shares(
     """
     if kind not in KINDS:
         raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
-    found, total = {}, moments.total
+    found, total = {}, equations.total
     for force, own in terms.forces.items():
         names = [term.name for term in own]
         values = np.array([coefficients[name] for name in names])
         if not names:
             continue
-        gram, cross = moments.pick(total, names), moments.pick(total, names, [force])[:, 0]
+        gram, cross = equations.pick(total, names), equations.pick(total, names, [force])[:, 0]
         if kind == "mse":
             part = mse_shares(gram, cross, values)
         elif kind == "lmg":

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from narrows.identification import Fit
-from narrows.identification.diagnostics import Diagnosis
-from narrows.identification.verdict import CONFOUNDED_VIF, VIF_LIMIT
+from narrows.identification.identifiability.diagnostics import Diagnosis
+from narrows.identification.identifiability.verdict import CONFOUNDED_VIF, VIF_LIMIT
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 from narrows.terms.term import TermTable
 

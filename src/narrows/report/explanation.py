@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -37,14 +38,14 @@ def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
     page = render(
         "explanation.html.j2",
         title=title,
-        says=found.sentences,
+        says=[*found.summary().splitlines(), *found.notes],
         forces=tuple(found.scores),
         scores=found.scores,
         by_test=found.by_test,
         coefficients=[_row(found, name) for name in found.fit.terms.names],
         kinds=KINDS,
         shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in found.scores for n in shares[KINDS[0]][f]],
-        compared=found.comparison.sentences,
+        compared=found.comparison.summary().splitlines(),
         left_out=found.comparison.left_out,
         comparison=figure(
             trust.comparison_figure(rows), "Errors of tables of terms, of the fit and on what was left out."
@@ -57,7 +58,7 @@ def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
 
 def _row(found: Explanation, name: str) -> dict[str, str]:
     verdict, std, far = found.fit.verdicts[name], found.fit.std[name], found.distance[name]
-    known = verdict.identifiable
+    known = verdict.determined
     return {
         "name": name,
         "model": f"{found.model.coefficients[name]:.4g}",
@@ -80,7 +81,7 @@ def bank_said(row: dict[str, Any]) -> str:
     """
     return "; ".join(
         f"{name} {own['ci95'][0]:.3g} to {own['ci95'][1]:.3g} ({own['verdict']})"
-        if None not in own["ci95"]
+        if np.isfinite(own["ci95"]).all()
         else f"{name} ({own['verdict']})"
         for name, own in row["bank"].items()
     )
@@ -97,7 +98,7 @@ def print_explanation(found: Explanation, label: str = "") -> None:
         The condition, as a heading.
     """
     console = Console(highlight=False)
-    for sentence in found.sentences:
+    for sentence in (*found.summary().splitlines(), *found.notes):
         console.print(f"- {sentence}")
     table = Table(box=None, pad_edge=False, title="The model beside these tests", title_justify="left")
     for header in ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"):
@@ -127,8 +128,8 @@ def print_comparison(found: Comparison, console: Console | None = None) -> None:
         table.add_column(header, justify="left" if header in ("terms", "force") else "right")
     for row in found.rows():
         speeds = row["rmse_other_speeds"]
-        errors = (f"{row['rmse']:.3g}", f"{row['rmse_left_out']:.3g}", "-" if speeds is None else f"{speeds:.3g}")
+        errors = (f"{row['rmse']:.3g}", f"{row['rmse_left_out']:.3g}", f"{speeds:.3g}" if np.isfinite(speeds) else "-")
         table.add_row(row["table"], row["force"], *errors, f"{row['confounded']} of {row['coefficients']}")
     console.print(table)
-    for sentence in found.sentences:
+    for sentence in found.summary().splitlines():
         console.print(f"- {sentence}")

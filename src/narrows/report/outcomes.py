@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Fit
+from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
-from narrows.identification.verdict import IDENTIFIED
 from narrows.report.columns import symbols
 from narrows.report.motions import boundaries
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREEN, GREY, HATCHES, ORANGE, panels
@@ -63,7 +63,7 @@ def intervals_figure(fit: Fit) -> Figure:
     fit : Fit
         The fit.
     """
-    names = tuple(n for n in fit.terms.names if fit.verdicts[n].identifiable and fit.coefficients[n])
+    names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
     figure, axes = panels(1, 1, 0.9 + 0.22 * len(names))
     panel = axes[0, 0]
     for i, name in enumerate(names):

@@ -10,8 +10,8 @@ import numpy as np
 from narrows.captive.tests import CaptiveTests
 from narrows.files import write_whole
 from narrows.identification import Fit
+from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
-from narrows.identification.verdict import IDENTIFIED
 from narrows.quantities.names import name_of
 from narrows.report import banks, columns, motions, outcomes, trust
 from narrows.report.numbers import interval, readable
@@ -110,8 +110,8 @@ def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         "scores": [(force, own, fit.left_out[force]) for force, own in fit.scores.items()],
         "split": fit.split,
         "by_test": _by_test(fit),
-        "tradeoffs": fit.tradeoffs,
-        "influence": [_influence(fit, name) for name in fit.terms.names if fit.verdicts[name].identifiable],
+        "correlations": fit.correlations,
+        "influence": [_influence(fit, name) for name in fit.terms.names if fit.verdicts[name].determined],
         "shapley": [(name, [fit.shapley(kind)[force][name] for kind in KINDS])
                     for force in fit.scores for name in fit.shapley("mse")[force]],
         "notes": [*fit.notes, kkt_sentence(fit)],
@@ -155,7 +155,7 @@ def constraints(fit: Fit) -> str:
 
 def _row(fit: Fit, name: str) -> dict[str, str]:
     verdict, std = fit.verdicts[name], fit.std[name]
-    known = verdict.identifiable
+    known = verdict.determined
     return {
         "name": name,
         "value": readable(fit.coefficients[name], std) if known else "-",
@@ -207,7 +207,7 @@ def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
     names = next(iter(fits.values())).terms.names
     rows = [
         (name, [f"{readable(f.coefficients[name], f.std[name])} ± {readable(f.std[name], f.std[name])}"
-                if f.verdicts[name].identifiable else "-" for f in fits.values()],
+                if f.verdicts[name].determined else "-" for f in fits.values()],
          [f.verdicts[name].status.replace(" ", "-") for f in fits.values()])
         for name in names
     ]  # fmt: skip

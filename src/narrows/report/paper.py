@@ -132,7 +132,7 @@ def _coefficient(fit: Fit, truth: Model, name: str) -> dict[str, Any]:
     std, verdict = fit.std[name], fit.verdicts[name]
     low, high = fit.intervals[name]
     printed = truth.coefficients[name]
-    known = verdict.identifiable
+    known = verdict.determined
     return {
         "name": name,
         "printed": f"{printed:g}",

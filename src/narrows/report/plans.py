@@ -44,7 +44,7 @@ def print_plan(plan: Plan) -> None:
         table.add_row(str(number), *(_cell(row.get(name)) for name in names), *errors)
     console.print(table)
     console.print(f"Chosen of {plan.considered} runs; the standard errors are those after each run.")
-    for sentence in plan.sentences:
+    for sentence in (*plan.summary().splitlines(), *plan.notes):
         console.print(f"- {sentence}")
 
 
@@ -67,8 +67,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     InputError
         Where the file cannot be written.
     """
-    import pandas as pd
-
-    frame = pd.DataFrame(plan.rows())
-    frame = frame.rename(columns={name: f"{name.removesuffix('_deg')} [{unit}]" for name, unit in UNITS.items()})
+    frame = plan.to_dataframe().rename(
+        columns={name: f"{name.removesuffix('_deg')} [{unit}]" for name, unit in UNITS.items()}
+    )
     write_whole(path, frame.to_csv(index=False))

@@ -4,8 +4,8 @@ from rich.console import Console
 from rich.table import Table
 
 from narrows.identification import Fit
+from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
-from narrows.identification.verdict import IDENTIFIED
 from narrows.report.numbers import interval, readable
 
 MOST_PAIRS = 5
@@ -31,7 +31,7 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
-    for pair in fit.tradeoffs[:MOST_PAIRS]:
+    for pair in fit.correlations[:MOST_PAIRS]:
         console.print(f"- {pair.sentence}")
     console.print(_scores(fit))
     console.print(_shares(fit))
@@ -62,8 +62,9 @@ def kkt_sentence(fit: Fit) -> str:
     fit : Fit
         The fit.
     """
-    worst = max(fit.kkt.stationarity, fit.kkt.multiplier, fit.kkt.infeasibility)
-    verb = "hold" if fit.kkt.satisfied else "FAIL"
+    kkt = fit.solution.kkt
+    worst = max(kkt.stationarity, kkt.multiplier, kkt.infeasibility)
+    verb = "hold" if kkt.satisfied else "FAIL"
     return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {worst:.1e}, relative."
 
 
@@ -75,7 +76,7 @@ def _coefficients(fit: Fit) -> Table:
     for name in fit.terms.names:
         status, std = fit.verdicts[name].status, fit.std[name]
         colour = COLOURS.get(status, "red")
-        known = fit.verdicts[name].identifiable
+        known = fit.verdicts[name].determined
         cells = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
         shown = cells if known else ("-", "-", "-")
         table.add_row(name, *shown, fit.terms[name].dimension.unit, f"[{colour}]{status}[/{colour}]")

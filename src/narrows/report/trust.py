@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.identification import Comparison, Fit
-from narrows.identification.interval import reach
+from narrows.identification.uncertainty.interval import t_quantile
 from narrows.report.columns import COLOURS, MARKERS, symbols
 from narrows.report.style import BLUE, GREY, ORANGE, panels
 
@@ -32,7 +32,7 @@ def profiles_figure(fit: Fit) -> Figure | None:
         panel.set_visible(False)
     for panel, own in zip(axes.flat, found, strict=False):
         index = fit.terms.names.index(own.name)
-        limit = float(reach(fit.robust.counts[index])) ** 2
+        limit = float(t_quantile(fit.unbounded.counts[index])) ** 2
         panel.plot(own.values, own.deviance, color=BLUE, linewidth=1.2)
         panel.axhline(limit, color=GREY, linestyle=":", linewidth=0.9)
         panel.axvline(fit.coefficients[own.name], color=ORANGE, linestyle="--", linewidth=0.9)
@@ -84,7 +84,7 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
             ("rmse_left_out", "o", BLUE, "on tests left out"),
             ("rmse_other_speeds", "x", ORANGE, "on speeds left out"),
         ):
-            known = [(own[n][kind], i) for i, n in enumerate(names) if n in own and own[n][kind] is not None]
+            known = [(own[n][kind], i) for i, n in enumerate(names) if n in own and np.isfinite(own[n][kind])]
             if known:
                 panel.plot(*zip(*known, strict=True), marker, color=colour, label=label, markersize=5)
         panel.set_xscale("log")

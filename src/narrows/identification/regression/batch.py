@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from narrows.identification.solve import RANK_TOLERANCE, solve
+from narrows.identification.regression.solve import RANK_TOLERANCE, solve
 
 ROUNDS = 25
 """Changes of the active set before a problem is handed to the exact solver one by one."""

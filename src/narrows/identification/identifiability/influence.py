@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.identification.batch import RIDGE, solve_many
-from narrows.identification.moments import Moments
-from narrows.identification.problem import Problem
+from narrows.identification.regression.batch import RIDGE, solve_many
+from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.regression.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -55,23 +55,34 @@ class Influence:
         most = int(np.abs(column).argmax())
         return self.tests[most], float(column[most])
 
+    def of(self, name: str) -> dict[str, str | float]:
+        """Give the test that a coefficient would miss most and the one that moves it most.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient.
+        """
+        (informing, share), (moving, by) = self.most_informing(name), self.most_moving(name)
+        return {"most_informing": informing, "share": share, "most_moving": moving, "moved_by": by}
+
     def _place(self, name: str) -> int:
         if name not in self.names:
             raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.names)}")
         return self.names.index(name)
 
 
-def influence(problem: Problem, moments: Moments) -> Influence:
+def influence(problem: Problem, equations: NormalEquations) -> Influence:
     """Leave out each test in turn (ours).
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    moments : Moments
+    equations : NormalEquations
         The sums.
     """
-    tests = moments.by_test()
+    tests = equations.by_test()
     total = tests.sum(axis=0)
     h, g = problem.normal(np.concatenate([total[None], total - tests]))
     z = solve_many(h, g, problem.lower, problem.upper)
@@ -79,4 +90,4 @@ def influence(problem: Problem, moments: Moments) -> Influence:
     slots = [problem.slot[name] for name in problem.terms.names]
     known = np.where(np.diag(h[0]) > 0, 1 - variance[0] / variance[1:], 0.0)
     moved = problem.coefficients(z[0] - z[1:])
-    return Influence(moments.names, problem.terms.names, np.clip(known, 0.0, 1.0)[:, slots], moved)
+    return Influence(equations.names, problem.terms.names, np.clip(known, 0.0, 1.0)[:, slots], moved)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.moments import ONE, Moments
+from narrows.identification.regression.normal_equations import ONE, NormalEquations
 from narrows.terms.term import TermTable
 
 WEIGHTS = ("paper", "variance")
@@ -46,7 +46,7 @@ class Problem:
         Parameters
         ----------
         sums : array (..., m, m)
-            Of a Moments; leading axes are kept.
+            Of a NormalEquations; leading axes are kept.
         """
         size = len(self.scale)
         h, g = np.zeros((*sums.shape[:-2], size, size)), np.zeros((*sums.shape[:-2], size))
@@ -74,13 +74,23 @@ class Problem:
         """
         return np.asarray((z / self.scale)[..., [self.slot[name] for name in self.terms.names]])
 
+    def named(self, z: np.ndarray) -> dict[str, float]:
+        """Return the coefficients of scaled parameters by name.
 
-def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Problem:
+        Parameters
+        ----------
+        z : array (p,)
+            Scaled parameters.
+        """
+        return dict(zip(self.terms.names, self.coefficients(z).tolist(), strict=True))
+
+
+def reduced(equations: NormalEquations, terms: TermTable, weights: str = "paper") -> Problem:
     """Set up the joint problem of the paper (ours: scaled, ties substituted).
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         The sums.
     terms : TermTable
         Terms, bounds and ties.
@@ -95,20 +105,20 @@ def reduced(moments: Moments, terms: TermTable, weights: str = "paper") -> Probl
     if weights not in WEIGHTS:
         raise InputError(f"weights {weights!r} are unknown; choose {' or '.join(WEIGHTS)}")
     slot = slots(terms)
-    total = moments.total
-    by_force = {f: _weight(moments, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
+    total = equations.total
+    by_force = {f: _weight(equations, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
     size = max(slot.values()) + 1
     square, lower, upper = np.zeros(size), np.full(size, -np.inf), np.full(size, np.inf)
     for force, own in terms.forces.items():
         for term in own:
-            i, j = slot[term.name], moments.columns[term.name]
+            i, j = slot[term.name], equations.columns[term.name]
             square[i] += by_force[force] * total[j, j]
             lower[i], upper[i] = max(lower[i], term.bound[0]), min(upper[i], term.bound[1])
     for name, i in slot.items():
         if not lower[i] < upper[i]:
             raise InputError(f"bounds {lower[i]:g} to {upper[i]:g} leave {name} no room; widen them")
     scale = np.sqrt(np.where(square > 0, square, 1.0))
-    return Problem(slot, scale, lower * scale, upper * scale, by_force, terms, moments.columns)
+    return Problem(slot, scale, lower * scale, upper * scale, by_force, terms, equations.columns)
 
 
 def slots(terms: TermTable) -> dict[str, int]:
@@ -127,8 +137,8 @@ def slots(terms: TermTable) -> dict[str, int]:
     return {name: order.index(own) for name, own in leader.items()}
 
 
-def _weight(moments: Moments, total: np.ndarray, force: str) -> float:
-    one, own = moments.columns[ONE], moments.columns[force]
+def _weight(equations: NormalEquations, total: np.ndarray, force: str) -> float:
+    one, own = equations.columns[ONE], equations.columns[force]
     rows = total[one, one]
     variance = total[own, own] / rows - (total[one, own] / rows) ** 2
     return float(1 / variance) if variance > 0 else 1.0

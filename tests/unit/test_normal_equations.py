@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.diagnostics import diagnose
-from narrows.identification.moments import ONE, PART_ROWS, PARTS, accumulate, count, products
-from narrows.identification.uncertainty import clustered
+from narrows.identification.identifiability.diagnostics import diagnose
+from narrows.identification.regression.accumulation import PART_ROWS, PARTS, accumulate, products
+from narrows.identification.regression.normal_equations import ONE, count
+from narrows.identification.uncertainty.clusters import clustered
 from tables import many_runs, short_twin
 
 
@@ -22,41 +23,41 @@ def rows_of(tests: nw.CaptiveTests, own: dict[str, np.ndarray] | None = None) ->
     )
 
 
-def assert_products(moments, sums: np.ndarray, rows: dict[str, np.ndarray]) -> None:
+def assert_products(equations, sums: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     names = list(rows)
     matrix = np.column_stack(list(rows.values()))
     size = np.sqrt(np.diag(matrix.T @ matrix))
     size[size == 0] = 1.0
     scale = np.outer(size, size)
-    np.testing.assert_allclose(moments.pick(sums, names) / scale, matrix.T @ matrix / scale, atol=1e-12)
+    np.testing.assert_allclose(equations.pick(sums, names) / scale, matrix.T @ matrix / scale, atol=1e-12)
 
 
 def test_over_all_rows_and_over_each_test(short: nw.CaptiveTests) -> None:
-    moments, _ = accumulate(short, nw.PAPER, pieces=5)
-    assert_products(moments, moments.total, rows_of(short))
-    assert count(moments.total, moments.columns) == short.rows
-    assert moments.names == short.names
-    for name, sums in zip(short.names, moments.by_test(), strict=True):
-        assert_products(moments, sums, rows_of(short, short.test(name)))
+    equations, _ = accumulate(short, nw.PAPER, pieces=5)
+    assert_products(equations, equations.total, rows_of(short))
+    assert count(equations.total, equations.columns) == short.rows
+    assert equations.names == short.names
+    for name, sums in zip(short.names, equations.by_test(), strict=True):
+        assert_products(equations, sums, rows_of(short, short.test(name)))
 
 
 def test_over_each_stretch(short: nw.CaptiveTests) -> None:
     """About equal consecutive stretches, each row in one."""
-    moments, _ = accumulate(short, nw.PAPER, pieces=3)
-    assert moments.tests == tuple(name for name in short.names for _ in range(3))
+    equations, _ = accumulate(short, nw.PAPER, pieces=3)
+    assert equations.tests == tuple(name for name in short.names for _ in range(3))
     for i, name in enumerate(short.names):
         own = short.test(name)
         edges = [len(own["u"]) * k // 3 for k in range(4)]
         for piece in range(3):
             part = {key: column[edges[piece] : edges[piece + 1]] for key, column in own.items()}
-            assert_products(moments, moments.sums[3 * i + piece], rows_of(short, part))
-            assert moments.speeds[3 * i + piece] == pytest.approx(part["u"].mean(), rel=1e-12)
+            assert_products(equations, equations.sums[3 * i + piece], rows_of(short, part))
+            assert equations.speeds[3 * i + piece] == pytest.approx(part["u"].mean(), rel=1e-12)
 
 
 def test_a_test_with_fewer_rows_than_stretches_leaves_none_empty() -> None:
     tests = nw.twin(runs=(nw.HarmonicRun("A", "yaw", 0.3, 12.0, 1.0, 1),), rate=0.25)
-    moments, _ = accumulate(tests, nw.PAPER, pieces=30)
-    assert [count(sums, moments.columns) for sums in moments.sums] == [1] * tests.rows
+    equations, _ = accumulate(tests, nw.PAPER, pieces=30)
+    assert [count(sums, equations.columns) for sums in equations.sums] == [1] * tests.rows
 
 
 def test_coefficients_of_one_regressor_share_a_column(short: nw.CaptiveTests) -> None:
@@ -88,14 +89,14 @@ def test_sums_without_a_cluster_are_those_of_the_others() -> None:
     """Added up and not taken away: where no other test excites a column its sums are zero and not rounding."""
     runs = (*many_runs(10)[::2], nw.HarmonicRun("last", "sway", 0.8, 25.0, 1.0, 1))
     kept = short_twin(0, runs)
-    moments, _ = accumulate(kept, nw.PAPER, 7)
-    clusters = clustered(moments)
+    equations, _ = accumulate(kept, nw.PAPER, 7)
+    clusters = clustered(equations)
     for i, _ in enumerate(clusters.labels):
         others = np.delete(clusters.sums, i, axis=0).sum(axis=0)
         np.testing.assert_allclose(clusters.without[i], others, rtol=1e-12, atol=1e-9)
     sway = [i for i, label in enumerate(clusters.labels) if label.startswith("last")]
     rest = clusters.sums.sum(axis=0) - clusters.sums[sway].sum(axis=0)
-    assert abs(moments.pick(rest, ["b_v"])[0, 0]) < 1e-9
-    assert diagnose(moments, np.delete(clusters.sums, sway, axis=0).sum(axis=0), nw.PAPER.sway).empty == (
+    assert abs(equations.pick(rest, ["b_v"])[0, 0]) < 1e-9
+    assert diagnose(equations, np.delete(clusters.sums, sway, axis=0).sum(axis=0), nw.PAPER.sway).empty == (
         "b_vdot", "b_v", "b_vv",
     )  # fmt: skip

@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.batch import RIDGE
-from narrows.identification.problem import Problem
+from narrows.identification.regression.batch import RIDGE
+from narrows.identification.regression.problem import Problem
 
 STRONG = 0.9
 """Correlation of two estimates beyond which they are named as a pair."""
 
 
 @dataclass(frozen=True)
-class Tradeoff:
+class CorrelatedPair:
     """Two coefficients that the tests tell apart badly.
 
     Parameters
@@ -40,7 +40,7 @@ class Tradeoff:
         )
 
 
-def tradeoffs(problem: Problem, total: np.ndarray) -> tuple[Tradeoff, ...]:
+def correlated_pairs(problem: Problem, total: np.ndarray) -> tuple[CorrelatedPair, ...]:
     """Find the pairs, the closest first (ours).
 
     Parameters
@@ -56,7 +56,7 @@ def tradeoffs(problem: Problem, total: np.ndarray) -> tuple[Tradeoff, ...]:
     names = {slot: name for name, slot in reversed(list(problem.slot.items()))}
     known = [slot for slot in names if size[slot] < 1 / np.sqrt(np.sqrt(RIDGE))]
     pairs = [
-        Tradeoff(
+        CorrelatedPair(
             names[i],
             names[j],
             float(correlation[i, j]),

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from narrows.identification.moments import ONE, Moments
-from narrows.identification.solve import RANK_TOLERANCE
+from narrows.identification.regression.normal_equations import ONE, NormalEquations
+from narrows.identification.regression.solve import RANK_TOLERANCE
 from narrows.terms.term import Term, TermTable
 
 INVOLVED = 1e-3
@@ -79,13 +80,22 @@ class Diagnosis:
         order = [i for i in np.argsort(-share) if share[i] >= PARTNER_SHARE * share.max() > 0]
         return tuple(self.names[live[i]] for i in order[:MOST_PARTNERS])
 
+    def to_dict(self) -> dict[str, Any]:
+        """Give rank, number of columns, condition and variance inflations."""
+        return {
+            "rank": self.rank,
+            "columns": len(self.names),
+            "condition": self.condition,
+            "vif": dict(self.vif),
+        }
 
-def diagnose(moments: Moments, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
+
+def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
     """Diagnose the columns of one force over the rows behind some sums.
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         For its columns.
     sums : array (m, m)
         The rows.
@@ -93,7 +103,7 @@ def diagnose(moments: Moments, sums: np.ndarray, terms: tuple[Term, ...]) -> Dia
         The force's terms.
     """
     names = tuple(term.name for term in terms)
-    gram = moments.pick(sums, list(names))
+    gram = equations.pick(sums, list(names))
     norm = np.sqrt(np.diag(gram))
     live = norm > 0
     lengths = np.where(live, norm, np.nan)
@@ -108,7 +118,7 @@ def diagnose(moments: Moments, sums: np.ndarray, terms: tuple[Term, ...]) -> Dia
         rank,
         float(singular[-1] / singular[0]) if full else float("inf"),
         dict(zip(names, _vif(values, vectors, kept, live).tolist(), strict=True)),
-        _correlation(moments, sums, names),
+        _correlation(equations, sums, names),
         alignment,
         tuple(name for name, alive in zip(names, live, strict=True) if not alive),
         _spread(vectors[:, ~kept].T, live),
@@ -129,10 +139,10 @@ def _spread(directions: np.ndarray, live: np.ndarray) -> np.ndarray:
     return wide
 
 
-def _correlation(moments: Moments, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-    rows = moments.pick(sums, [ONE])[0, 0]
-    mean = moments.pick(sums, list(names), [ONE])[:, 0] / rows
-    gram = moments.pick(sums, list(names)) / rows
+def _correlation(equations: NormalEquations, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    rows = equations.pick(sums, [ONE])[0, 0]
+    mean = equations.pick(sums, list(names), [ONE])[:, 0] / rows
+    gram = equations.pick(sums, list(names)) / rows
     covariance = gram - np.outer(mean, mean)
     variance = np.diag(covariance)
     # What is left of a constant column is rounding.
@@ -140,45 +150,61 @@ def _correlation(moments: Moments, sums: np.ndarray, names: tuple[str, ...]) -> 
     return np.asarray(np.clip(covariance / np.outer(spread, spread), -1.0, 1.0))
 
 
-def by_test(moments: Moments, terms: TermTable) -> dict[str, dict[str, Diagnosis]]:
+def by_test(equations: NormalEquations, terms: TermTable) -> dict[str, dict[str, Diagnosis]]:
     """Diagnose each test by itself: test -> force -> diagnosis.
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         The sums.
     terms : TermTable
         The terms.
     """
-    return {name: all_forces(moments, moments.of_test(name), terms) for name in moments.names}
+    return {name: all_forces(equations, equations.of_test(name), terms) for name in equations.names}
 
 
-def by_speed(moments: Moments, terms: TermTable) -> dict[float, dict[str, Diagnosis]]:
+def by_speed(equations: NormalEquations, terms: TermTable) -> dict[float, dict[str, Diagnosis]]:
     """Diagnose the tests of each speed together: mean speed [m/s] -> force -> diagnosis.
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         The sums.
     terms : TermTable
         The terms.
     """
     return {
-        float(np.mean(moments.speeds[group])): all_forces(moments, moments.sums[group].sum(axis=0), terms)
-        for group in moments.speed_groups
+        float(np.mean(equations.speeds[group])): all_forces(equations, equations.sums[group].sum(axis=0), terms)
+        for group in equations.speed_groups
     }
 
 
-def all_forces(moments: Moments, sums: np.ndarray, terms: TermTable) -> dict[str, Diagnosis]:
+def all_forces(equations: NormalEquations, sums: np.ndarray, terms: TermTable) -> dict[str, Diagnosis]:
     """Diagnose each force that has terms over the rows behind some sums (ours).
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         For its columns.
     sums : array (m, m)
         The rows.
     terms : TermTable
         The terms.
     """
-    return {force: diagnose(moments, sums, own) for force, own in terms.forces.items() if own}
+    return {force: diagnose(equations, sums, own) for force, own in terms.forces.items() if own}
+
+
+def determined(name: str, terms: TermTable, diagnoses: Mapping[str, Diagnosis]) -> bool:
+    """Return whether rows determine a coefficient, through its own force or through one that it is tied to (ours).
+
+    Parameters
+    ----------
+    name : str
+        A coefficient.
+    terms : TermTable
+        The terms and their ties.
+    diagnoses : mapping of str to Diagnosis
+        Of each force over the rows.
+    """
+    tied = {name, *(other for tie in terms.ties if name in tie for other in tie)}
+    return any(np.isfinite(d.vif[own]) for d in diagnoses.values() for own in tied if own in d.names)

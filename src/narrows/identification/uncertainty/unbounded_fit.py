@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from narrows.identification.batch import RIDGE, solve_many
-from narrows.identification.interval import reach
-from narrows.identification.moments import Moments
-from narrows.identification.problem import Problem
-from narrows.identification.uncertainty import Clusters, by_stretches, clustered, jackknife
+from narrows.identification.regression.batch import RIDGE, solve_many
+from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.regression.problem import Problem
+from narrows.identification.uncertainty.clusters import Clusters, by_stretches, clustered, jackknife
+from narrows.identification.uncertainty.interval import t_quantile
 
 FEW_TESTS = 4.0
 """Effective number of tests below which their scatter says next to nothing of a coefficient's error."""
@@ -17,7 +17,7 @@ MOST_GROWN = 9.0
 
 
 @dataclass(frozen=True)
-class Robust:
+class UnboundedFit:
     """Estimates, standard errors and their covariance, a number for each coefficient.
 
     A coefficient's bound says nothing of its error, so intervals start from the fit that does not know the bounds.
@@ -47,26 +47,26 @@ class Robust:
     few: np.ndarray
 
 
-def assess(problem: Problem, moments: Moments) -> Robust:
+def unbounded_fit(problem: Problem, equations: NormalEquations) -> UnboundedFit:
     """Cluster by test; by stretches where there are few tests, or where few of them tell of a coefficient (ours).
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    moments : Moments
+    equations : NormalEquations
         The sums.
     """
-    clusters = clustered(moments)
-    whole = robust(problem, clusters)
+    clusters = clustered(equations)
+    whole = clustered_fit(problem, clusters)
     few = whole.counts < FEW_TESTS
     if not clusters.by_test or not few.any():
         return whole
-    stretches = by_stretches(moments)
-    fine = robust(problem, stretches)
+    stretches = by_stretches(equations)
+    fine = clustered_fit(problem, stretches)
     # One set of bounds held for both, so that value, error and covariance are of one fit.
     held = np.where(few, fine.held, whole.held)
-    whole, fine = robust(problem, clusters, held), robust(problem, stretches, held)
+    whole, fine = clustered_fit(problem, clusters, held), clustered_fit(problem, stretches, held)
     std = np.where(few, fine.std, whole.std)
     stretch = np.where(whole.std > 0, std / np.where(whole.std > 0, whole.std, 1.0), 1.0)
     return replace(
@@ -78,7 +78,7 @@ def assess(problem: Problem, moments: Moments) -> Robust:
     )
 
 
-def robust(problem: Problem, clusters: Clusters, held: np.ndarray | None = None) -> Robust:
+def clustered_fit(problem: Problem, clusters: Clusters, held: np.ndarray | None = None) -> UnboundedFit:
     """Let the bounds go, hold again one by one those that the data reject, and jackknife what is left (ours).
 
     Parameters
@@ -102,13 +102,13 @@ def robust(problem: Problem, clusters: Clusters, held: np.ndarray | None = None)
         covariance = jackknife(z[0], z[1:]) / np.sqrt(np.outer(excess, excess))
         own = np.sqrt(np.diag(covariance))
         values[~now], std[~now] = z[0][~now], own[~now]
-        more = _rejected(problem, z[0], own * reach(counts), now, h[0]) if wanted is None else wanted & ~now
+        more = _rejected(problem, z[0], own * t_quantile(counts), now, h[0]) if wanted is None else wanted & ~now
         if not more.any():
             break
         now |= more
         lower[more] = upper[more] = np.clip(z[0], problem.lower, problem.upper)[more]
     scale = problem.scale[slots]
-    return Robust(
+    return UnboundedFit(
         problem.coefficients(values),
         std[slots] / scale,
         covariance[np.ix_(slots, slots)] / np.outer(scale, scale),
@@ -120,10 +120,10 @@ def robust(problem: Problem, clusters: Clusters, held: np.ndarray | None = None)
 
 def _rejected(problem: Problem, z: np.ndarray, far: np.ndarray, held: np.ndarray, h: np.ndarray) -> np.ndarray:
     """The parameter that the data put farthest beyond its bound for certain, if any."""
-    beyond = np.maximum(problem.lower - z, z - problem.upper) - far
-    beyond[held | (np.diag(h) == 0)] = -np.inf
-    worst = np.arange(len(z)) == beyond.argmax()
-    return np.asarray(worst & (beyond > 0))
+    excess = np.maximum(problem.lower - z, z - problem.upper) - far
+    excess[held | (np.diag(h) == 0)] = -np.inf
+    worst = np.arange(len(z)) == excess.argmax()
+    return np.asarray(worst & (excess > 0))
 
 
 def leverage(h: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -32,6 +32,10 @@ class Kkt:
         """Whether each is under the tolerance of 1e-8."""
         return max(self.stationarity, self.multiplier, self.infeasibility) <= KKT_TOLERANCE
 
+    def to_dict(self) -> dict[str, bool | float]:
+        """Give whether they are met, and how well."""
+        return {"satisfied": self.satisfied, "stationarity": self.stationarity, "multiplier": self.multiplier}
+
 
 @dataclass(frozen=True)
 class Solution:

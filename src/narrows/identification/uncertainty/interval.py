@@ -11,7 +11,7 @@ LEVEL = 0.95
 GRID = 401
 
 
-def reach(clusters: Number, level: float = LEVEL) -> Number:
+def t_quantile(clusters: Number, level: float = LEVEL) -> Number:
     """Return how many standard errors a two-sided interval reaches, Student's t with K - 1 degrees (ours).
 
     Parameters
@@ -64,7 +64,7 @@ def bounded_interval(
     if std == 0:
         return (value, value)
     clusters = round(clusters, 1)  # a table is kept for each
-    ends = np.array([-1, 1]) * reach(clusters, level) * std + value
+    ends = np.array([-1, 1]) * t_quantile(clusters, level) * std + value
     low, high = bound
     if np.isfinite(low):
         ends = low + std * np.array(_above_zero((value - low) / std, clusters, level))
@@ -75,7 +75,7 @@ def bounded_interval(
 
 def _above_zero(x: float, clusters: float, level: float) -> tuple[float, float]:
     """Interval of a mean that is not negative, seen as x, in standard errors."""
-    plain = float(reach(clusters, level))
+    plain = float(t_quantile(clusters, level))
     if x > 2 * plain:
         return x - plain, x + plain
     truths, least, most = _accepted(clusters, level)
@@ -87,10 +87,10 @@ def _above_zero(x: float, clusters: float, level: float) -> tuple[float, float]:
 
 @cache
 def _accepted(clusters: float, level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """For truths from 0 to the reach: the lowest and the highest sight that is not surprising."""
+    """For truths from 0 to the quantile: the lowest and the highest sight that is not surprising."""
     from scipy.special import stdtr
 
-    plain, degrees = reach(clusters, level), max(clusters - 1, 1)
+    plain, degrees = t_quantile(clusters, level), max(clusters - 1, 1)
     truths = np.linspace(1e-3, 1, GRID) * plain
     low, high = np.zeros(GRID), np.full(GRID, plain)  # of the square root of the critical ratio
     for _ in range(60):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.diagnostics import INVOLVED, Diagnosis
+from narrows.identification.identifiability.diagnostics import INVOLVED, Diagnosis
 from narrows.terms.term import Term
 
 VIF_LIMIT = 10.0
@@ -38,7 +38,7 @@ class Verdict:
     partners: tuple[str, ...] = ()
 
     @property
-    def identifiable(self) -> bool:
+    def determined(self) -> bool:
         """Whether the data determine the coefficient at all."""
         return self.status not in (NOT_EXCITED, NOT_IDENTIFIABLE)
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.moments import Moments
+from narrows.identification.regression.normal_equations import NormalEquations
 
 MIN_TESTS = 10
 """With fewer tests than this, stretches of each test are the clusters."""
@@ -63,12 +63,12 @@ def pieces_for(tests: int) -> int:
     return max(FEWEST_PIECES, -(-PIECES // tests))
 
 
-def clustered(moments: Moments) -> Clusters:
+def clustered(equations: NormalEquations) -> Clusters:
     """Choose the clusters: tests where there are enough of them, stretches of tests otherwise.
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         The sums.
 
     Raises
@@ -76,33 +76,33 @@ def clustered(moments: Moments) -> Clusters:
     InputError
         Where one row, or one stretch of rows, is all there is.
     """
-    if len(moments.tests) < 2:
-        raise InputError(f"one row of test {moments.tests[0]} is all there is; standard errors need two or more")
-    enough = len(moments.names) >= MIN_TESTS or len(moments.names) == len(moments.tests)
-    return by_tests(moments) if enough else by_stretches(moments)
+    if len(equations.tests) < 2:
+        raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
+    enough = len(equations.names) >= MIN_TESTS or len(equations.names) == len(equations.tests)
+    return by_tests(equations) if enough else by_stretches(equations)
 
 
-def by_tests(moments: Moments) -> Clusters:
+def by_tests(equations: NormalEquations) -> Clusters:
     """Take each test as a cluster (ours).
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         The sums.
     """
-    return Clusters(moments.by_test(), moments.names, True)
+    return Clusters(equations.by_test(), equations.names, True)
 
 
-def by_stretches(moments: Moments) -> Clusters:
+def by_stretches(equations: NormalEquations) -> Clusters:
     """Take each consecutive stretch of a test as a cluster (ours).
 
     Parameters
     ----------
-    moments : Moments
+    equations : NormalEquations
         The sums.
     """
-    labels = [f"{test}/{moments.tests[:i].count(test) + 1}" for i, test in enumerate(moments.tests)]
-    return Clusters(moments.sums, tuple(labels), False)
+    labels = [f"{test}/{equations.tests[:i].count(test) + 1}" for i, test in enumerate(equations.tests)]
+    return Clusters(equations.sums, tuple(labels), False)
 
 
 def jackknife(best: np.ndarray, without: np.ndarray) -> np.ndarray:

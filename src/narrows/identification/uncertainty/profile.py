@@ -1,18 +1,15 @@
 """Profile likelihood: how much worse the best fit gets as one coefficient is held elsewhere."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from narrows.identification.batch import solve_many
-
-if TYPE_CHECKING:
-    from narrows.identification.problem import Problem
-    from narrows.identification.robust import Robust
+from narrows.identification.regression.batch import solve_many
+from narrows.identification.regression.problem import Problem
+from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 
 POINTS = 61
-REACH = 4.0
+SPAN = 4.0
 """Standard errors on either side."""
 
 
@@ -39,7 +36,7 @@ class Profile:
     others: np.ndarray
 
 
-def profile(problem: "Problem", total: np.ndarray, robust: "Robust", name: str) -> Profile | None:
+def profile(problem: Problem, total: np.ndarray, unbounded: UnboundedFit, name: str) -> Profile | None:
     """Hold one coefficient at a range of values and fit the others (ours).
 
     Parameters
@@ -48,7 +45,7 @@ def profile(problem: "Problem", total: np.ndarray, robust: "Robust", name: str) 
         The joint problem.
     total : array (m, m)
         Sums over all rows.
-    robust : Robust
+    unbounded : UnboundedFit
         Says how far to go, and scales the deviance.
     name : str
         The coefficient.
@@ -59,15 +56,15 @@ def profile(problem: "Problem", total: np.ndarray, robust: "Robust", name: str) 
         None where the coefficient has no standard error.
     """
     index, slot = problem.terms.names.index(name), problem.slot[name]
-    std = robust.std[index] * problem.scale[slot]
+    std = unbounded.std[index] * problem.scale[slot]
     h, g = problem.normal(total)
     if not std > 0 or h[slot, slot] == 0:
         return None
     free = np.arange(len(h)) != slot
     lower, upper = problem.lower[free], problem.upper[free]
     reduced = h[np.ix_(free, free)]
-    middle = robust.values[index] * problem.scale[slot]
-    held = np.unique(np.clip(middle + np.linspace(-REACH, REACH, POINTS) * std, *_bounds(problem, slot)))
+    middle = unbounded.values[index] * problem.scale[slot]
+    held = np.unique(np.clip(middle + np.linspace(-SPAN, SPAN, POINTS) * std, *_bounds(problem, slot)))
     rest = solve_many(reduced, g[free] - held[:, None] * h[free, slot], lower, upper)
     z = np.insert(rest, slot, held, axis=1)
     loss = 0.5 * np.einsum("ni,ij,nj->n", z, h, z) - z @ g
@@ -76,5 +73,5 @@ def profile(problem: "Problem", total: np.ndarray, robust: "Robust", name: str) 
     return Profile(name, held / problem.scale[slot], deviance, problem.coefficients(z))
 
 
-def _bounds(problem: "Problem", slot: int) -> tuple[float, float]:
+def _bounds(problem: Problem, slot: int) -> tuple[float, float]:
     return float(problem.lower[slot]), float(problem.upper[slot])

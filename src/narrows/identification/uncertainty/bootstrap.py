@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.batch import solve_many
-from narrows.identification.interval import LEVEL, bounded_interval
-from narrows.identification.problem import Problem
-from narrows.identification.robust import Robust, leverage
-from narrows.identification.uncertainty import Clusters
+from narrows.identification.regression.batch import solve_many
+from narrows.identification.regression.problem import Problem
+from narrows.identification.uncertainty.clusters import Clusters
+from narrows.identification.uncertainty.interval import LEVEL, bounded_interval
+from narrows.identification.uncertainty.unbounded_fit import UnboundedFit, leverage
 from narrows.terms.term import TermTable
 
 BOOTSTRAPS = ("tests", "scores")
@@ -27,26 +27,26 @@ class Bootstrap:
     ----------
     terms : TermTable
         The terms.
-    draws : array (resamples, n)
+    samples : array (resamples, n)
         Coefficients of each resample fitted under the constraints, each in its own unit.
     std : array (n,)
         Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds.
-    robust : Robust
+    unbounded : UnboundedFit
         Of the tests themselves: the middle of the intervals, and how many clusters count behind each.
     kind : str
         ``tests`` or ``scores``.
     """
 
     terms: TermTable
-    draws: np.ndarray
+    samples: np.ndarray
     std: np.ndarray
-    robust: Robust
+    unbounded: UnboundedFit
     kind: str
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance of the draws, (n, n)."""
-        return np.atleast_2d(np.cov(self.draws.T))
+        """Covariance of the samples, (n, n)."""
+        return np.atleast_2d(np.cov(self.samples.T))
 
     def intervals(self, level: float = LEVEL) -> Mapping[str, tuple[float, float]]:
         """Return a confidence interval for each coefficient, in its unit and within its bounds.
@@ -63,14 +63,16 @@ class Bootstrap:
         ----------
         Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
         """
-        seen = zip(self.terms.terms, self.robust.values, self.std, self.robust.counts, strict=True)
+        seen = zip(self.terms.terms, self.unbounded.values, self.std, self.unbounded.counts, strict=True)
         return {
             term.name: bounded_interval(float(value), float(std), term.bound, float(count), level)
             for term, value, std, count in seen
         }
 
 
-def resampled(problem: Problem, clusters: Clusters, robust: Robust, resamples: int, kind: str, seed: int) -> Bootstrap:
+def resampled(
+    problem: Problem, clusters: Clusters, unbounded: UnboundedFit, resamples: int, kind: str, seed: int
+) -> Bootstrap:
     """Fit resamples of the tests, with the constraints and without.
 
     ``tests`` draws as many tests as there are, with replacement, and adds up their sums. ``scores`` leaves the tests
@@ -83,7 +85,7 @@ def resampled(problem: Problem, clusters: Clusters, robust: Robust, resamples: i
         The joint problem.
     clusters : Clusters
         The tests.
-    robust : Robust
+    unbounded : UnboundedFit
         What is known of the coefficients without resampling.
     resamples : int
         How many.
@@ -108,7 +110,7 @@ def resampled(problem: Problem, clusters: Clusters, robust: Robust, resamples: i
     make = _by_tests if kind == "tests" else _by_scores
     bounded, free = make(problem, clusters, resamples, np.random.default_rng(seed))
     low, high = np.quantile(problem.coefficients(free), MIDDLE, axis=0)
-    return Bootstrap(problem.terms, problem.coefficients(bounded), (high - low) / 2, robust, kind)
+    return Bootstrap(problem.terms, problem.coefficients(bounded), (high - low) / 2, unbounded, kind)
 
 
 def _both(problem: Problem, h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,96 @@
+"""Sums of products of every column with every other, test by test: the normal equations before a force is chosen.
+
+Everything that identification says (fit, standard errors, left-out errors, rank, VIF, Shapley shares) follows
+from these sums, so its cost after the pass over the rows, and its memory, do not grow with the rows.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+ONE = "1"
+"""Name of the column of ones."""
+SPEED_GAP = 1.15
+"""Tests whose speeds differ by less than this factor count as one speed."""
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Sums of products over the rows of each piece of each test.
+
+    Parameters
+    ----------
+    columns : mapping of str to int
+        Which column of the sums is which coefficient's regressor, force, or the constant ``1``; coefficients
+        with the same regressor share one.
+    sums : array (pieces, m, m)
+        Products of columns, summed over rows.
+    tests : tuple of str
+        The test of each piece.
+    speeds : array (pieces,) [m/s]
+        Mean surge velocity of each piece.
+    """
+
+    columns: Mapping[str, int]
+    sums: np.ndarray
+    tests: tuple[str, ...]
+    speeds: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """The sums over all rows, (m, m)."""
+        return np.asarray(self.sums.sum(axis=0))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The tests, once each."""
+        return tuple(dict.fromkeys(self.tests))
+
+    @property
+    def speed_groups(self) -> list[np.ndarray]:
+        """The pieces of each speed, slowest first."""
+        order = np.argsort(np.abs(self.speeds))
+        size = np.maximum(np.abs(self.speeds[order]), 1e-9)
+        return np.split(order, np.flatnonzero(size[1:] > SPEED_GAP * size[:-1]) + 1)
+
+    def of_test(self, name: str) -> np.ndarray:
+        """Return the sums over one test, (m, m).
+
+        Parameters
+        ----------
+        name : str
+            The test.
+        """
+        return np.asarray(self.sums[[own == name for own in self.tests]].sum(axis=0))
+
+    def by_test(self) -> np.ndarray:
+        """Return the sums over each test, (tests, m, m)."""
+        return np.stack([self.of_test(name) for name in self.names])
+
+    def pick(self, sums: np.ndarray, rows: list[str], columns: list[str] | None = None) -> np.ndarray:
+        """Return the sums of some columns.
+
+        Parameters
+        ----------
+        sums : array (..., m, m)
+            Of this object.
+        rows, columns : list of str
+            Coefficients, forces or ``1``; the columns are the rows where left out.
+        """
+        i = [self.columns[name] for name in rows]
+        j = [self.columns[name] for name in columns] if columns else i
+        return sums[..., np.array(i)[:, None], np.array(j)[None, :]]
+
+
+def count(sums: np.ndarray, columns: Mapping[str, int]) -> int:
+    """Return the number of rows behind some sums (ours).
+
+    Parameters
+    ----------
+    sums : array (m, m)
+        Of a NormalEquations.
+    columns : mapping of str to int
+        Its columns.
+    """
+    return round(float(sums[columns[ONE], columns[ONE]]))

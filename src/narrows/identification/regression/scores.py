@@ -1,0 +1,94 @@
+"""R2 and RMSE of X, Y and N from sums of products."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.identification.regression.normal_equations import ONE, NormalEquations
+from narrows.terms.term import Term, TermTable
+
+
+class Score(NamedTuple):
+    """How well one force is reproduced.
+
+    Parameters
+    ----------
+    r2 : float [1]
+        Share of the variance explained.
+    rmse : float [N] or [N m]
+        Root mean squared error.
+    """
+
+    r2: float
+    rmse: float
+
+
+def squared_error(
+    equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...], values: np.ndarray, force: str
+) -> float:
+    """Return the sum of squared errors [N2 or N2 m2] of one force over the rows behind some sums (ours).
+
+    Parameters
+    ----------
+    equations : NormalEquations
+        For its columns.
+    sums : array (m, m)
+        The rows.
+    terms : tuple of Term
+        The force's terms.
+    values : array (terms,)
+        Their coefficients.
+    force : str
+        ``X``, ``Y`` or ``N``.
+    """
+    names = [term.name for term in terms]
+    gram, cross = equations.pick(sums, names), equations.pick(sums, names, [force])[:, 0]
+    own = equations.pick(sums, [force])[0, 0]
+    return max(float(own - 2 * values @ cross + values @ gram @ values), 0.0)
+
+
+def score(
+    equations: NormalEquations, sums: np.ndarray, terms: TermTable, coefficients: Mapping[str, float]
+) -> dict[str, Score]:
+    """Score coefficients on the rows behind some sums.
+
+    Parameters
+    ----------
+    equations : NormalEquations
+        For its columns.
+    sums : array (m, m)
+        The rows.
+    terms : TermTable
+        The terms.
+    coefficients : mapping of str to float
+        Their values.
+    """
+    errors = {
+        force: squared_error(equations, sums, own, np.array([coefficients[t.name] for t in own]), force)
+        for force, own in terms.forces.items()
+        if own
+    }
+    return scores_of(equations, sums, errors)
+
+
+def scores_of(equations: NormalEquations, sums: np.ndarray, errors: Mapping[str, float]) -> dict[str, Score]:
+    """Put sums of squared errors over the rows behind some sums: force -> score (ours).
+
+    Parameters
+    ----------
+    equations : NormalEquations
+        For its columns.
+    sums : array (m, m)
+        The rows.
+    errors : mapping of str to float [N2 or N2 m2]
+        Sum of squared errors of each force.
+    """
+    one = equations.columns[ONE]
+    rows = sums[one, one]
+    scores = {}
+    for force, error in errors.items():
+        own = equations.columns[force]
+        spread = sums[own, own] - sums[one, own] ** 2 / rows
+        scores[force] = Score(float(1 - error / spread) if spread > 0 else float("nan"), float(np.sqrt(error / rows)))
+    return scores
