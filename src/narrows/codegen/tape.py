@@ -115,7 +115,7 @@ class Notes:
         return self.note(("number", repr(number)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tape:
     """What a function does.
 
@@ -135,6 +135,13 @@ class Tape:
         """The whole tape in words, the same for functions that do the same."""
         body = [f"{number} = {' '.join(line)}" for number, line in enumerate(self.lines)]
         return "\n".join([*body, *(f"{name} = {line}" for name, line in self.results.items())])
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another tape does the same."""
+        return isinstance(other, Tape) and self.text == other.text
+
+    def __hash__(self) -> int:
+        return hash(self.text)
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -198,15 +205,17 @@ def tape_of_terms(table: TermTable) -> Tape:
     return Tape(tuple(notes.lines), results)
 
 
-def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Iterable[str], what: str) -> Tape:
+def tape_of(
+    function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str
+) -> Tape:
     """Write down what a function of named quantities does.
 
     Parameters
     ----------
     function : callable
         Takes an object with the quantities as attributes; gives results by name.
-    names : iterable of str
-        Of the quantities.
+    names : mapping of str to str
+        What the function calls each quantity, and what the tape is to call it.
     what : str
         What the function is called in messages.
 
@@ -216,9 +225,11 @@ def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Iterable[str
         Where it does more than arithmetic and the functions of ``quantities.arithmetic``, or asks for another quantity.
     """
     notes = Notes()
-    given = SimpleNamespace(**{name: notes.note(("input", name)) for name in names})
+    given = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
     try:
         results = {name: notes.of(value).line for name, value in function(given).items()}
+    except InputError:
+        raise
     except AttributeError as error:
         raise InputError(f"{what} asks for what is not there ({error}); known: {', '.join(names)}") from error
     except Exception as error:
