@@ -60,7 +60,10 @@ from .ship.particulars import Ship as Ship
 from .ship.particulars import Water as Water
 from .ship.ship_file import read_ship as read_ship
 from .simulation import Autopilot as Autopilot
-from .simulation import Held as Held
+from .simulation import ConstantRudder as ConstantRudder
+from .simulation import Controller as Controller
+from .simulation import ControlLaw as ControlLaw
+from .simulation import RudderSchedule as RudderSchedule
 from .simulation import Outcome as Outcome
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag

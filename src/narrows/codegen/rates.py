@@ -24,15 +24,18 @@ class Rates:
     moving : tuple of str
         Quantities that change within a voyage beside the state: of actuators that move, of the section, forces from
         outside.
+    pushed : bool
+        Whether forces from outside act.
     """
 
     motion: FreeMotion
     moving: tuple[str, ...]
+    pushed: bool = False
 
     @cached_property
     def _parts(self) -> tuple[Constants, tuple[Expr, ...]]:
         constants = Constants({s for name, s in self.motion.names.items() if name not in self.moving})
-        pushed = {f: symbol(INPUTS[f]) for f in self.motion.freedoms if INPUTS[f] in self.moving}
+        pushed = {f: symbol(INPUTS[f]) for f in self.motion.freedoms} if self.pushed else {}
         return constants, _derivatives(self.motion, constants.lift, pushed)
 
     @property
@@ -91,7 +94,7 @@ def _derivatives(
     accelerations = dict.fromkeys(ACCELERATIONS, sympy.Integer(0))
     for force, gains, row in zip(motion.freedoms, motion.gains, motion.pushes, strict=True):
         parts = [(lift(gain), function) for gain, function in zip(gains, basis, strict=True)]
-        pushed = sum((lift(part) * pushes[f] for f, part in zip(motion.freedoms, row, strict=True) if f in pushes), 0)
+        pushed = sum((lift(part * pushes[f]) for f, part in zip(motion.freedoms, row, strict=True) if f in pushes), 0)
         accelerations[force] = _grouped(parts, (v, r)) + pushed
     return (u * c - v * s, u * s + v * c, -r * s, r * c, *accelerations.values())
 

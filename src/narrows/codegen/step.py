@@ -6,6 +6,7 @@ whose section does not change. Every engine prints these lines.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import sympy
 
@@ -28,6 +29,9 @@ SIXTH = sympy.Rational(1, 6)
 TIME, LENGTH, SHARE = "t", "step_length", "share"
 """The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
 contact is located, or where an output lies within the step."""
+
+
+Pushed = Literal["never", "always", "until"]
 
 
 @dataclass(frozen=True)
@@ -77,22 +81,22 @@ class Choices:
         Whether the section of the water changes.
     law : Law, optional
         What steers; actuators stay where they are without one.
-    pushed : bool
-        Whether forces from outside act, until ``push_end`` [s].
+    pushed : {"never", "always", "until"}
+        Whether forces from outside act: constant ones, or ones that change and end at ``push_end`` [s].
     """
 
     contact: str | int = "corners"
     waterway: bool = False
     law: Law | None = None
-    pushed: bool = False
+    pushed: Pushed = "never"
 
     @property
     def kept(self) -> tuple[str, ...]:
         """What goes from step to step: the state, the time where it is asked for, actuators, memory."""
         law = self.law
         if law is None:
-            return (*STATE, *((TIME,) if self.pushed else ()))
-        timed = self.pushed or TIME in law.tape.inputs
+            return (*STATE, *((TIME,) if self.pushed == "until" else ()))
+        timed = self.pushed == "until" or TIME in law.tape.inputs
         return (*STATE, *((TIME,) if timed else ()), *(own.name for own in law.ordered), *law.memory)
 
     @property
@@ -100,7 +104,7 @@ class Choices:
         """Quantities of the terms that change within a voyage, beside the state."""
         law = self.law.ordered if self.law else ()
         controls = [name for own in law for name in control_names(own)]
-        return (*controls, *(("width", "depth") if self.waterway else ()), *(INPUTS.values() if self.pushed else ()))
+        return (*controls, *(("width", "depth") if self.waterway else ()), *(INPUTS.values() if self.pushed == "until" else ()))
 
 
 def control_names(actuator: Actuated) -> tuple[str, ...]:
@@ -236,7 +240,7 @@ def _controls(
 
 def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
     """Forces from outside, while the middle of the step lies before their end."""
-    if not choices.pushed:
+    if choices.pushed != "until":
         return {}
     left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
     return {name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), 0)) for name in INPUTS.values()}

@@ -61,7 +61,8 @@ class System:
         from narrows.codegen.rates import Rates
 
         forces = {term.name: force for force, terms in self.table.forces.items() for term in terms}
-        return Rates(trace(self.tape, forces, self.surge, self.coriolis), self.choices.moving)
+        motion = trace(self.tape, forces, self.surge, self.coriolis)
+        return Rates(motion, self.choices.moving, self.choices.pushed != "never")
 
     @cached_property
     def step(self) -> "Step":

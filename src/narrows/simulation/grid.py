@@ -146,6 +146,29 @@ def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> 
     return Grid(values, {str(name): n for name, n in sizes.items()} or {"vessel": 1})
 
 
+def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
+    """Return a grid with further values, whose dimensions are the grid's or new ones.
+
+    Parameters
+    ----------
+    grid : Grid
+        What varies already.
+    more : mapping of str to number or DataArray
+        Numbers of a controller, by the names of the lines.
+
+    Raises
+    ------
+    InputError
+        Where one is no number, or a dimension has another size.
+    """
+    values = {**grid.values, **{name: _labelled(name, value) for name, value in more.items()}}
+    try:
+        sizes = dict(xr.broadcast(*[v.isel({d: slice(0, None) for d in v.dims}) for v in _slim(values)])[0].sizes)
+    except ValueError as error:
+        raise InputError(f"what varies does not fit together: {error}") from None
+    return Grid(values, {str(name): n for name, n in sizes.items()} or grid.sizes)
+
+
 def _slim(values: Mapping[str, xr.DataArray]) -> list[xr.DataArray]:
     """One array a set of dimensions: enough to know every size, and to refuse sizes that disagree."""
     return list({value.dims: value for value in values.values()}.values())

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.compile import Outcome as Code
+from narrows.simulation.outcome import Code
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.simulation.fleets import ensemble
+from narrows.simulation.ensemble import ensemble
 
 
 def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:

@@ -24,11 +24,12 @@ WRONG = (ZeroDivisionError, OverflowError, ValueError)
 
 
 class Row(NamedTuple):
-    """A moment of a voyage: time [s], state, and the length of the step that begins here [s]."""
+    """A moment of a voyage: time [s], state, the length of the step that begins here [s], the order for it [rad]."""
 
     t: float
     state: State
-    ahead: float
+    ahead: float = 0.0
+    order: float = 0.0
 
 
 class End(NamedTuple):
@@ -159,12 +160,12 @@ class March:
         dt : float [s]
             Length of a step.
         """
-        begun, state, _ = rows.pop()
+        begun, state, *_ = rows.pop()
         count = math.floor((stop - begun) / dt + 1e-9)
         rest = stop - begun - count * dt
         book = [0.0] * event.PLACES
         event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
-        room, left, whole = math.nan, book[event.COUNT], 0
+        left, whole = book[event.COUNT], 0
         while book[event.COUNT] > 0:
             length = book[event.NEXT]
             t = begun + book[event.CLOCK] + whole * length
@@ -174,25 +175,26 @@ class March:
             sane, trying = self.sane(after, ahead), book[event.TRIES] > 0
             if self._exact and sane and (ahead <= 0 or trying):
                 ahead, lean = self._from_banks(after)
+            passed = Row(t, state, length, self._step_inputs[self._order])
             if sane and ahead > 0 and left > 0 and not trying:
-                rows.append(Row(t, state, length))
+                rows.append(passed)
                 state, whole = after, whole + 1
                 continue
-            before = self.room(state)[0] if trying or not (sane and ahead > 0) else room
+            before = self.room(state)[0] if trying or not (sane and ahead > 0) else math.nan
             fate = event.judge(book, left, ahead, before, sane, CONTACT_TOLERANCE, self.near)
             if fate == event.LOST:
-                rows.append(Row(t, state, 0.0))
+                rows.append(Row(t, state))
                 return End(event.CLOSED if before <= self.near else event.LOST, self.room(state)[1])
             if fate != event.BACK:
-                rows.append(Row(t, state, length))
+                rows.append(passed)
                 state = after
             if fate == event.CLOSED:
-                rows.append(Row(begun + book[event.CLOCK], state, 0.0))
+                rows.append(Row(begun + book[event.CLOCK], state))
                 return End(fate, lean)
             if fate == event.FINISHED:
                 break
             left, whole = book[event.COUNT], 0
-        rows.append(Row(stop, state, 0.0))
+        rows.append(Row(stop, state))
         return None
 
     def _ask(self, t: float, state: State) -> None:
@@ -220,10 +222,10 @@ class March:
                 place += 1
             row = rows[place]
             if time <= row.t or not row.ahead:
-                found.append(Row(time, row.state, 0.0))
+                found.append(Row(time, row.state))
                 continue
-            self._asked = math.nan
-            found.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0], 0.0))
+            self._step_inputs[self._order] = row.order if self.order else self._step_inputs[self._order]
+            found.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0]))
         return found
 
 

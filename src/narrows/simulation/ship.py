@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.contact import OPEN, Outline, checked_shape
-from narrows.codegen.step import Actuated, Choices, Law
+from narrows.codegen.step import Actuated, Choices, Law, Pushed
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -89,7 +89,7 @@ class SimulatedShip:
         known = (Actuated("rudder", True), Actuated("revolutions", False))
         return tuple(own for own in known if (f"sin_{own.name}" if own.angle else own.name) in asked)
 
-    def system(self, waterway: bool = False, law: Law | None = None, pushed: bool = False) -> System:
+    def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
         """Return the traced system, shared by all ships with the same terms.
 
         Parameters
@@ -98,7 +98,7 @@ class SimulatedShip:
             Whether the section of the water changes.
         law : Law, optional
             What steers.
-        pushed : bool
+        pushed : {"never", "always", "until"}
             Whether forces from outside act.
         """
         contact = self.shape if isinstance(self.shape, str) else len(self.shape)

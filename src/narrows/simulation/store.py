@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
-from narrows.simulation.fleet import KEPT, Fleet
+from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.grid import Grid
-from narrows.simulation.kept import attributes_of, empty_of
+from narrows.simulation.output_columns import attributes_of, empty_of
 from narrows.simulation.progress import bar
 
 TASK_VESSELS = 100_000
@@ -20,14 +20,14 @@ TASK_VESSELS = 100_000
 DONE = "block_done"
 
 
-def run_into(path: Path, fleet: Fleet, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
+def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
     """Run what is not yet done of an ensemble, into a Zarr folder, and open it (ours).
 
     Parameters
     ----------
     path : Path
         The folder; made where it is absent.
-    fleet : Fleet
+    fleet : KernelRun
         How to run.
     grid : Grid
         What varies.
@@ -53,14 +53,14 @@ def run_into(path: Path, fleet: Fleet, grid: Grid, client: Any, progress: bool) 
     return found.drop_vars(DONE).assign_attrs(complete=int(bool(found[DONE].all())))
 
 
-def run_block(path: str, fleet: Fleet, part: Grid, region: tuple[slice, ...], number: int) -> int:
+def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
     """Run one block, write its region, then mark it done; doing it again changes nothing (ours).
 
     Parameters
     ----------
     path : str
         The Zarr folder.
-    fleet : Fleet
+    fleet : KernelRun
         How to run.
     part : Grid
         What varies in this block.
@@ -84,10 +84,10 @@ def run_block(path: str, fleet: Fleet, part: Grid, region: tuple[slice, ...], nu
     return number
 
 
-Tasks = Iterator[tuple[str, Fleet, Grid, tuple[slice, ...], int]]
+Tasks = Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]
 
 
-def _tasks(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice], left: list[int]) -> Tasks:
+def _tasks(path: Path, fleet: KernelRun, grid: Grid, blocks: list[slice], left: list[int]) -> Tasks:
     for number in left:
         yield str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number
 
@@ -113,7 +113,7 @@ def _vessels(grid: Grid, block: slice) -> int:
     return int((block.stop - block.start) * grid.vessels // grid.sizes[grid.axis])
 
 
-def _opened(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice]) -> Any:
+def _opened(path: Path, fleet: KernelRun, grid: Grid, blocks: list[slice]) -> Any:
     try:
         import zarr
     except ImportError:
@@ -134,7 +134,7 @@ def _opened(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice]) -> Any:
 def _make_columns(group: Any, grid: Grid, blocks: list[slice]) -> None:
     shape = tuple(grid.sizes.values())
     chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
-    for name, kind in KEPT.items():
+    for name, kind in OUTPUTS.items():
         group.create_array(
             name, shape=shape, chunks=chunks, dtype=np.dtype(kind), fill_value=empty_of(kind),
             dimension_names=list(grid.sizes), attributes=attributes_of(name),
@@ -142,7 +142,7 @@ def _make_columns(group: Any, grid: Grid, blocks: list[slice]) -> None:
     group.create_array(DONE, shape=(len(blocks),), chunks=(1,), dtype="bool", dimension_names=["block"])
 
 
-def _identity(fleet: Fleet, grid: Grid) -> str:
+def _identity(fleet: KernelRun, grid: Grid) -> str:
     digest = hashlib.sha256(fleet.text.encode())
     for name, value in sorted(grid.values.items()):
         digest.update(f"{name} {value.dims}".encode())

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.simulation.outcome import KINDS
+from narrows.simulation.outcome import BEGINNING, END, KINDS, Code
 
 NOT_RUN = -1
 UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": "m/s", "v_end": "m/s", "r_end": "rad/s"}
@@ -31,6 +31,7 @@ def attributes_of(name: str) -> dict[str, Any]:
     """
     if name == "outcome":
         codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
+        codes |= {int(Code.ASTERN): f"{KINDS[Code.ASTERN]} by its {BEGINNING}", int(Code.PASSED): f"{KINDS[Code.PASSED]} by its {END}"}
         meanings = " ".join(word.replace(" ", "_") for word in codes.values())
         return {"flag_values": list(codes), "flag_meanings": meanings}
     if name == "side":

@@ -1,30 +1,41 @@
 """Many voyages at once: grids and samples over anything, labelled in and out, on all cores or on a cluster."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from narrows.compile.kernel import Precision
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.simulation.fleet import KEPT, Fleet, Result
-from narrows.simulation.grid import Grid, grid_of
-from narrows.simulation.kept import attributes_of, empty_of
+from narrows.simulation.ensemble_notes import notes_of
+from narrows.simulation.grid import Grid, grid_of, with_values
+from narrows.simulation.inputs import check_steps, check_workers
+from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
+from narrows.simulation.output_columns import attributes_of, empty_of
 from narrows.simulation.progress import bar
-from narrows.simulation.ship import Outline, SimulatedShip
+from narrows.simulation.ship import Points, SimulatedShip
+from narrows.simulation.steering import steering_of
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
 
 BLOCK_VESSELS = 65_536
 """Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard."""
+MOST_STEPS = 1e9
+"""Of a vessel: more would take it hours."""
+OF_THE_WATERWAY = ("width", "depth")
+OF_THE_TABLE = ("length", "beam", "draft")
 
 
 def ensemble(
     model: Model, *, duration: float = 60.0, dt: float = 0.02, samples: int = 0, seed: int = 0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: str | Outline = "corners", precision: Precision = "float64", workers: int | None = None,
-    progress: bool = False, store: str | Path | None = None, client: Any = None, **vary: Any,
+    contact: str | Points = "corners", precision: str = "float64", waterway: "Waterway | None" = None,
+    controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
+    client: Any = None, **vary: Any,
 ) -> xr.Dataset:  # fmt: skip
     """Simulate a voyage for every combination of what varies.
 
@@ -47,9 +58,13 @@ def ensemble(
     coriolis : bool
         Add the rigid body's Coriolis force.
     contact : str or points [m]
-        ``corners``, ``midship`` or an outline.
+        ``corners``, ``midship`` or an outline; ``none`` in open water.
     precision : str
-        ``float64`` or ``float32``.
+        ``float64`` or ``float32``; single precision is for maps, not for numbers.
+    waterway : Waterway, optional
+        Where the ships sail instead of the model's own canal, as in ``simulate``.
+    controller : ControlLaw, optional
+        A law in arithmetic that gives orders each step; its numbers may be DataArrays.
     workers : int, optional
         Threads; all cores unless given. The answer does not depend on it.
     progress : bool
@@ -75,26 +90,45 @@ def ensemble(
     InputError
         Where a name is unknown, a value does not fit, or a cluster has no store.
     """
-    grid = grid_of(model, vary, samples, seed)
-    fleet = Fleet(SimulatedShip(model, surge, surge_inertia, coriolis, contact), duration, dt, precision)
+    duration, dt = check_steps(duration, dt, MOST_STEPS)
+    check_workers(workers)
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    steering = steering_of(controller, ship.actuators)
+    grid = with_values(grid_of(model, vary, samples, seed), steering.parameters if steering else {})
+    run = KernelRun(ship, duration, dt, precision, steering, waterway)
+    _check_waterway(run, grid, vary)
     if store is not None:
         from narrows.simulation.store import run_into
 
-        return run_into(Path(store), fleet, grid, client, progress)
+        return run_into(Path(store), run, grid, client, progress)
     if client is not None:
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
-    return _labelled(grid, *_run_here(fleet, grid, workers, progress))
+    found = _labelled(grid, *_run_here(run, grid, workers, progress))
+    return found.assign_attrs(notes="\n".join(notes_of(run, grid, found)))
 
 
-def _run_here(fleet: Fleet, grid: Grid, workers: int | None, progress: bool) -> tuple[Result, bool]:
+def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:
+    if run.waterway is None:
+        return
+    for name in (*OF_THE_WATERWAY, *OF_THE_TABLE):
+        if name in vary:
+            where = "comes from the waterway" if name in OF_THE_WATERWAY else "is built into the waterway's table"
+            raise InputError(f"{name} {where}, so it cannot vary in one; leave it out")
+    length, x = run.waterway.line.length, grid.values["x"]
+    if not ((x >= 0) & (x < length)).all():
+        raise InputError(f"x lies off {run.waterway.name}, 0 to {length:.0f} m, in some of these voyages; start on it")
+
+
+def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -> tuple[Result, bool]:
     shape = tuple(grid.sizes.values())
-    kept: Result = {name: np.full(shape, empty_of(kind), kind) for name, kind in KEPT.items()}
+    kept: Result = {name: np.full(shape, empty_of(kind), kind) for name, kind in OUTPUTS.items()}
     with bar(grid.vessels, progress) as advance:
         try:
             for block in grid.blocks(BLOCK_VESSELS):
                 values, part = grid.flat(block)
-                for name, column in fleet.run(values, math.prod(part), workers).items():
-                    kept[name][grid.region(block)] = column.reshape(part)
+                ended = run.run(values, math.prod(part), workers)
+                for name in OUTPUTS:
+                    kept[name][grid.region(block)] = ended[name].reshape(part)
                 advance(math.prod(part))
         except KeyboardInterrupt:
             return kept, False
