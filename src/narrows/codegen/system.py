@@ -1,7 +1,7 @@
 """The door to the engine: one table of terms under some choices, printed and compiled as far as each use needs."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
@@ -19,7 +19,8 @@ from narrows.terms.term import TermTable
 if TYPE_CHECKING:
     from narrows.codegen.kernel import Precision
     from narrows.codegen.rates import Rates
-    from narrows.codegen.step import Choices, Step
+    from narrows.codegen.jacobian import Linearisation
+    from narrows.codegen.step import Actuated, Choices, Step
 
 FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
 DEFAULTS = dict.fromkeys((*FORCES_FROM_OUTSIDE, "heave", "surge_inertia"), 0.0)
@@ -120,23 +121,35 @@ class System:
         InputError
             Where a value is missing, or no mass resists an acceleration.
         """
-        given = DEFAULTS | dict(values)
-        for name in self.parameters:
-            if given.get(name) is None:
-                raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
-        numbers = [given[name] for name in self.parameters]
-        plain = all(np.ndim(number) == 0 for number in numbers)
-        with np.errstate(all="ignore"):
-            try:
-                result = self.scalar.constants(*map(float, numbers)) if plain else self.columns.constants(*numbers)
-            except (ZeroDivisionError, OverflowError):
-                result = (math.nan,)
-        if not all(np.isfinite(value).all() for value in result):
-            raise InputError(
-                "the mass matrix cannot be inverted; check that the coefficients are finite and those of inertia "
-                "not zero, and where surge is free give surge_inertia"
-            )
-        return dict(zip(self.scalar.CONSTANTS, result, strict=True))
+        scalar = all(np.ndim(values.get(name, 0.0)) == 0 for name in self.parameters)
+        functions = self.scalar if scalar else self.columns
+        return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
+
+    def linearisation(self, values: Mapping[str, Number], actuators: Sequence["Actuated"]) -> "Linearisation":
+        """Return the exact derivatives of the motion.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            As for ``constants``.
+        actuators : sequence of Actuated
+            Of the model, whose positions are to be differentiated by.
+
+        Raises
+        ------
+        InputError
+            Where a value is missing, or no mass resists an acceleration.
+        """
+        from narrows.codegen.jacobian import Linearisation, jacobian_text
+        from narrows.codegen.printers.python import column_functions
+
+        def text() -> str:
+            return jacobian_text(self.rates.motion, self.table.names, tuple(actuators))
+
+        scope: dict[str, Any] = dict(column_functions())
+        exec(compile(source("jacobian", (*self.key, tuple(actuators)), text), "<jacobian>", "exec"), scope)
+        constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
+        return Linearisation(scope, constants, self.table.names, tuple(actuators))
 
     def kernel(self, own: tuple[str, ...], precision: "Precision") -> ModuleType:
         """Return the module that sails a fleet; its ``sail`` compiles when first called.
@@ -163,3 +176,25 @@ class System:
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.
         return System, (self.table, self.surge, self.coriolis, self.choices)
+
+
+def _evaluated(
+    constants: Callable[..., tuple[Number, ...]], parameters: Sequence[str], values: Mapping[str, Number]
+) -> tuple[Number, ...]:
+    """Evaluate constants of their parameters, or say what is missing."""
+    given = DEFAULTS | dict(values)
+    for name in parameters:
+        if given.get(name) is None:
+            raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
+    numbers = (given[name] for name in parameters)
+    with np.errstate(all="ignore"):
+        try:
+            result = constants(*(float(number) if np.ndim(number) == 0 else number for number in numbers))
+        except (ZeroDivisionError, OverflowError):
+            result = (math.nan,)
+    if not all(np.isfinite(value).all() for value in result):
+        raise InputError(
+            "the mass matrix cannot be inverted; check that the coefficients are finite and those of inertia "
+            "not zero, and where surge is free give surge_inertia"
+        )
+    return result

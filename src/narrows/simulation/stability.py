@@ -1,12 +1,12 @@
-"""Straight running without a hand on the wheel: eigenvalues at a state, and the stiffness of the bank."""
+"""Motion about a state with the controls held: eigenvalues, and the stiffness of the bank."""
 
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from narrows.compile import LINEARISED
-from narrows.compile.trace import INPUTS as PUSHES
+from narrows.codegen.free_motion import INPUTS as PUSHES
+from narrows.codegen.jacobian import LINEARISED
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 from narrows.simulation.grid import INPUTS, START, grid_of
@@ -43,7 +43,8 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
     bank : bool
         With the bank: of (y, psi, v, r); without: of (v, r) in open water.
     **state : float
-        x, y [m], psi [rad], u, v [m/s], r [rad/s]; on the centreline at 1 m/s unless given.
+        x, y [m], psi [rad], u, v [m/s], r [rad/s], rudder [rad], revolutions [1/s]; on the centreline at 1 m/s, the
+        rudder amidships and the propeller as the model has it unless given.
     """
     return np.asarray(stability(model, bank, **state)["eigenvalue"].to_numpy().ravel())
 
@@ -70,10 +71,10 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     grid = grid_of(model, vary, samples=0, seed=0)
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     silent = {} if bank else {term.name: 0.0 for term in model.terms.terms if term.from_bank}
-    jacobian = ship.program.jacobian({**ship.values(), **values, **silent})
-    state = {name: values[name] for name in START}
-    state |= {"cos_psi": np.cos(state["psi"]), "sin_psi": np.sin(state["psi"])}
-    matrix = jacobian.state(state, {name: values[own] for name, own in zip(PUSHES.values(), INPUTS, strict=True)})
+    given = {**ship.values(), **values, **silent}
+    linear = ship.system().linearisation(given, ship.actuators)
+    at = {name: values[name] for name in START} | {own.name: given.get(own.name, 0.0) for own in ship.actuators}
+    matrix = linear.state(at | {name: values[own] for name, own in zip(PUSHES.values(), INPUTS, strict=True)})
     place = [LINEARISED.index(name) for name in (FELT if bank else OPEN_WATER)]
     found = np.linalg.eigvals(matrix[..., np.array(place)[:, None], place])
     found = np.take_along_axis(found, np.argsort(-found.real, axis=-1, kind="stable"), axis=-1)
