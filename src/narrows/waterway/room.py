@@ -1,0 +1,154 @@
+"""Room between a hull and the banks of a table, edge by edge: plain arithmetic, compiled or not from this one text."""
+
+from collections.abc import Sequence
+from math import cos, hypot, inf, nan, sin
+
+ROW = 9
+"""Numbers a node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m]."""
+STARBOARD_BANK, PORT_BANK = 5, 7
+TURNED_AWAY = -0.5
+"""Cosine of the line to the hull at which a bank belongs to another reach of the river."""
+GAUSS = 0.7745966692414834
+"""Node of Gauss and Legendre, sqrt(3/5), of three."""
+
+
+def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, float, float, float, int]:
+    """Return the line at a place in the table's own frame: forward, starboard [m], cosine, sine, and the cell.
+
+    Parameters
+    ----------
+    track : array (n * ROW,)
+        Nodes, as ``WaterwayTable.track``.
+    step : float [m]
+        Between nodes.
+    s : float [m]
+        Along the line; beyond its ends it goes straight on.
+    """
+    last = len(track) // ROW - 4
+    cell = int(min(max(0.0, s / step), float(last)))
+    along = min(max(0.0, s - cell * step), step)
+    row = (cell + 1) * ROW
+    bend, change = track[row + 4], (track[row + ROW + 4] - track[row + 4]) / step
+    ahead, across = 0.0, 0.0
+    for node, weight in ((1.0 - GAUSS, 5.0), (1.0, 8.0), (1.0 + GAUSS, 5.0)):
+        d = 0.5 * along * node
+        turned = d * (bend + 0.5 * d * change)
+        ahead += weight * cos(turned)
+        across += weight * sin(turned)
+    turned = along * (bend + 0.5 * along * change)
+    beyond = s - cell * step - along
+    ahead = ahead * along / 18.0 + beyond * cos(turned)
+    across = across * along / 18.0 + beyond * sin(turned)
+    c, si = track[row + 2], track[row + 3]
+    return (
+        track[row] + ahead * c - across * si,
+        track[row + 1] + ahead * si + across * c,
+        c * cos(turned) - si * sin(turned),
+        si * cos(turned) + c * sin(turned),
+        cell,
+    )
+
+
+def edge_room(
+    a: float, b: float, next_a: float, next_b: float, sign: float, outline: Sequence[float], least: float
+) -> float:
+    """Return the least of a room and that between one edge of a bank and the hull [m].
+
+    Parameters
+    ----------
+    a, b, next_a, next_b : float [m]
+        Ends of the edge: forward of midship, and outward.
+    sign : float
+        1 where outward is to starboard, -1 to port.
+    outline : array (2 * points,) [m]
+        Forward, starboard of the points of a convex hull, in order.
+    least : float [m]
+        The room so far.
+    """
+    forward, out = outline[len(outline) - 2], sign * outline[len(outline) - 1]
+    for point in range(0, len(outline), 2):
+        before, out_before = forward, out
+        forward, out = outline[point], sign * outline[point + 1]
+        if (a - forward) * (next_a - forward) <= 0.0 and a != next_a:
+            least = min(least, b + (next_b - b) * (forward - a) / (next_a - a) - out)
+        if (before - a) * (forward - a) <= 0.0 and before != forward:
+            least = min(least, b - out_before - (out - out_before) * (a - before) / (forward - before))
+    return least
+
+
+def side_room(
+    track: Sequence[float], column: int, sign: float, cell: int,
+    x: float, y: float, c: float, si: float, outline: Sequence[float],
+) -> float:  # fmt: skip
+    """Return the least room athwart between a hull and one bank [m].
+
+    Parameters
+    ----------
+    track : array (n * ROW,)
+        Nodes.
+    column : int
+        Of the bank.
+    sign : float
+        1 for starboard, -1 for port.
+    cell : int
+        Where midship is.
+    x, y : float [m]
+        Midship in the table's frame.
+    c, si : float
+        Cosine and sine of the heading in it.
+    outline : array (2 * points,) [m]
+        As in ``edge_room``.
+    """
+    stern, bow, breadth, least = 0.0, 0.0, 0.0, inf
+    for point in range(0, len(outline), 2):
+        stern, bow = min(stern, outline[point]), max(bow, outline[point])
+        breadth = max(breadth, sign * outline[point + 1])
+    for direction in (-1, 1):
+        end = bow if direction > 0 else -stern
+        row = (cell + 1) * ROW
+        dx, dy = track[row + column] - x, track[row + column + 1] - y
+        a, b = dx * c + dy * si, sign * (dy * c - dx * si)
+        while True:
+            row += direction * ROW
+            dx, dy = track[row + column] - x, track[row + column + 1] - y
+            next_a, next_b = dx * c + dy * si, sign * (dy * c - dx * si)
+            if min(b, next_b) - breadth < least:
+                least = edge_room(a, b, next_a, next_b, sign, outline, least)
+            along = direction * ((track[row] - x) * c + (track[row + 1] - y) * si)
+            # A bank that comes back over the hull's end once the line has passed it is farther off than before.
+            if min(along, direction * next_a) > end or track[row + 2] * c + track[row + 3] * si < TURNED_AWAY:
+                break
+            if row == 0 or row + ROW >= len(track):
+                break
+            a, b = next_a, next_b
+    return least
+
+
+def exact_room(
+    track: Sequence[float], step: float, s: float, n: float, cos_psi: float, sin_psi: float, outline: Sequence[float]
+) -> tuple[float, float]:
+    """Return the least room athwart between a hull and either bank, and by how much starboard is nearer [m] (ours).
+
+    Over the whole length of the hull: every node of a bank beside the hull, every point of the hull against the edges.
+
+    Parameters
+    ----------
+    track : array (n * ROW,)
+        Nodes, as ``WaterwayTable.track``; a list is faster where this is not compiled.
+    step : float [m]
+        Between nodes.
+    s, n : float [m]
+        Midship along the line, and to starboard of it.
+    cos_psi, sin_psi : float
+        Of the heading to the line there, short of 90 degrees either way.
+    outline : array (2 * points,) [m]
+        Forward, starboard of the points of a convex hull, in order; midship inside.
+    """
+    if not hypot(s, n) + hypot(cos_psi, sin_psi) < inf:
+        return nan, nan
+    x, y, c, si, cell = line_pose(track, step, s)
+    x, y = x - n * si, y + n * c
+    c, si = c * cos_psi - si * sin_psi, si * cos_psi + c * sin_psi
+    starboard = side_room(track, STARBOARD_BANK, 1.0, cell, x, y, c, si, outline)
+    port = side_room(track, PORT_BANK, -1.0, cell, x, y, c, si, outline)
+    return min(starboard, port), port - starboard
