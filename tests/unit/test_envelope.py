@@ -181,6 +181,7 @@ def hull_reach(voyage: nw.Voyage) -> float:
 
 
 class TestTrials:
+    @pytest.mark.slow
     def test_each_is_a_voyage_of_its_own(self, ship: nw.Model) -> None:
         """Brute force: the same trials, one at a time, by another march in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=6e5, gust_lever=20.0, gust_time=90.0)

@@ -125,6 +125,7 @@ print(killed)
 """
 
 
+@pytest.mark.slow
 def test_killed_at_any_moment_it_goes_on(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", KILLED, tmp_path, "12"], capture_output=True, text=True, timeout=300
@@ -229,6 +230,7 @@ def test_what_killed_processes_left_is_swept_and_what_others_make_is_not(dtc: nw
     assert sorted(path.name for path in tmp_path.iterdir()) == [".narrows-store-new", "fleet.zarr"]
 
 
+@pytest.mark.slow
 def test_a_cluster_survives_the_loss_of_a_worker(dtc: nw.Model, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="clusters need the cluster extra")
     y, u = np.linspace(-2.5, 2.5, 1000), np.linspace(0.8, 1.2, 1000)
