@@ -1,10 +1,10 @@
-# Two commands: `make demo` runs the main job on the bundled tests, `make test` runs the tests.
+# `make demo` runs the main job on the bundled tests, `make test` the tests, `make check` all that a change must pass.
 # Each sets up its own environment in .venv from the locked requirements.
 
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test lint bench lock clean
+.PHONY: check demo test test-fast lint bench lock clean
 
 demo: .venv/base
 	$(BIN)/narrows demo --out out
@@ -12,16 +12,23 @@ demo: .venv/base
 test: .venv/dev
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
+# Without the tests that take some seconds.
+test-fast: .venv/dev
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+
 lint: .venv/dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# What CI runs: the demo, lint, types, the import contracts, the tests with README, docs, examples and small benchmarks.
+check: demo lint test
+
 bench: .venv/dev
 	$(BIN)/python -m pip install --quiet 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group bench
-	for work in identify kernel voyages envelope; do $(BIN)/python benchmarks/$$work.py || exit 1; done
+	for work in $(filter-out benchmarks/common.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$work || exit 1; done
 
 .venv/base: requirements/base.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "narrows needs Python 3.11 or newer: make PYTHON=python3.12 ...")'

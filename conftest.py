@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from sybil import Sybil
 from sybil.example import Example
+from sybil.integration.pytest import SybilItem
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 
 import console
@@ -16,6 +17,13 @@ import console
 def pytest_configure(config: pytest.Config) -> None:
     """Compile once a run: one cache for all workers and for the commands they start, kept for the next run."""
     os.environ.setdefault("NARROWS_CACHE_DIR", str(config.cache.mkdir("narrows")))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Console blocks start processes: they are slow tests."""
+    for item in items:
+        if isinstance(item, SybilItem) and item.example.region.evaluator is run_console:
+            item.add_marker(pytest.mark.slow)
 
 
 def enter(namespace: dict[str, Any]) -> None:

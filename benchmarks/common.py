@@ -1,5 +1,7 @@
-"""What every benchmark here shares: timing by medians, and the name of the machine."""
+"""What every benchmark here shares: its sizes, timing by medians, peers that may be absent, the name of the machine."""
 
+import argparse
+import importlib.util
 import os
 import platform
 import statistics
@@ -9,6 +11,23 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
+
+
+def sizes(doc: str | None, usual: float, small: float) -> tuple[int, bool]:
+    """Read the command line: how many of what the benchmark counts, and whether all is to be small."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("size", nargs="?", type=float, help=f"{usual:g} unless given")
+    parser.add_argument("--small", action="store_true", help="sizes that only show that it runs")
+    asked = parser.parse_args()
+    return int(asked.size or (small if asked.small else usual)), asked.small
+
+
+def installed(peer: str) -> bool:
+    """Whether a peer is there; a line says so where it is not."""
+    there = importlib.util.find_spec(peer) is not None
+    if not there:
+        print(f"{peer} is not installed: left out")
+    return there
 
 
 def median_seconds(work: Callable[[], object], runs: int = 7) -> float:
@@ -25,12 +44,9 @@ def median_seconds(work: Callable[[], object], runs: int = 7) -> float:
 def machine() -> str:
     """Name the processor, the cores and Python."""
     info = Path("/proc/cpuinfo")
-    models = (
-        [line.split(":")[1].strip() for line in info.read_text().splitlines() if "model name" in line]
-        if (info.exists())
-        else [platform.processor()]
-    )
-    return f"{models[0]}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    lines = info.read_text().splitlines() if info.exists() else []
+    models = [line.split(":")[1].strip() for line in lines if "model name" in line]
+    return f"{(models or [platform.processor()])[0]}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
 def show(title: str, rows: list[tuple[str, float, str]], unit: str, scale: float) -> None:

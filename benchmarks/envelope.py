@@ -1,13 +1,13 @@
 """An envelope of a million points beside one voyage after another, and a million positions to a waterway and back.
 
-python benchmarks/envelope.py
+python benchmarks/envelope.py [DRAWS] [--small]
 """
 
 import time
 from dataclasses import replace
 
 import numpy as np
-from common import median_seconds, show
+from common import median_seconds, show, sizes
 from scipy.optimize import root
 
 import narrows as nw
@@ -18,7 +18,7 @@ from narrows.terms.tables import table_named
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
 
-OFFSETS, SPEEDS, DRAWS = np.linspace(-60, 60, 41), np.linspace(2.0, 7.0, 25), 1000
+OFFSETS, SPEEDS = np.linspace(-60, 60, 41), np.linspace(2.0, 7.0, 25)
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 
 
@@ -53,27 +53,28 @@ def winding() -> Waterway:
     return Waterway(line, Bank("starboard", s, np.full(2, 100.0)), Bank("port", s, np.full(2, 100.0)))
 
 
-def main() -> None:
+def main(draws: int, poses: int) -> None:
     """Measure and print."""
     model, calm = full_scale(), np.zeros(len(SPEEDS))
     trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0)
     start = time.perf_counter()
-    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), DRAWS, 0)["held"].size
+    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), draws, 0)["held"].size
     each = (time.perf_counter() - start) / points
     alone = median_seconds(lambda: one_by_one(model, 20.0, 5.0), 3)
     rows = [("narrows", each, f"{points} points in {each * points:.1f} s"), ("one by one, plain Python", alone, "")]
     show("a point of the envelope: steady course and trial", rows, "us", 1e6)
 
     way, draw = winding(), np.random.default_rng(0)
-    s, n, psi = draw.uniform(0, way.line.length, 10**6), draw.uniform(-90, 90, 10**6), draw.uniform(-1, 1, 10**6)
+    s, n, psi = (draw.uniform(*ends, poses) for ends in ((0, way.line.length), (-90, 90), (-1, 1)))
     positions, heading = way.to_map(s, n, psi)
     rows = [
         ("to the waterway", median_seconds(lambda: way.to_channel(positions, heading), 3), ""),
         ("to the map", median_seconds(lambda: way.to_map(s, n, psi), 3), ""),
         ("there and back", median_seconds(lambda: way.to_channel(*way.to_map(s, n, psi)), 3), ""),
     ]
-    show("a million poses", rows, "s", 1.0)
+    show(f"{poses} poses", rows, "s", 1.0)
 
 
 if __name__ == "__main__":
-    main()
+    draws, small = sizes(__doc__, usual=1000, small=2)
+    main(draws, poses=10**4 if small else 10**6)

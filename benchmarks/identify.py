@@ -1,15 +1,13 @@
 """Constrained fit of three forces: ours beside NumPy + BVLS, a stacked lsq_linear and cvxpy, in one run.
 
-    python benchmarks/identify.py [ROWS]
+    python benchmarks/identify.py [ROWS] [--small]
 
 Peers start from regressor matrices already formed, so ours does too; the way from motions is a row of its own.
 cvxpy takes minutes at a million rows: it runs on a tenth of them and says so.
 """
 
-import sys
-
 import numpy as np
-from common import median_seconds, show
+from common import installed, median_seconds, show, sizes
 from scipy.optimize import lsq_linear
 
 import narrows as nw
@@ -99,13 +97,11 @@ def main(rows: int) -> None:
         ("NumPy Gram + BVLS", median_seconds(lambda: gram_and_bvls(columns, tall, forces, lower)), ""),
         ("lsq_linear, stacked", median_seconds(lambda: lsq(matrices, forces, lower), runs=1), ""),
     ]
-    try:
+    if installed("cvxpy"):
         part = [m[::10] for m in matrices], [f[::10] for f in forces]
         table.append(
             ("cvxpy", 10 * median_seconds(lambda: with_cvxpy(*part, lower), runs=1), "10 x a tenth of the rows")
         )
-    except ImportError:
-        print("cvxpy is not installed: left out")
     show(f"constrained fit, {tests.rows:.2g} rows x 3 forces", table, "ms", 1e3)
 
 
@@ -115,4 +111,4 @@ def lsq(matrices: list[np.ndarray], forces: list[np.ndarray], lower: np.ndarray)
 
 
 if __name__ == "__main__":
-    main(int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000)
+    main(sizes(__doc__, usual=1e6, small=1e4)[0])

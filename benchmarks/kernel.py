@@ -1,6 +1,6 @@
 """Fleets to their grounding: the compiled kernel beside a kernel written by hand for the paper's model, in one run.
 
-    python benchmarks/kernel.py [VESSELS]
+    python benchmarks/kernel.py [VESSELS] [--small]
 
 The hand-written one has the paper's numbers in its text, keeps the lanes of grounded vessels idle until the whole
 block is done, and finds the grounding to a whole step. A vessel-step is one step of one vessel that still sails;
@@ -17,7 +17,7 @@ from collections.abc import Callable
 
 import numba
 import numpy as np
-from common import machine
+from common import machine, sizes
 from rich.console import Console
 from rich.table import Table
 
@@ -197,5 +197,5 @@ def starts() -> None:
 
 
 if __name__ == "__main__":
-    fleets(int(sys.argv[1]) if len(sys.argv) > 1 else 65_536)
+    fleets(sizes(__doc__, usual=65_536, small=1024)[0])
     starts()

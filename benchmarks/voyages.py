@@ -1,25 +1,28 @@
 """Voyages to the grounding: ours beside SciPy, heyoka, diffrax and shipmmg, in one run.
 
-    python benchmarks/voyages.py
+    python benchmarks/voyages.py [VESSELS] [--small]
 
 Every engine but shipmmg sails the paper's model from the same starts until a hull corner meets a bank; shipmmg has no
 bank, so that its row is its own KT model, a step of its output at a time. PythonVehicleSimulator is not on the package
 index and is left out.
 """
 
-import importlib.util
+import math
 
 import numpy as np
-from common import median_seconds, show
+from common import installed, median_seconds, show, sizes
+from scipy.integrate import solve_ivp
 
 import narrows as nw
-from narrows.simulation.integrate import dop853
-from narrows.simulation.ship import SimulatedShip
 
 MODEL = nw.published("mikkelsen2025_dtc")
-SHIP = SimulatedShip(MODEL)
+VALUES = MODEL.coefficients
 STARTS = np.random.default_rng(0).uniform(0.3, 2.6, 65_536)
 LENGTH, BEAM, WIDTH = 3.984, 0.572, 7.0
+BANK = 0.5 * 0.661 * 1000.0 * LENGTH * 0.163
+INVERSE = np.linalg.inv([[VALUES["b_vdot"], VALUES["b_rdot"]], [VALUES["c_vdot"], VALUES["c_rdot"]]]).tolist()
+DAMPING = tuple(tuple(VALUES[f"{force}_{name}"] for name in ("v", "r", "vv", "rr")) for force in "bc")
+ALONG = VALUES["b_bank"] * BANK, -VALUES["c_bank"] * BANK * LENGTH
 FAR, DT = 60.0, 0.02
 
 
@@ -29,25 +32,28 @@ def fleet(vessels: int, **options: object) -> None:
 
 
 def with_scipy(vessels: int) -> None:
-    """DOP853 with an event, on our right-hand side in plain Python."""
-    rhs, room, tail = SHIP.program.rhs, SHIP.program.gap, (0.0, 0.0, 0.0, *SHIP.controls(0.0), *SHIP.constants)
-    for y in STARTS[:vessels]:
-        start = (0.0, float(y), 1.0, 0.0, 1.0, 0.0, 0.0)
-        list(dop853(lambda z: rhs(*z, *tail), start, [0.0, FAR], lambda z: room(*z[1:4], *SHIP.constants), DT))
+    """DOP853 with an event, on the paper's equations in plain Python."""
+
+    def rates(_, z):
+        return symbolic(math.cos, math.sin, abs, *z)[0]
+
+    def gap(_, z):
+        return symbolic(math.cos, math.sin, abs, *z)[1]
+
+    gap.terminal = True
+    for y in STARTS[:vessels].tolist():
+        solve_ivp(rates, (0.0, FAR), (y, 0.0, 0.0, 0.0), "DOP853", events=gap, rtol=1e-10, atol=1e-12)
 
 
 def symbolic(cos, sin, size, y, psi, v, r):
     """The paper's equations for engines that bring their own symbols: rates of y, psi, v, r, and the gap."""
-    a = MODEL.coefficients
-    bank = 0.5 * 0.661 * 1000.0 * LENGTH * 0.163
     starboard, port = (WIDTH / 2 - y) / cos(psi), (WIDTH / 2 + y) / cos(psi)
     delta = (starboard / (starboard - BEAM / 2)) ** 2 - (port / (port - BEAM / 2)) ** 2
-    sway, yaw = (
-        -a[f"{c}_v"] * v - a[f"{c}_r"] * r - a[f"{c}_vv"] * size(v) * v - a[f"{c}_rr"] * size(r) * r for c in "bc"
+    Y, N = (
+        b * delta - k_v * v - k_r * r - k_vv * size(v) * v - k_rr * size(r) * r
+        for b, (k_v, k_r, k_vv, k_rr) in zip(ALONG, DAMPING, strict=True)
     )
-    inverse = np.linalg.inv([[a["b_vdot"], a["b_rdot"]], [a["c_vdot"], a["c_rdot"]]])
-    forces = sway + a["b_bank"] * bank * delta, yaw - a["c_bank"] * bank * LENGTH * delta
-    vdot, rdot = (float(row[0]) * forces[0] + float(row[1]) * forces[1] for row in inverse)
+    vdot, rdot = (m_sway * Y + m_yaw * N for m_sway, m_yaw in INVERSE)
     gap = WIDTH / 2 - size(y) - LENGTH / 2 * size(sin(psi)) - BEAM / 2 * cos(psi)
     return (sin(psi) + v * cos(psi), r, vdot, rdot), gap
 
@@ -103,30 +109,27 @@ def with_shipmmg(steps: int) -> None:
     simulate(0.155, 80.5, np.linspace(0, 100, steps), np.full(steps, 0.1))
 
 
-def main() -> None:
+def main(many: int, small: bool) -> None:
     """Measure and print."""
-    many, rows = 65_536, []
+    rows, few, alone = [], *((20, 2) if small else (2000, 20))
     for name, options in {
         "narrows, one core": {"workers": 1},
         "narrows, all cores": {},
         "narrows, one core, float32": {"workers": 1, "precision": "float32"},
     }.items():
         rows.append((name, median_seconds(lambda o=options: fleet(many, **o), 5) / many, ""))
-    for name, module, few, make in (
-        ("heyoka, one core", "heyoka", 2000, with_heyoka),
-        ("diffrax", "diffrax", 2000, with_diffrax),
-    ):
-        if importlib.util.find_spec(module):
+    for name, module, make in (("heyoka, one core", "heyoka", with_heyoka), ("diffrax", "diffrax", with_diffrax)):
+        if installed(module):
             rows.append((name, median_seconds(make(few), 3) / few, ""))
-    rows.append(("SciPy DOP853, one core", median_seconds(lambda: with_scipy(20), 3) / 20, "our right-hand side"))
+    rows.append(("SciPy DOP853, one core", median_seconds(lambda: with_scipy(alone), 3) / alone, "plain Python"))
     show("one vessel to a located grounding", rows, "us", 1e6)
-    if importlib.util.find_spec("shipmmg"):
+    if installed("shipmmg"):
         steps = median_seconds(lambda: with_shipmmg(2000), 3) / 2000
         print(f"shipmmg, its KT model without banks: {steps * 1e6:.2g} us an output step")
-    counts = {100: 3, 10_000: 3, 1_000_000: 3, 10_000_000: 1}
-    sizes = [(f"{n:.0e} vessels", median_seconds(lambda n=n: fleet(n), k) / n, "all cores") for n, k in counts.items()]
-    show("cost against the size of the fleet, a vessel", sizes, "us", 1e6)
+    counts = {100: 3, 10_000: 3} | ({} if small else {1_000_000: 3, 10_000_000: 1})
+    costs = [(f"{n:.0e} vessels", median_seconds(lambda n=n: fleet(n), k) / n, "all cores") for n, k in counts.items()]
+    show("cost against the size of the fleet, a vessel", costs, "us", 1e6)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sizes(__doc__, usual=65_536, small=1024))

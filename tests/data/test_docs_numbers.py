@@ -22,6 +22,7 @@ PAGES = {
 
 
 @pytest.mark.parametrize(("script", "page"), PAGES.items())
+@pytest.mark.slow
 def test_the_docs_say_what_is_computed(script: str, page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(ROOT / "decisions")
     for name in (script, "pages"):

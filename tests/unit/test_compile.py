@@ -115,6 +115,7 @@ def test_block_form_is_the_plain_form(name: str) -> None:
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="reads x86 assembly")
 @pytest.mark.parametrize("name", TABLES)
+@pytest.mark.slow
 def test_a_block_is_stepped_by_vectors(name: str) -> None:
     """No lane on its own: the step divides packed numbers only, and calls no exponential."""
     model = model_of(TABLES[name])

@@ -37,6 +37,7 @@ def said(process: subprocess.Popen[str]) -> list[str]:
     return answer.split()
 
 
+@pytest.mark.slow
 def test_two_processes_at_once_then_a_third_that_compiles_nothing(tmp_path: Path) -> None:
     """Different hash seeds: the text does not depend on the order of a set."""
     both = [started(tmp_path, seed) for seed in ("1", "2")]

@@ -147,8 +147,9 @@ class TestAutopilot:
         assert code == 2
         assert "hull in the bank" in error
 
-    def test_a_rudder_that_turns_nothing_holds_nothing(self, ship: nw.Model) -> None:
-        dead = ship.with_coefficients(a_helm=0.0, b_helm=0.0, c_helm=0.0)
+    @pytest.mark.parametrize("bank", [{}, {"b_bank": 0.0, "c_bank": 0.0}], ids=["a bank that pulls", "no bank"])
+    def test_a_rudder_that_turns_nothing_holds_nothing(self, ship: nw.Model, bank: dict[str, float]) -> None:
+        dead = ship.with_coefficients(a_helm=0.0, b_helm=0.0, c_helm=0.0, **bank)
         with pytest.raises(nw.InputError, match="turns nothing"):
             track_gains(SimulatedShip(dead), 5.0)
 
@@ -181,6 +182,7 @@ def hull_reach(voyage: nw.Voyage) -> float:
 
 
 class TestTrials:
+    @pytest.mark.slow
     def test_each_is_a_voyage_of_its_own(self, ship: nw.Model) -> None:
         """Brute force: the same trials, one at a time, by another march in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=6e5, gust_lever=20.0, gust_time=90.0)

@@ -86,6 +86,7 @@ def test_depths_together_need_terms_that_know_them() -> None:
     assert nw.identify(tests, nw.with_bank(nw.CROSSFLOW, "delta_depth")).scores["Y"].r2 > 0.5
 
 
+@pytest.mark.slow
 def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
     table = written(frame_of(short_twin(3, many_runs(12))), tmp_path / "t.csv")
     model = tmp_path / "m.toml"

@@ -12,6 +12,8 @@ from narrows.report import banks, columns, motions, outcomes
 from narrows.report.page import write_report
 from narrows.report.terminal import print_fit
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def page(kcs_fits: dict[int, nw.Fit], tmp_path_factory: pytest.TempPathFactory) -> str:

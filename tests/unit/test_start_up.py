@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 HEAVY = ("pandas", "scipy", "matplotlib", "sympy", "numba", "xarray")
 
 
@@ -17,11 +19,13 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     assert not loaded_by("import narrows") & set(HEAVY)
 
 
+@pytest.mark.slow
 def test_identification_needs_no_compiler() -> None:
     code = "import narrows as nw; nw.identify(nw.twin(rate=1.0)).to_dict()"
     assert not loaded_by(code) & {"numba", "sympy", "matplotlib"}
 
 
+@pytest.mark.slow
 def test_one_voyage_needs_no_compiler() -> None:
     code = "import narrows as nw; nw.simulate(nw.published('mikkelsen2025_dtc'), y=1.0)"
     loaded_by(code)  # the first run may trace; the second finds what it wrote

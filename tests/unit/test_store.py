@@ -1,13 +1,18 @@
 """Ensembles on disk: the same answer, resumed after a stop, and on a cluster whose worker is killed."""
 
 import os
+import random
+import shutil
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import narrows as nw
 from narrows.simulation import store
@@ -61,6 +66,171 @@ def test_another_ensemble_is_not_overwritten(dtc: nw.Model, tmp_path: Path) -> N
         nw.ensemble(dtc, y=[0.5, 1.1], duration=5.0, store=tmp_path / "fleet.zarr")
 
 
+def ships(*labels: str) -> xr.DataArray:
+    return xr.DataArray([0.5, 1.0, 1.5], dims="ship", coords={"ship": list(labels)})
+
+
+def test_labels_are_those_asked_for_now(dtc: nw.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The voyages are the same under any label, so none runs again; on disk the labels change too."""
+    path = tmp_path / "fleet.zarr"
+    first = nw.ensemble(dtc, y=ships("a", "b", "c"), duration=5.0, store=path).load()
+    monkeypatch.setattr(store, "run_block", None)
+    for labels in (ships("b", "a", "longer"), ships("a", "b", "c").drop_vars("ship"), ships("d", "e", "f")):
+        again = nw.ensemble(dtc, y=labels, duration=5.0, store=path)
+        for held in (again, xr.open_zarr(path, consolidated=False)):
+            xr.testing.assert_equal(xr.Dataset(coords=held.coords), xr.Dataset(coords=labels.coords))
+            same(first, held.drop_vars("block_checksum", errors="ignore"))
+
+
+KILLED = """
+import os, random, signal, sys, time
+from pathlib import Path
+import numpy as np
+import narrows as nw
+from narrows.simulation import store
+
+store.TASK_VESSELS = 64
+model, folder = nw.published("mikkelsen2025_dtc"), Path(sys.argv[1])
+vary = dict(y=np.linspace(-2.5, 2.5, 64), u=np.linspace(0.8, 1.2, 4), duration=20.0)
+right = nw.ensemble(model, **vary).time.to_numpy()
+
+
+def sailing(path):
+    "A process of its own, with all of the package in memory: only the store's first moments are left to kill it in."
+    child = os.fork()
+    if child == 0:
+        try:
+            found = nw.ensemble(model, **vary, store=path)
+            os._exit(0 if found.attrs["complete"] == 1 and (found.time.to_numpy() == right).all() else 1)
+        except BaseException as error:
+            print(path.name, type(error).__name__, error, flush=True)
+            os._exit(1)
+    return child
+
+
+def code(child):
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+start = time.perf_counter()
+assert code(sailing(folder / "whole")) == 0
+whole, killed = time.perf_counter() - start, 0
+for number in range(int(sys.argv[2])):
+    child = sailing(folder / str(number))
+    time.sleep(whole * (number + 0.5) / int(sys.argv[2]))
+    os.kill(child, signal.SIGKILL)
+    killed += code(child) == -signal.SIGKILL
+    assert code(sailing(folder / str(number))) == 0, number
+print(killed)
+"""
+
+
+@pytest.mark.slow
+def test_killed_at_any_moment_it_goes_on(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", KILLED, tmp_path, "12"], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert int(done.stdout) > 6
+
+
+@pytest.fixture(scope="module")
+def whole(dtc: nw.Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("whole") / "fleet.zarr"
+    with pytest.MonkeyPatch.context() as small:
+        small.setattr(store, "TASK_VESSELS", 64)
+        nw.ensemble(dtc, y=Y, u=U, duration=20.0, store=path)
+    return path
+
+
+def cut(content: bytes, chance: random.Random) -> bytes:
+    return content[: chance.randrange(len(content))] if content else b""
+
+
+DAMAGE = {
+    "cut short": cut,
+    "empty": lambda content, chance: b"",
+    "zeros": lambda content, chance: bytes(len(content)),
+    "garbage": lambda content, chance: chance.randbytes(len(content) + chance.randrange(9)),
+    "one bit": lambda content, chance: (
+        int.from_bytes(content, "little") ^ 1 << chance.randrange(8 * len(content))
+    ).to_bytes(len(content), "little"),
+    "missing": None,
+}
+
+
+def reopened(dtc: nw.Model, path: Path) -> xr.Dataset | str:
+    try:
+        return nw.ensemble(dtc, y=Y, u=U, duration=20.0, store=path)
+    except nw.InputError as error:
+        return str(error)
+
+
+@pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_what_is_damaged_runs_again(kind: str, whole: Path, dtc: nw.Model, tmp_path: Path) -> None:
+    """Chunks, labels, metadata: any files at all, but that which says whose the folder is; that one may be refused."""
+    chance, right, refused = random.Random(kind), nw.ensemble(dtc, y=Y, u=U, duration=20.0), 0
+    files = sorted(path.relative_to(whole) for path in whole.rglob("*") if path.is_file())
+    for number in range(8):
+        path = shutil.copytree(whole, tmp_path / str(number))
+        struck = chance.sample(files, chance.choice([1, 1, 3, 20]))
+        for name in struck:
+            (path / name).unlink() if DAMAGE[kind] is None else (path / name).write_bytes(
+                DAMAGE[kind]((path / name).read_bytes(), chance)
+            )
+        found = reopened(dtc, path)
+        if isinstance(found, str):
+            assert Path("zarr.json") in struck, found
+            assert "choose another folder or remove it" in found
+            refused += 1
+            continue
+        assert found.attrs["complete"] == 1
+        xr.testing.assert_equal(xr.Dataset(coords=found.coords), xr.Dataset(coords=right.coords))
+        same(found, right)
+    assert refused < 5
+
+
+@pytest.mark.parametrize("held", ["a file", "something else", "an empty folder"])
+def test_what_stands_there_already(held: str, dtc: nw.Model, tmp_path: Path) -> None:
+    path = tmp_path / "fleet.zarr"
+    if held == "a file":
+        path.write_text("mine")
+    else:
+        path.mkdir()
+    if held == "something else":
+        (path / "thesis.tex").write_text("mine")
+    if held == "an empty folder":
+        assert nw.ensemble(dtc, y=[0.5, 1.0], duration=5.0, store=path).attrs["complete"] == 1
+        return
+    with pytest.raises(nw.InputError, match="holds no ensemble that can be read; choose another folder"):
+        nw.ensemble(dtc, y=[0.5, 1.0], duration=5.0, store=path)
+    assert len(list(tmp_path.rglob("*"))) == (1 if path.is_file() else 2)
+
+
+@pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("name", ["store_folder.os.replace", "store_folder._make_columns", "store.run_block"])
+def test_a_disk_that_is_full_is_said(name: str, dtc: nw.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(f"narrows.simulation.{name}", full)
+    with pytest.raises(nw.InputError, match=r"fleet.zarr: cannot be written \(No space left on device\)"):
+        nw.ensemble(dtc, y=Y, u=U, duration=20.0, store=tmp_path / "fleet.zarr")
+    monkeypatch.undo()
+    assert nw.ensemble(dtc, y=Y, u=U, duration=20.0, store=tmp_path / "fleet.zarr").attrs["complete"] == 1
+
+
+def test_what_killed_processes_left_is_swept_and_what_others_make_is_not(dtc: nw.Model, tmp_path: Path) -> None:
+    old, new = tmp_path / ".narrows-store-old", tmp_path / ".narrows-store-new"
+    old.mkdir()
+    new.mkdir()
+    os.utime(old, (0, 0))
+    nw.ensemble(dtc, y=[0.5, 1.0], duration=2.0, store=tmp_path / "fleet.zarr")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".narrows-store-new", "fleet.zarr"]
+
+
+@pytest.mark.slow
 def test_a_cluster_survives_the_loss_of_a_worker(dtc: nw.Model, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="clusters need the cluster extra")
     y, u = np.linspace(-2.5, 2.5, 1000), np.linspace(0.8, 1.2, 1000)

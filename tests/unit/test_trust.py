@@ -142,6 +142,7 @@ def test_the_one_sway_run_informs_sway() -> None:
 
 
 @pytest.mark.parametrize("time", [0.0, 1.0])
+@pytest.mark.slow
 def test_intervals_cover_the_truth(time: float) -> None:
     """Also of b_v and c_r, which are at their bounds; decisions/coverage.py has it to a tenth of a percent."""
     truth = nw.published("mikkelsen2025_dtc").with_coefficients(b_v=0.0, c_r=0.0)

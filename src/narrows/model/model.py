@@ -3,7 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from numbers import Real
+from operator import add
 from types import MappingProxyType
 
 import numpy as np
@@ -188,4 +190,5 @@ class Model:
         return -float(self._sum(held, values) - self._sum(held, {**values, "udot": 0.0}))
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
-        return sum((self.coefficients[term.name] * term.column(values) for term in terms), 0.0)
+        # Not by sum(): from Python 3.12 it compensates floats but not columns, which then differ by a rounding.
+        return reduce(add, (self.coefficients[term.name] * term.column(values) for term in terms), 0.0)

@@ -18,6 +18,9 @@ FELT = ("y", "psi", "v", "r")
 OFF_COURSE = math.radians(5)
 """A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder."""
 HARD = math.radians(10)
+SETTLES = 1e-6
+"""Least decay of the slowest motion over the fastest that counts; rounding moves a double pole at zero by some 1e-8."""
+IN_VAIN = "no autopilot holds this ship on the centreline: her rudder turns nothing"
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
@@ -91,5 +94,10 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     try:
         cost = solve_continuous_are(motion, push, weights, np.array([[HARD**-2]]))
     except (LinAlgError, ValueError):
-        raise InputError("no autopilot holds this ship on the centreline: her rudder turns nothing") from None
-    return np.asarray(HARD**2 * (push.T @ cost)[0])
+        raise InputError(IN_VAIN) from None
+    gains = np.asarray(HARD**2 * (push.T @ cost)[0])
+    # Where nothing stabilises her, SciPy gives an error or a matrix of rounding, by its release.
+    poles = np.linalg.eigvals(motion - push * gains)
+    if not poles.real.max() < -SETTLES * np.abs(poles).max():
+        raise InputError(IN_VAIN)
+    return gains

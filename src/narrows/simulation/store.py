@@ -9,15 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.errors import InputError
-from narrows.simulation.kernel_run import OUTPUTS, KernelRun
+from narrows.simulation.fleet import Fleet
 from narrows.simulation.grid import Grid
-from narrows.simulation.output_columns import attributes_of, empty_of
 from narrows.simulation.progress import bar
+from narrows.simulation.store_folder import DONE, checksum, discard, is_done, opened, storing
 
 TASK_VESSELS = 100_000
 """Voyages a task, at least: enough that writing and scheduling do not count."""
-DONE = "block_done"
 
 
 def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
@@ -39,18 +37,20 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
     Raises
     ------
     InputError
-        Where Zarr is not installed or the folder holds something else.
+        Where Zarr is not installed, the folder holds something else, or the disk is full.
     """
     blocks = list(grid.blocks(TASK_VESSELS))
-    group = _opened(path, fleet, grid, blocks)
-    left = [number for number, done in enumerate(group[DONE][:]) if not done]
-    tasks = _tasks(path, fleet, grid, blocks, left)
-    with bar(grid.vessels, progress) as advance:
-        advance(sum(_vessels(grid, block) for i, block in enumerate(blocks) if i not in left))
+    with storing(path), bar(grid.vessels, progress) as advance:
+        group = opened(path, _identity(fleet, grid), grid, blocks)
+        left = {number for number, block in enumerate(blocks) if not is_done(group, grid.region(block), number)}
+        for number in left:
+            discard(path, group, grid, number)
+        advance(sum(_vessels(grid, block) for number, block in enumerate(blocks) if number not in left))
+        tasks = _tasks(path, fleet, grid, blocks, sorted(left))
         for number in _here(tasks) if client is None else _there(client, tasks):
+            left.discard(number)
             advance(_vessels(grid, blocks[number]))
-    found = xr.open_zarr(path, consolidated=False)
-    return found.drop_vars(DONE).assign_attrs(complete=int(bool(found[DONE].all())))
+        return xr.open_zarr(path, consolidated=False).drop_vars(DONE).assign_attrs(complete=int(not left))
 
 
 def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
@@ -78,9 +78,10 @@ def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...]
 
     group = zarr.open_group(path, mode="r+")
     values, shape = part.flat(slice(0, part.sizes[part.axis]))
-    for name, column in fleet.run(values, math.prod(shape)).items():
+    columns = fleet.run(values, math.prod(shape))
+    for name, column in columns.items():
         group[name][region] = column.reshape(shape)
-    group[DONE][number] = True
+    group[DONE][number] = checksum(columns)
     return number
 
 
@@ -111,35 +112,6 @@ def _there(client: Any, tasks: Tasks) -> Iterator[int]:
 
 def _vessels(grid: Grid, block: slice) -> int:
     return int((block.stop - block.start) * grid.vessels // grid.sizes[grid.axis])
-
-
-def _opened(path: Path, fleet: KernelRun, grid: Grid, blocks: list[slice]) -> Any:
-    try:
-        import zarr
-    except ImportError:
-        raise InputError("a store needs Zarr: pip install 'narrows[cluster]'") from None
-    identity = _identity(fleet, grid)
-    if path.exists():
-        group = zarr.open_group(str(path), mode="r+")
-        if group.attrs.get("identity") != identity:
-            raise InputError(f"{path}: holds another ensemble; choose another folder or remove it")
-        return group
-    xr.Dataset(coords=grid.coordinates()).to_zarr(path, mode="w", consolidated=False)
-    group = zarr.open_group(str(path), mode="r+")
-    _make_columns(group, grid, blocks)
-    group.attrs["identity"] = identity
-    return group
-
-
-def _make_columns(group: Any, grid: Grid, blocks: list[slice]) -> None:
-    shape = tuple(grid.sizes.values())
-    chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
-    for name, kind in OUTPUTS.items():
-        group.create_array(
-            name, shape=shape, chunks=chunks, dtype=np.dtype(kind), fill_value=empty_of(kind),
-            dimension_names=list(grid.sizes), attributes=attributes_of(name),
-        )  # fmt: skip
-    group.create_array(DONE, shape=(len(blocks),), chunks=(1,), dtype="bool", dimension_names=["block"])
 
 
 def _identity(fleet: KernelRun, grid: Grid) -> str:

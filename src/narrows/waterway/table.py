@@ -10,6 +10,12 @@ from narrows.waterway.room import GAUSS
 from narrows.waterway.waterway import Waterway
 
 MOST_CELLS = 1_000_000
+STEPS_A_BEAM = 4
+"""Cells a beam of the ship that keep contact within 0.01 of the beam.
+
+A kink of a bank by a slope m between nodes errs by m step / 4 (1:10: 0.006 of the beam), a bend that starts at once by
+0.005 of it, the chord of a bank in a bend by curvature step^2 / 8 (radius of 30 beams: 0.0003).
+"""
 
 
 @dataclass(frozen=True)
@@ -92,9 +98,11 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
     s = np.linspace(0, length, int(np.ceil(length / step)) + 1)
     depth = waterway.depth(s)
     banks = (waterway.starboard, waterway.port)
-    walls = [bank.wall(s, depth) for bank in banks]
-    keels = [np.fmin(wall, bank.keel(s, depth - draft)) for wall, bank in zip(walls, banks, strict=True)]
-    return WaterwayTable(s, *walls, *keels, depth, waterway.line.curvature(s))
+    starboard, port = (bank.wall(s, depth) for bank in banks)
+    keel_starboard, keel_port = (
+        np.fmin(wall, bank.keel(s, depth - draft)) for wall, bank in zip((starboard, port), banks, strict=True)
+    )
+    return WaterwayTable(s, starboard, port, keel_starboard, keel_port, depth, waterway.line.curvature(s))
 
 
 def _integrated(curvature: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

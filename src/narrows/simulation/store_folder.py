@@ -1,0 +1,223 @@
+"""The folder of an ensemble on disk: put in its place whole, known by what it holds, each block checked."""
+
+import os
+import shutil
+import time
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+import xarray as xr
+
+from narrows.errors import InputError, reason
+from narrows.simulation.fleet import KEPT
+from narrows.simulation.grid import Grid
+from narrows.simulation.kept import attributes_of, empty_of
+
+DONE = "block_checksum"
+"""A number for each block, of all that it holds; 0 where it has not run."""
+MAKING = ".narrows-store-"
+"""How folders are called before they are whole."""
+LEFTOVER = 3600.0
+"""Age [s] at which one of them belongs to nobody any more."""
+
+
+@contextmanager
+def storing(path: Path) -> Iterator[None]:
+    """Turn what a disk throws into one sentence (ours).
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+
+    Raises
+    ------
+    InputError
+        Where the folder cannot be read or written.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({reason(error)}); what is done stays, mend it and go on"
+        ) from None
+
+
+def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
+    """Open the folder of an ensemble, made where it is absent, with the labels that are asked for now (ours).
+
+    Labels are no part of what an ensemble is: the voyages are the same under any.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    identity : str
+        What tells this ensemble from others.
+    grid : Grid
+        What varies.
+    blocks : list of slice
+        How it is cut.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds something else, or Zarr is not installed.
+    """
+    try:
+        import zarr
+    except ImportError:
+        raise InputError("a store needs Zarr: pip install 'narrows[cluster]'") from None
+    if not path.exists() or (path.is_dir() and not any(path.iterdir())):
+        _make(path, identity, grid, blocks)
+    try:
+        group = zarr.open_group(str(path), mode="r+")
+        held = group.attrs.get("identity")
+    except Exception:  # Whatever Zarr throws at what is no group of its own.
+        raise InputError(f"{path}: holds no ensemble that can be read; choose another folder or remove it") from None
+    if held != identity:
+        raise InputError(f"{path}: holds another ensemble; choose another folder or remove it")
+    if not _columns_are_sound(group, grid, blocks):
+        _make_columns(group, grid, blocks)
+    if not _labels_are_sound(path, grid):
+        _write_labels(path, group, grid)
+    return group
+
+
+def checksum(columns: Mapping[str, np.ndarray]) -> int:
+    """Return a number that changes with anything in the columns of a block, never 0 (ours).
+
+    Parameters
+    ----------
+    columns : mapping of str to array
+        What is kept of its voyages.
+    """
+    number = 0
+    for name, kind in KEPT.items():
+        number = zlib.crc32(np.ascontiguousarray(columns[name], dtype=kind).tobytes(), number)
+    return number or 1
+
+
+def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
+    """Say whether a block has run and all of it can be read as it was written (ours).
+
+    Parameters
+    ----------
+    group : zarr.Group
+        The folder.
+    region : tuple of slice
+        Where the block lies among all vessels.
+    number : int
+        Of the block.
+    """
+    try:
+        marked = int(group[DONE][number])
+        return marked != 0 and marked == checksum({name: group[name][region] for name in KEPT})
+    except Exception:  # Whatever decoders throw at what is damaged: the block runs again.
+        return False
+
+
+def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
+    """Remove what is stored of a block, so that nothing damaged is read when it is written again (ours).
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    group : zarr.Group
+        The same.
+    grid : Grid
+        What varies.
+    number : int
+        Of the block.
+    """
+    chunk = tuple(number if name == grid.axis else 0 for name in grid.sizes)
+    for name, place in {**dict.fromkeys(KEPT, chunk), DONE: (number,)}.items():
+        file = path / name / group[name].metadata.encode_chunk_key(place)
+        shutil.rmtree(file) if file.is_dir() else file.unlink(missing_ok=True)
+
+
+def _make(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
+    """Make a folder beside its place and move it there: killed at any moment, it is whole or absent."""
+    import zarr
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _sweep(path.parent)
+    making = path.parent / f"{MAKING}{uuid4().hex}"
+    try:
+        group = zarr.open_group(str(making), mode="w")
+        _make_columns(group, grid, blocks)
+        group.attrs["identity"] = identity
+        _write_labels(making, group, grid)
+        _move(making, path)
+    finally:
+        shutil.rmtree(making, ignore_errors=True)
+
+
+def _move(making: Path, path: Path) -> None:
+    try:
+        os.replace(making, path)
+    except OSError:
+        if not (path.is_dir() and any(path.iterdir())):  # Else another process has just made it.
+            raise
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what processes that were killed left behind."""
+    for left in folder.glob(f"{MAKING}*"):
+        if time.time() - left.stat().st_mtime > LEFTOVER:
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _shapes(grid: Grid, blocks: list[slice]) -> dict[str, tuple[tuple[int, ...], tuple[int, ...], np.dtype]]:
+    """Shape, chunks and kind of every array."""
+    shape = tuple(grid.sizes.values())
+    chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
+    columns = {name: (shape, chunks, np.dtype(kind)) for name, kind in KEPT.items()}
+    return {**columns, DONE: ((len(blocks),), (1,), np.dtype(np.uint32))}
+
+
+def _columns_are_sound(group: Any, grid: Grid, blocks: list[slice]) -> bool:
+    try:
+        return all(
+            (group[name].shape, group[name].chunks, group[name].dtype) == known
+            for name, known in _shapes(grid, blocks).items()
+        )
+    except Exception:  # Metadata that were cut short are no better than none.
+        return False
+
+
+def _make_columns(group: Any, grid: Grid, blocks: list[slice]) -> None:
+    for name, (shape, chunks, kind) in _shapes(grid, blocks).items():
+        mark = name == DONE
+        group.create_array(
+            name, shape=shape, chunks=chunks, dtype=kind, overwrite=True,
+            fill_value=0 if mark else empty_of(kind.type), attributes={} if mark else attributes_of(name),
+            dimension_names=["block"] if mark else list(grid.sizes),
+        )  # fmt: skip
+
+
+def _labels_are_sound(path: Path, grid: Grid) -> bool:
+    try:
+        with xr.open_zarr(path, consolidated=False) as held:
+            return bool(xr.Dataset(coords=held.coords).load().identical(xr.Dataset(coords=grid.coordinates())))
+    except Exception:  # Damaged labels are written anew.
+        return False
+
+
+def _write_labels(path: Path, group: Any, grid: Grid) -> None:
+    for entry in path.iterdir():
+        if entry.is_dir() and entry.name not in (*KEPT, DONE):
+            shutil.rmtree(entry)
+    coordinates = grid.coordinates()
+    if not coordinates:
+        return
+    try:
+        xr.Dataset(coords=coordinates, attrs=dict(group.attrs)).to_zarr(path, mode="a", consolidated=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None
