@@ -45,9 +45,9 @@ from .quantities.dimensions import Dimension as Dimension
 from .safety import Disturbance as Disturbance
 from .safety import SafeEnvelope as SafeEnvelope
 from .safety import safe_envelope as safe_envelope
-from .safety import self_propulsion as self_propulsion
-from .safety import steady_course as steady_course
-from .safety import track_pilot as track_pilot
+from .control import self_propulsion as self_propulsion
+from .control import steady_course as steady_course
+from .control import track_pilot as track_pilot
 from .safety import wind_force as wind_force
 from .ship.actuators import Propeller as Propeller
 from .ship.actuators import Rudder as Rudder

@@ -10,9 +10,9 @@ from narrows.model.model import Model, Range
 from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.equilibrium import check_rudder
+from narrows.control.steady_course import check_rudder
 from narrows.safety.keel import Keel, keel_at
-from narrows.safety.trials import Walls, trials
+from narrows.safety.held_trials import Walls, trials
 
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""

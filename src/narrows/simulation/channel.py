@@ -92,13 +92,14 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
     InputError
         Where the ship does not fit it.
     """
+    from narrows.waterway.nearest import least_walls
     from narrows.waterway.table import tabulate
 
     ship = model.configuration.ship
     waterway.check_fits(ship)
     table = tabulate(waterway, ship.draft, ship.length / CELLS_A_LENGTH)
     outline = points_of(ship, contact)
-    near = table.least_walls(outline) if contact not in (OPEN, MIDSHIP) else (table.keel_starboard, table.keel_port)
+    near = least_walls(table, np.array(outline))
     own_depth = model.configuration.canal.depth or math.nan
     columns = {
         "starboard": table.starboard, "port": table.port,

@@ -126,9 +126,8 @@ def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -
         try:
             for block in grid.blocks(BLOCK_VESSELS):
                 values, part = grid.flat(block)
-                ended = run.run(values, math.prod(part), workers)
-                for name in OUTPUTS:
-                    kept[name][grid.region(block)] = ended[name].reshape(part)
+                for name, column in run.run(values, math.prod(part), workers).items():
+                    kept[name][grid.region(block)] = column.reshape(part)
                 advance(math.prod(part))
         except KeyboardInterrupt:
             return kept, False

@@ -84,10 +84,11 @@ class KernelRun:
         """
         prepared = self.prepared(values, vessels, workers)
         prepared()
-        return self.ended(prepared, values)
+        ended = self.ended(prepared, values)
+        return {name: ended[name] for name in OUTPUTS}
 
     def ended(self, prepared: PreparedRun, values: Mapping[str, Any]) -> Result:
-        """Return what is kept of voyages that were sailed.
+        """Return how voyages ended: ``OUTPUTS``, and positions of actuators and the memory of a controller at the end.
 
         Parameters
         ----------

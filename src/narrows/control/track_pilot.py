@@ -4,15 +4,13 @@ import math
 
 import numpy as np
 
-from narrows.compile import LINEARISED
-from narrows.compile.jacobian import CONTROLLED
+from narrows.codegen.jacobian import LINEARISED
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.quantities.names import CONTROLS
-from narrows.safety.equilibrium import check_inside, check_rudder, solved
-from narrows.safety.propulsion import self_propulsion
+from narrows.control.steady_course import check_inside, check_rudder, solved
+from narrows.control.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import Autopilot
+from narrows.simulation.controllers import Autopilot
 
 FELT = ("y", "psi", "v", "r")
 OFF_COURSE = math.radians(5)
@@ -83,12 +81,12 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     """
     from scipy.linalg import LinAlgError, solve_continuous_are
 
-    exact = ship.program.jacobian({**ship.values(), **values})
-    state, inputs = {"cos_psi": 1.0, "u": speed}, dict(zip(CONTROLS, ship.controls(0.0), strict=True))
-    inputs["revolutions"] = values.get("revolutions", inputs["revolutions"])
+    given = {**ship.values(), **values}
+    linear = ship.system().linearisation(given, ship.actuators)
+    at = {"u": speed, "revolutions": given.get("revolutions", 0.0)}
     place = [LINEARISED.index(name) for name in FELT]
-    motion = exact.state(state, inputs)[np.ix_(place, place)]
-    push = exact.controls(state, inputs)[place][:, [CONTROLLED.index("rudder")]]
+    motion = linear.state(at)[np.ix_(place, place)]
+    push = linear.controls(at)[place][:, [linear.controlled.index("rudder")]]
     half_beam = ship.model.configuration.ship.beam / 2
     weights = np.diag([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0])
     try:

@@ -1,31 +1,27 @@
 """The rudder and the drift that hold a ship at an offset: steady, straight along the canal, every force in balance."""
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from narrows.compile.fleet import on_all_cores
+from narrows.codegen.balance import balance_module
+from narrows.codegen.free_motion import INPUTS as FORCES
+from narrows.codegen.run import cores, in_threads
+from narrows.codegen.step import Actuated, Law
+from narrows.codegen.tape import tape_of
+from narrows.control.self_propulsion import with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.safety.propulsion import with_propulsion
 from narrows.simulation.grid import INPUTS, grid_of
 from narrows.simulation.ship import SimulatedShip
 
 SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
 """What a steady course answers or does not feel."""
-ROUNDS = 40
-SMALL = 1e-7
-"""Step of the central differences, in drift over speed [1] and in the rudder's angle [rad]."""
-DONE = 1e-11
-FURTHEST = 1.2
-"""Beyond this size of drift over speed, or of rudder angle [rad], nothing is looked for."""
-LARGEST = 0.25
-"""Step of the search."""
-
-Residual = Callable[[np.ndarray, np.ndarray, slice | np.ndarray], tuple[np.ndarray, np.ndarray]]
+RUDDER = "rudder"
+BLOCK = 16_384
 
 
 def steady_course(
@@ -120,6 +116,8 @@ def solved(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses (ours).
 
+    By Newton's method with exact slopes, compiled.
+
     Parameters
     ----------
     ship : SimulatedShip
@@ -131,62 +129,26 @@ def solved(
     workers : int, optional
         Threads.
     """
-    v, rudder = np.empty(count), np.empty(count)
+    rudder = tuple(own for own in ship.actuators if own.name == RUDDER)
+    system = ship.system(law=_steered(rudder), pushed="until")
+    module = balance_module(system)
+    given = {**dict.fromkeys(INPUTS, 0.0), **ship.values(), **values}
+    given |= {FORCES[name]: given[name] for name in INPUTS}
+    drift, angle = np.empty(count), np.empty(count)
 
     def run(rows: slice) -> None:
-        part = {name: value[rows] if np.size(value) > 1 else value for name, value in values.items()}
-        drift, angle = _newton(_residual(ship, part), rows.stop - rows.start)
-        v[rows], rudder[rows] = drift * np.broadcast_to(part["u"], drift.shape), angle
+        part = {name: value[rows] if np.size(value) > 1 else value for name, value in given.items()}
+        part |= system.constants(part)
+        size = rows.stop - rows.start
+        columns = [np.broadcast_to(np.asarray(part[name], float), size) for name in module.GIVEN]
+        module.solve(np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
 
-    on_all_cores(run, count, workers)
-    return v, rudder
-
-
-def _residual(ship: SimulatedShip, values: Mapping[str, Any]) -> Residual:
-    """Accelerations in sway and yaw, by the drift (v over u) and the rudder's angle of some of the vessels."""
-    given = {**dict.fromkeys(INPUTS, 0.0), "revolutions": 0.0, **ship.values(), **values}
-    constants = ship.program.constants(given)
-
-    def residual(drift: np.ndarray, angle: np.ndarray, rows: slice | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        def own(value: Any) -> Any:
-            return value[rows] if np.size(value) > 1 else value
-
-        cosine = 1 / np.sqrt(1 + drift * drift)
-        u = own(given["u"])
-        state = (0.0, own(given["y"]), cosine, -drift * cosine, u, drift * u, 0.0)
-        controls = (*(own(given[name]) for name in INPUTS), np.cos(angle), np.sin(angle), own(given["revolutions"]))
-        rate = ship.program.rhs(*state, *controls, *map(own, constants))
-        return rate[5], rate[6]
-
-    return residual
+    workers = workers or cores()
+    in_threads(run, [slice(i, min(i + BLOCK, count)) for i in range(0, count, BLOCK)], workers)
+    return drift * np.asarray(given["u"], float), angle
 
 
-def _newton(residual: Residual, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Newton's method from a straight course and the rudder amidships, in steps that are not too long."""
-    z = np.zeros((2, count))
-    left, done = np.arange(count), np.zeros(count, bool)
-    with np.errstate(all="ignore"):
-        for _ in range(ROUNDS):
-            step = _step(residual, z[:, left], left)
-            z[:, left] += np.clip(step, -LARGEST, LARGEST)
-            near = np.abs(step).max(axis=0) < DONE
-            lost = ~(np.abs(z[:, left]).max(axis=0) < FURTHEST)
-            done[left[near & ~lost]] = True
-            left = left[~(near | lost)]
-            if not left.size:
-                break
-    z[:, ~done] = math.nan
-    return z[0], z[1]
-
-
-def _step(residual: Residual, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    drift, angle = z
-    a, b = residual(drift, angle, rows)
-    slopes = []
-    for move in ((SMALL, 0.0), (0.0, SMALL)):
-        ahead = residual(drift + move[0], angle + move[1], rows)
-        behind = residual(drift - move[0], angle - move[1], rows)
-        slopes.append([(p - q) / (2 * SMALL) for p, q in zip(ahead, behind, strict=True)])
-    (a_drift, b_drift), (a_angle, b_angle) = slopes
-    determinant = a_drift * b_angle - a_angle * b_drift
-    return np.asarray([(a_angle * b - b_angle * a) / determinant, (b_drift * a - a_drift * b) / determinant])
+@lru_cache(maxsize=4)
+def _steered(rudder: tuple[Actuated, ...]) -> Law:
+    """A law that moves the rudder: what it orders is not asked, only that the rudder is a variable."""
+    return Law(tape_of(lambda at: {RUDDER: at.rudder}, {RUDDER: RUDDER}, "the rudder"), (), rudder)

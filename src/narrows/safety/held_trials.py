@@ -2,21 +2,26 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from narrows.compile import Outcome
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.safety.autopilot import track_gains
+from narrows.control.track_pilot import track_gains
+from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.equilibrium import solved
-from narrows.safety.propulsion import with_propulsion
+from narrows.control.steady_course import solved
+from narrows.control.self_propulsion import with_propulsion
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.progress import bar
+from narrows.simulation.controllers import Autopilot, Named
+from narrows.simulation.kernel_run import KernelRun
+from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
 LENGTHS, LATE = 15.0, 3.0
 """Ship lengths that a trial lasts after a gust, and the last of them, through which she is to be back."""
@@ -105,6 +110,45 @@ def _gains(ship: SimulatedShip, grid: Grid, speeds: int) -> np.ndarray:
     return np.array([track_gains(ship, row.pop("u"), **row) for row in rows])
 
 
+@dataclass(frozen=True)
+class HeldCourse(Autopilot):
+    """A track pilot that remembers how far off its line it was from a time on (ours).
+
+    Parameters
+    ----------
+    late_from : float [s]
+        From when.
+    """
+
+    late_from: Any = 0.0
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return what is held, the gains, and from when it counts."""
+        return {**super().parameters(), "late_from": self.late_from}
+
+    def memory(self, start: Named) -> Named:
+        """Return how far off it was so far.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            The state at the start.
+        """
+        return {"farthest": 0.0}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the order, and how far off it was.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        orders, _ = super().orders(at)
+        counted = choice(at.t + at.dt / 2 - at.late_from, abs(at.y - at.held_y), 0.0)
+        return orders, {"farthest": maximum(at.farthest, counted)}
+
+
 def _sailed(
     ship: SimulatedShip, values: Mapping[str, Any], count: int, gust_time: float, walls: Walls, workers: int | None
 ) -> dict[str, np.ndarray]:
@@ -113,22 +157,25 @@ def _sailed(
     v, rudder = solved(ship, own, count, workers)
     hull, gear = ship.model.configuration.ship, ship.model.configuration.gear
     steady = np.abs(rudder) <= gear.limit  # false where there is none
-    hold = {"v": np.where(steady, v, 0.0), "rudder": np.where(steady, rudder, 0.0)}
-    psi, pace = -np.arctan(hold["v"] / own["u"]), hull.length / (STEPS_A_LENGTH * np.asarray(own["u"]))
+    hold = {"held_v": np.where(steady, v, 0.0), "held_rudder": np.where(steady, rudder, 0.0), "held_y": own["y"]}
+    psi, pace = -np.arctan(hold["held_v"] / own["u"]), hull.length / (STEPS_A_LENGTH * np.asarray(own["u"]))
     gusty = gust_time if np.any(extra["off_Y"]) else 0.0
-    pilot = {
-        "hold_y": own["y"], "hold_psi": psi, "hold_v": hold["v"], "hold_rudder": hold["rudder"],
-        "by_y": extra["by_0"], "by_psi": extra["by_1"], "by_v": extra["by_2"], "by_r": extra["by_3"],
-        "limit": gear.limit, "rate": gear.rate, "revolutions": own.get("revolutions", 0.0),
-        "push_Y": extra["off_Y"], "push_N": extra["off_N"], "push_time": gusty,
-        "wall_port": walls[0], "wall_starboard": walls[1], "half_length": hull.length / 2, "half_beam": hull.beam / 2,
-        "late": LATE * STEPS_A_LENGTH,
-    }  # fmt: skip
     # No course to hold: no steps are sailed.
     steps = np.where(steady, np.ceil(gusty / pace) + LENGTHS * STEPS_A_LENGTH, 0)
-    ended = ship.program.helmed(
-        {**ship.values(), **own}, pilot, y=own["y"] + extra["off_y"], u=own["u"], v=hold["v"],
-        psi=psi + extra["off_psi"], dt=pace, steps=steps, workers=workers,
-    )  # fmt: skip
-    held = steady & (ended.outcome == Outcome.AFLOAT) & (ended.late <= hull.beam / 2)
+    law = {**hold, "held_psi": psi, "late_from": (steps - LATE * STEPS_A_LENGTH) * pace}
+    law |= dict(zip(("by_y", "by_psi", "by_v", "by_r"), (extra[f"by_{i}"] for i in range(4)), strict=True))
+    push = {"X": 0.0, "Y": extra["off_Y"], "N": extra["off_N"], "push_end": gusty} if gusty else {}
+    half = np.asarray(own["width"]) / 2
+    given = {
+        **own, **push, **{PARAMETER(name): value for name, value in law.items()}, "rudder": hold["held_rudder"],
+        "y": own["y"] + extra["off_y"], "v": hold["held_v"], "psi": psi + extra["off_psi"],
+        "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
+    }  # fmt: skip
+    steering = steering_of(HeldCourse(0.0, (0.0, 0.0, 0.0, 0.0)), ship.actuators)
+    run = KernelRun(ship, steps * pace, pace, steering=steering)
+    prepared = run.prepared(given, count, workers)
+    prepared()
+    ended = run.ended(prepared, given)
+    late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - own["y"]))
+    held = steady & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2)
     return {"rudder": rudder, "held": held}
