@@ -11,10 +11,10 @@ from scipy.optimize import root
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.safety.autopilot import track_gains
+from narrows.control.track_pilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.keel import keel_at
-from narrows.safety.trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
 
@@ -163,7 +163,7 @@ def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, sample: int, ti
     steps = np.ceil(time / dt) + LENGTHS * STEPS_A_LENGTH
     return nw.simulate(
         model, y=y + float(thrown["y"][sample]), u=u, psi=pilot.psi + float(thrown["psi"][sample]), v=pilot.v,
-        rudder=pilot.rudder, duration=steps * dt, dt=dt, helm=pilot, **push,
+        rudder=pilot.rudder, duration=steps * dt, dt=dt, controller=pilot, **push,
     )  # fmt: skip
 
 

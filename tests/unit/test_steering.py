@@ -39,7 +39,7 @@ def test_unless_given_it_is_the_rules(dtc: nw.Model) -> None:
 
 def test_a_voyage_under_a_helm_keeps_to_the_gear(dtc: nw.Model) -> None:
     model = steered(dtc, limit_deg=20.0, rate_deg=8.0)
-    voyage = nw.simulate(model, y=0.2, duration=8.0, dt=0.05, helm=nw.Held(1.0))
+    voyage = nw.simulate(model, y=0.2, duration=8.0, dt=0.05, controller=nw.ConstantRudder(1.0))
     assert np.degrees(np.abs(voyage.rudder)).max() <= 20 + 1e-9
     assert np.degrees(np.abs(np.diff(voyage.rudder) / np.diff(voyage.t))).max() <= 8 + 1e-6
     np.testing.assert_allclose(np.degrees(voyage.rudder[: int(2 / 0.05)]), 8 * voyage.t[: int(2 / 0.05)], atol=1e-9)
@@ -47,7 +47,7 @@ def test_a_voyage_under_a_helm_keeps_to_the_gear(dtc: nw.Model) -> None:
 
 def test_an_order_that_is_there_already_changes_nothing(dtc: nw.Model) -> None:
     model = steered(dtc)
-    helmed = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0, helm=nw.Held(0.1))
+    helmed = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0, controller=nw.ConstantRudder(0.1))
     held = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0)
     np.testing.assert_array_equal(helmed.y, held.y)
 
@@ -57,7 +57,7 @@ def test_the_rudder_within_a_step_is_a_ramp_for_scipy_too(dtc: nw.Model) -> None
     from scipy.integrate import solve_ivp
 
     model = steered(dtc, limit_deg=35.0, rate_deg=5.0)
-    voyage = nw.simulate(model, y=0.1, duration=4.0, dt=0.01, helm=nw.Held(3 * np.radians(5.0)))
+    voyage = nw.simulate(model, y=0.1, duration=4.0, dt=0.01, controller=nw.ConstantRudder(3 * np.radians(5.0)))
 
     def rate(t: float, z: np.ndarray) -> list[float]:
         y, psi, v, r = z
@@ -85,7 +85,7 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
     quiet = replace(quiet, configuration=replace(quiet.configuration, ship=steered(dtc).configuration.ship))
     quiet = replace(quiet, configuration=replace(quiet.configuration, steering=nw.SteeringGear(35.0, 20.0)))
     ten = np.radians(10)
-    voyage = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(ten, ten))
+    voyage = nw.simulate(quiet, duration=60.0, dt=0.02, controller=nw.Zigzag(ten, ten))
     turned = np.flatnonzero(np.diff(np.sign(np.diff(voyage.rudder).round(12))) < 0)
     first = np.argmax(voyage.psi >= ten)
     assert turned.size
@@ -93,7 +93,7 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
     assert voyage.rudder[first] == pytest.approx(ten)
     assert voyage.rudder[first + 1] < ten
     assert voyage.rudder.min() == pytest.approx(-ten)
-    mirrored = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(-ten, ten))
+    mirrored = nw.simulate(quiet, duration=60.0, dt=0.02, controller=nw.Zigzag(-ten, ten))
     np.testing.assert_allclose(mirrored.psi, -voyage.psi, atol=1e-9)
 
 
@@ -104,7 +104,7 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
         (lambda: nw.SteeringGear(120.0), "beyond 90 degrees"),
         (lambda: nw.Zigzag(0.0, 0.1), "needs a rudder angle"),
         (lambda: nw.Zigzag(0.1, -0.1), "positive change of heading"),
-        (lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), helm=nw.Held(0.1)), "no terms of a rudder"),
+        (lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), controller=nw.ConstantRudder(0.1)), "no terms of a rudder"),
     ],
 )
 def test_what_cannot_be_is_refused(made, words: str) -> None:
@@ -114,7 +114,7 @@ def test_what_cannot_be_is_refused(made, words: str) -> None:
 
 def test_the_helm_steps_its_own_way(dtc: nw.Model) -> None:
     with pytest.raises(nw.InputError, match="takes no orders"):
-        nw.simulate(steered(dtc), helm=nw.Held(0.1), method="dop853")
+        nw.simulate(steered(dtc), controller=nw.ConstantRudder(0.1), method="dop853")
 
 
 def test_a_borrowed_rudder_is_the_lenders(dtc: nw.Model) -> None:

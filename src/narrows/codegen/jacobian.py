@@ -65,7 +65,9 @@ def jacobian_text(motion: FreeMotion, names: Sequence[str], actuators: Sequence[
         f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}",
         function_text("constants", [str(own) for own in asked.values()], assignments, results),
         function_text("linear", given, linear[0].needed_for(linear[1]).assignments, linear[1]),
-        function_text("coefficients", given, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]),
+        function_text(
+            "coefficients", given, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]
+        ),
     ]
     return "\n\n".join(parts)
 
@@ -150,8 +152,8 @@ class Linearisation:
         Parameters
         ----------
         at : mapping of str to number
-            State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in, Y_in,
-            N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given.
+            State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in,
+            Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given.
         """
         return self._linear(at)[..., : len(LINEARISED)]
 

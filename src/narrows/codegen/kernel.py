@@ -2,7 +2,6 @@
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Literal
 
 from narrows.codegen.contact import MIDSHIP, OPEN
 from narrows.codegen.free_motion import STATE
@@ -12,7 +11,6 @@ from narrows.codegen.printers.lanes import Lanes
 from narrows.codegen.printers.python import Arithmetic
 from narrows.codegen.step import ROW, Choices, room_left
 
-Precision = Literal["float64", "float32"]
 LANES = 64
 SHARED_PLACES = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
 """What the bookkeeping looks up among the numbers that all vessels share."""
@@ -37,7 +35,7 @@ cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
 '''
 
 
-def kernel_text(lanes: Lanes, choices: Choices, precision: Precision, version: str) -> str:
+def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) -> str:
     """Write the module that sails a fleet.
 
     Parameters
@@ -68,11 +66,11 @@ def kernel_text(lanes: Lanes, choices: Choices, precision: Precision, version: s
     )
 
 
-ABSENT = '''
+ABSENT = """
 @jit
 def exact_room(track, step, s, n, cosine, sine, outline):
     return inf, 0.0
-'''
+"""
 
 
 def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:

@@ -1,7 +1,7 @@
 """Straight lines of arithmetic: one assignment each, every name assigned once. What every printer prints.
 
-The whole of a step (control law, gear, Runge-Kutta, contact) is written into one ``Lines``; a cut says where a loop over
-lanes may be parted.
+The whole of a step (control law, gear, Runge-Kutta, contact) is written into one ``Lines``; a cut says where a loop
+over lanes may be parted.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,8 +17,8 @@ CUT = None
 """A place in the program where a loop may be parted."""
 FUNCTION_NAMES = ("minimum", "maximum", "choice", "angle", "sine", "cosine", "whole", "entry", "positive")
 FUNCTIONS: dict[str, Expr] = {name: sympy.Function(name, real=True) for name in FUNCTION_NAMES}
-"""Functions that printers know. ``whole`` cuts a number down to an integer, ``entry(column, cell)`` reads the table of a
-waterway, ``positive`` is 1 over 0 and else 0."""
+"""Functions that printers know. ``whole`` cuts a number down to an integer, ``entry(column, cell)`` reads the table
+of a waterway, ``positive`` is 1 over 0 and else 0."""
 
 
 @lru_cache(maxsize=4096)

@@ -81,8 +81,9 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
 def rounds(lines: Lines) -> list[list[Assignment]]:
     """Part a program into loops over lanes: at its cuts, and where the table of a waterway is read.
 
-    A loop that reads a table at an index of its own and writes the block does not vectorise: nothing tells LLVM that the
-    two do not overlap. So reads get loops of their own, that only fetch, and the arithmetic between them vectorises.
+    A loop that reads a table at an index of its own and writes the block does not vectorise: nothing tells LLVM that
+    the two do not overlap. So reads get loops of their own, that only fetch, and the arithmetic between them
+    vectorises.
 
     Parameters
     ----------

@@ -86,9 +86,7 @@ class Rates:
         return lines, self.written(lines, "", {name: real(name) for name in names})
 
 
-def _derivatives(
-    motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mapping[str, Expr]
-) -> tuple[Expr, ...]:
+def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mapping[str, Expr]) -> tuple[Expr, ...]:
     c, s, u, v, r = (symbol(name) for name in TURNED)
     basis = [lift(expression) for expression in motion.basis]
     accelerations = dict.fromkeys(ACCELERATIONS, sympy.Integer(0))

@@ -92,7 +92,15 @@ class PreparedRun:
 
     def _arguments(self, part: slice) -> tuple[Any, ...]:
         water = self.water
-        given = (self.start[part], self.times[part], self.own[part], water.table, self.shared, water.track, water.outline)
+        given = (
+            self.start[part],
+            self.times[part],
+            self.own[part],
+            water.table,
+            self.shared,
+            water.track,
+            water.outline,
+        )
         return (*given, self.limits, self.end[part], self.time[part], self.codes[part])
 
     def __call__(self) -> int:
@@ -211,7 +219,7 @@ def prepare(
         stacked = np.stack(columns, axis=1) if columns else np.zeros((vessels, 0))
         return np.ascontiguousarray(stacked.astype(precision))
 
-    shared = np.array([float(inputs[name]) for name in kernel.SHARED], precision)
+    shared = np.array([np.ravel(inputs[name])[0] for name in kernel.SHARED], precision)
     kept = table(kernel.KEPT_NAMES, start)
     own = table(kernel.OWN, inputs)
     return PreparedRun(kernel, kept, times, own, shared, water, limits.astype(precision), workers)

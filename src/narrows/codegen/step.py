@@ -1,7 +1,7 @@
 """One step of one ship in one waterway under one law: the whole of it, once, in lines.
 
-Control law, actuators, the section of the water at the ship's place, Runge-Kutta, contact: a straight canal is a waterway
-whose section does not change. Every engine prints these lines.
+Control law, actuators, the section of the water at the ship's place, Runge-Kutta, contact: a straight canal is a
+waterway whose section does not change. Every engine prints these lines.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +25,8 @@ ROW = 2 * len(COLUMNS)
 """Numbers a cell: of each column the value at its start, and the rise to the next."""
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
 SIXTH = sympy.Rational(1, 6)
-"""The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last weigh."""
+"""The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last
+weigh."""
 TIME, LENGTH, SHARE = "t", "step_length", "share"
 """The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
 contact is located, or where an output lies within the step."""
@@ -104,7 +105,11 @@ class Choices:
         """Quantities of the terms that change within a voyage, beside the state."""
         law = self.law.ordered if self.law else ()
         controls = [name for own in law for name in control_names(own)]
-        return (*controls, *(("width", "depth") if self.waterway else ()), *(INPUTS.values() if self.pushed == "until" else ()))
+        return (
+            *controls,
+            *(("width", "depth") if self.waterway else ()),
+            *(INPUTS.values() if self.pushed == "until" else ()),
+        )
 
 
 def control_names(actuator: Actuated) -> tuple[str, ...]:
@@ -127,8 +132,8 @@ class Step:
     lines : Lines
         The program.
     out : mapping of str to expression
-        What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and to
-        the limit of heading; ``lean`` [m], positive where the starboard bank is nearer.
+        What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and
+        to the limit of heading; ``lean`` [m], positive where the starboard bank is nearer.
     """
 
     lines: Lines
@@ -159,14 +164,13 @@ def step_of(rates: Rates, choices: Choices) -> Step:
     """
     lines, z = Lines(), {name: real(name) for name in choices.kept}
     h = lines.put("h", real(LENGTH) * real(SHARE))
-    here = _section(lines, z["x"], _felt_columns(rates), "here") if choices.waterway else {}
     moves, out = _orders(lines, choices, z)
     controls = _controls(lines, choices, z, moves)
     pushes = _pushes(lines, choices, z)
 
     def rate(at: Mapping[str, Expr], node: int) -> dict[str, Expr]:
         values = {**{name: at[name] for name in STATE}, **controls(NODES[node]), **pushes}
-        return _rate(lines, rates, choices, values, here, str(node))
+        return _rate(lines, rates, choices, values, str(node))
 
     after = _runge_kutta(lines, z, h, rate, _felt_states(rates, choices))
     if TIME in z:
@@ -187,7 +191,7 @@ def _felt_states(rates: Rates, choices: Choices) -> tuple[str, ...]:
 
 
 def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
-    """Write the water at a place from the table: of each column its value there, and its slope along the line."""
+    """Write the water at a place from the table, straight between its nodes."""
     place = lines.put(f"place_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
     cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](place, real("last_cell"))))
     part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](place - cell, 1))
@@ -196,7 +200,6 @@ def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[
         first = 2 * COLUMNS.index(name)
         start, rise = (lines.put(f"{name}_{k}_{tag}", FUNCTIONS["entry"](first + k, cell)) for k in range(2))
         found[name] = lines.put(f"{name}_{tag}", start + part * rise)
-        found[f"{name}_slope"] = lines.put(f"{name}_slope_{tag}", rise * real("cells_a_metre"))
     return found
 
 
@@ -246,16 +249,11 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
     return {name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), 0)) for name in INPUTS.values()}
 
 
-def _rate(
-    lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], here: Mapping[str, Expr], tag: str
-) -> dict[str, Expr]:
+def _rate(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
     """The rates in the waterway, by those of the straight canal that the water is here."""
     if not choices.waterway:
         return rates.written(lines, tag, values)
-    ahead = lines.put(f"ahead_{tag}", values["x"] - real("x"))
-    now = {
-        name: lines.put(f"{name}_{tag}", here[name] + here[f"{name}_slope"] * ahead) for name in _felt_columns(rates)
-    }
+    now = _section(lines, values["x"], _felt_columns(rates), tag)
     y = values["y"]
     values = {
         **values,

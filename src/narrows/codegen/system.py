@@ -17,9 +17,9 @@ from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
-    from narrows.codegen.kernel import Precision
-    from narrows.codegen.rates import Rates
+    from narrows.codegen.free_motion import Surge
     from narrows.codegen.jacobian import Linearisation
+    from narrows.codegen.rates import Rates
     from narrows.codegen.step import Actuated, Choices, Step
 
 FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
@@ -46,7 +46,7 @@ class System:
     """
 
     table: TermTable
-    surge: str
+    surge: "Surge"
     coriolis: bool
     choices: "Choices"
 
@@ -121,7 +121,7 @@ class System:
         InputError
             Where a value is missing, or no mass resists an acceleration.
         """
-        scalar = all(np.ndim(values.get(name, 0.0)) == 0 for name in self.parameters)
+        scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)
         functions = self.scalar if scalar else self.columns
         return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
 
@@ -151,7 +151,7 @@ class System:
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
         return Linearisation(scope, constants, self.table.names, tuple(actuators))
 
-    def kernel(self, own: tuple[str, ...], precision: "Precision") -> ModuleType:
+    def kernel(self, own: tuple[str, ...], precision: str) -> ModuleType:
         """Return the module that sails a fleet; its ``sail`` compiles when first called.
 
         Parameters
@@ -186,7 +186,7 @@ def _evaluated(
     for name in parameters:
         if given.get(name) is None:
             raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
-    numbers = (given[name] for name in parameters)
+    numbers = [np.ravel(given[name])[0] if np.size(given[name]) == 1 else given[name] for name in parameters]
     with np.errstate(all="ignore"):
         try:
             result = constants(*(float(number) if np.ndim(number) == 0 else number for number in numbers))

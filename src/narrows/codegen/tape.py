@@ -1,7 +1,8 @@
 """Run a function once on placeholders and write down what it does: one line an operation, no SymPy.
 
 The text is canonical (equal operations share a line), so it names a model or a control law in the cache, and a second
-run finds its compiled form without a symbol being made. Replayed with floats, columns or symbols it gives the same again.
+run finds its compiled form without a symbol being made. Replayed with floats, columns or symbols it gives the same
+again.
 """
 
 import math
@@ -205,9 +206,7 @@ def tape_of_terms(table: TermTable) -> Tape:
     return Tape(tuple(notes.lines), results)
 
 
-def tape_of(
-    function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str
-) -> Tape:
+def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Tape:
     """Write down what a function of named quantities does.
 
     Parameters

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from narrows.codegen.jacobian import LINEARISED
+from narrows.control.self_propulsion import self_propulsion
+from narrows.control.steady_course import check_inside, check_rudder, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.control.steady_course import check_inside, check_rudder, solved
-from narrows.control.self_propulsion import self_propulsion
-from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.controllers import Autopilot
+from narrows.simulation.ship import SimulatedShip
 
 FELT = ("y", "psi", "v", "r")
 OFF_COURSE = math.radians(5)

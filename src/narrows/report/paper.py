@@ -16,9 +16,9 @@ from narrows.report import banks, columns, motions, outcomes
 from narrows.report.numbers import interval, readable
 from narrows.report.page import figure, render
 from narrows.report.voyages import distances_figure, paths_figure
-from narrows.simulation.fleets import ensemble
+from narrows.simulation.ensemble import ensemble
 from narrows.simulation.maps import grounding_distance
-from narrows.simulation.modes import bank_stiffness, eigenvalues
+from narrows.simulation.stability import bank_stiffness, eigenvalues
 from narrows.simulation.voyage import Voyage, simulate
 
 PRINTED_SHARES = {

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import xarray as xr
 
+from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError
 from narrows.model.model import Model, Range
 from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance
-from narrows.control.steady_course import check_rudder
-from narrows.safety.keel import Keel, keel_at
 from narrows.safety.held_trials import Walls, trials
+from narrows.safety.keel import Keel, keel_at
 
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""

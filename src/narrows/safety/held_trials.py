@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.control.self_propulsion import with_propulsion
+from narrows.control.steady_course import solved
+from narrows.control.track_pilot import track_gains
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.control.track_pilot import track_gains
 from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.disturbance import Disturbance
-from narrows.control.steady_course import solved
-from narrows.control.self_propulsion import with_propulsion
-from narrows.simulation.grid import Grid, grid_of
-from narrows.simulation.progress import bar
 from narrows.simulation.controllers import Autopilot, Named
+from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
+from narrows.simulation.progress import bar
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 

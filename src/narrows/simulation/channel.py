@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from narrows.codegen.contact import MIDSHIP, OPEN, Outline
+from narrows.codegen.contact import OPEN, Outline
 from narrows.codegen.run import NOWHERE, Water
 from narrows.codegen.step import COLUMNS, ROW
 from narrows.errors import InputError
@@ -183,6 +183,6 @@ def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
     reach = points[:, 1].max(), -points[:, 1].min()
     if feels_bank and min(reach) < ship.beam / 2 * (1 - 1e-9):
         raise InputError(
-            f"contact: the outline reaches {min(reach):.4g} m from the centreline and the beam is {ship.beam:.4g} m: the "
-            "bank's suction is infinite before it touches; make it as wide as the beam"
+            f"contact: the outline reaches {min(reach):.4g} m from the centreline and the beam is {ship.beam:.4g} m: "
+            "the bank's suction is infinite before it touches; make it as wide as the beam"
         )

@@ -16,7 +16,8 @@ from narrows.quantities.names import Number
 
 Named = Mapping[str, Number]
 EARLY = 1e-6
-"""Of a step, by which an order of a schedule may come early: times of steps are sums, and rounding must not delay it."""
+"""Of a step, by which an order of a schedule may come early: times of steps are sums, and rounding must not delay
+it."""
 
 
 @runtime_checkable

@@ -50,8 +50,8 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     if not changed.any():
         return ()
     return (
-        f"A time step of {float(np.max(run.dt)):g} s is too long for {changed.mean():.0%} of these voyages: at half of it "
-        f"they end otherwise, or more than {COARSE:.0%} of the beam off; shorten it.",
+        f"A time step of {float(np.max(run.dt)):g} s is too long for {changed.mean():.0%} of these voyages: at half of "
+        f"it they end otherwise, or more than {COARSE:.0%} of the beam off; shorten it.",
     )
 
 
@@ -77,9 +77,9 @@ def _beyond(known: DataRange, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...
     """In what some voyages begin or end outside the data of the model."""
     values: Mapping[str, xr.DataArray] = grid.values
     asked = {
-        "speed": (values["u"], voyages["u_end"], "m/s", "surge velocity"),
-        "abs_y": (abs(values["y"]), abs(voyages["y_end"]), "m", "offset from the centreline"),
-        "abs_r": (abs(values["r"]), abs(voyages["r_end"]), "rad/s", "yaw rate"),
+        "speed": (values["u"], voyages["u_end"], "m/s", "a surge velocity"),
+        "abs_y": (abs(values["y"]), abs(voyages["y_end"]), "m", "an offset from the centreline"),
+        "abs_r": (abs(values["r"]), abs(voyages["r_end"]), "rad/s", "a yaw rate"),
     }
     found = []
     for name, (first, last, unit, word) in asked.items():
@@ -92,7 +92,8 @@ def _beyond(known: DataRange, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...
         if share and math.isfinite(share):
             low, high = covered
             found.append(
-                f"{share:.1%} of these voyages begin or end with a {word} outside the data ({low:.3g} to {high:.3g} {unit})."
+                f"{share:.1%} of these voyages begin or end with {word} outside the data ({low:.3g} to "
+                f"{high:.3g} {unit})."
             )
     return tuple(found)
 

@@ -163,7 +163,9 @@ class KernelRun:
         law = self.steering.law.tape.text if self.steering else ""
         options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact)
         where = repr(self.waterway)
-        return f"{self.ship.system().tape.text} {options!r} {law} {where} {sorted(self.ship.values().items(), key=str)!r}"
+        return (
+            f"{self.ship.system().tape.text} {options!r} {law} {where} {sorted(self.ship.values().items(), key=str)!r}"
+        )
 
 
 def _own_names(system: System, inputs: Mapping[str, Any], steering: Steering | None) -> tuple[str, ...]:

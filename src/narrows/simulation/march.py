@@ -24,12 +24,16 @@ WRONG = (ZeroDivisionError, OverflowError, ValueError)
 
 
 class Row(NamedTuple):
-    """A moment of a voyage: time [s], state, the length of the step that begins here [s], the order for it [rad]."""
+    """A moment of a voyage: time [s], state, the step that begins here [s], the order for it [rad], whether whole.
+
+    Within a step that was cut short, where a contact is located, moments are not whole.
+    """
 
     t: float
     state: State
     ahead: float = 0.0
     order: float = 0.0
+    whole: bool = True
 
 
 class End(NamedTuple):
@@ -165,7 +169,7 @@ class March:
         rest = stop - begun - count * dt
         book = [0.0] * event.PLACES
         event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
-        left, whole = book[event.COUNT], 0
+        left, whole, within = book[event.COUNT], 0, False
         while book[event.COUNT] > 0:
             length = book[event.NEXT]
             t = begun + book[event.CLOCK] + whole * length
@@ -175,7 +179,7 @@ class March:
             sane, trying = self.sane(after, ahead), book[event.TRIES] > 0
             if self._exact and sane and (ahead <= 0 or trying):
                 ahead, lean = self._from_banks(after)
-            passed = Row(t, state, length, self._step_inputs[self._order])
+            passed = Row(t, state, length, self._step_inputs[self._order], not within)
             if sane and ahead > 0 and left > 0 and not trying:
                 rows.append(passed)
                 state, whole = after, whole + 1
@@ -194,6 +198,7 @@ class March:
             if fate == event.FINISHED:
                 break
             left, whole = book[event.COUNT], 0
+            within = within or fate == event.ON if book[event.TRIES] > 0 else False
         rows.append(Row(stop, state))
         return None
 

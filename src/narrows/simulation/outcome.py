@@ -45,8 +45,8 @@ class Outcome:
     state : dict of str to float
         x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
     notes : tuple of str
-        In what it left the ranges that the model's data covered (the voyage went on); by how much the track is off where
-        the time step was too long for it.
+        In what it left the ranges that the model's data covered (the voyage went on); by how much the track is off
+        where the time step was too long for it.
     """
 
     kind: str

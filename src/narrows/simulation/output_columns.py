@@ -31,7 +31,8 @@ def attributes_of(name: str) -> dict[str, Any]:
     """
     if name == "outcome":
         codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
-        codes |= {int(Code.ASTERN): f"{KINDS[Code.ASTERN]} by its {BEGINNING}", int(Code.PASSED): f"{KINDS[Code.PASSED]} by its {END}"}
+        for code, way in ((Code.ASTERN, BEGINNING), (Code.PASSED, END)):
+            codes[int(code)] = f"{KINDS[code]} by its {way}"
         meanings = " ".join(word.replace(" ", "_") for word in codes.values())
         return {"flag_values": list(codes), "flag_meanings": meanings}
     if name == "side":

@@ -116,7 +116,8 @@ class SimulatedShip:
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         gear = self.model.configuration.gear
         limits = {
-            "rudder_limit": gear.limit, "rudder_rate": gear.rate, "revolutions_limit": np.inf, "revolutions_rate": np.inf,
+            "rudder_limit": gear.limit, "rudder_rate": gear.rate, "revolutions_limit": np.inf,
+            "revolutions_rate": np.inf,
         }  # fmt: skip
         ship = {**self.model.configuration.values(), **self.model.coefficients}
         return {**limits, **ship, **angle_controls("rudder", rudder), "heave": 0.0, "surge_inertia": added}
@@ -150,5 +151,5 @@ def angle_controls(name: str, position: Number) -> dict[str, Number]:
 
 
 @lru_cache(maxsize=64)
-def _system(terms: TermTable, surge: str, coriolis: bool, choices: Choices) -> System:
+def _system(terms: TermTable, surge: Any, coriolis: bool, choices: Choices) -> System:
     return System(terms, surge, coriolis, choices)

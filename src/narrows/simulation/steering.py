@@ -10,7 +10,7 @@ from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
-from narrows.simulation.controllers import Asked, Controller, ControlLaw, Named
+from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named
 
 PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
 """What the lines call a law's numbers and its memory."""
@@ -103,13 +103,13 @@ def _law(
     return Law(tape, tuple(MEMORY(name) for name in kept), ordered)
 
 
-def _check_orders(
-    what: str, orders: Named, memory: Named, kept: Sequence[str], actuators: Sequence[Actuated]
-) -> None:
+def _check_orders(what: str, orders: Named, memory: Named, kept: Sequence[str], actuators: Sequence[Actuated]) -> None:
     known = [own.name for own in actuators]
     for name in orders:
         if name not in known:
             has = f"it has {', '.join(known)}" if known else "it has nothing to steer with"
             raise InputError(f"{what} gives orders to {name}, for which this model has no terms: {has}; add them")
     if set(memory) != set(kept):
-        raise InputError(f"{what} keeps {sorted(memory)} and began with {sorted(kept)}; return the same memory each step")
+        raise InputError(
+            f"{what} keeps {sorted(memory)} and began with {sorted(kept)}; return the same memory each step"
+        )

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.grid import Grid
+from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.progress import bar
 from narrows.simulation.store_folder import DONE, checksum, discard, is_done, opened, storing
 

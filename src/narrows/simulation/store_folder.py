@@ -14,8 +14,8 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError, reason
-from narrows.simulation.kernel_run import OUTPUTS
 from narrows.simulation.grid import Grid
+from narrows.simulation.kernel_run import OUTPUTS
 from narrows.simulation.output_columns import attributes_of, empty_of
 
 DONE = "block_checksum"

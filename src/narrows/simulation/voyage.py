@@ -169,7 +169,8 @@ def simulate(
     Raises
     ------
     InputError
-        Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no rudder.
+        Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
+        rudder.
     """
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder)
     times = None if at is None else check_times(at, duration)
@@ -252,20 +253,19 @@ class _Log:
     def voyage(self, at: list[float] | None, dt: float) -> Voyage:
         """The voyage at every step, or at times of one's own and at its end."""
         last = self.rows[-1]
-        all_rows, heading = self.rows, self._headings(self.rows)
-        if at is not None:
-            shown = self.march.dense(all_rows, [t for t in (0.0, *at) if t < last.t])
-            seen = sorted([*all_rows, *shown], key=lambda row: row.t)
-            turned = dict(zip((row.t for row in seen), self._headings(seen), strict=True))
-            all_rows = [*shown, last]
-            heading = np.array([turned[row.t] for row in all_rows])
-        columns = self._columns(all_rows) | {"psi": heading}
-        return Voyage(**columns, outcome=self._outcome(self._columns(self.rows) | {"psi": self._headings(self.rows)}, dt))
+        whole = [row for row in self.rows if row.whole]
+        shown = whole if at is None else [*self.march.dense(self.rows, [t for t in (0.0, *at) if t < last.t]), last]
+        seen = sorted({row.t: row for row in (*self.rows, *shown)}.values(), key=lambda row: row.t)
+        heading = dict(zip((row.t for row in seen), self._headings(seen), strict=True))
+        columns = self._columns(shown) | {"psi": np.array([heading[row.t] for row in shown])}
+        everything = self._columns(self.rows) | {"psi": self._headings(self.rows)}
+        return Voyage(**columns, outcome=self._outcome(everything, dt))
 
     def _headings(self, rows: list[Row]) -> np.ndarray:
         """Whole turns of the start are kept, and those of a turning circle counted."""
         cosine, sine = np.array([row.state[2:4] for row in rows]).T
-        return np.unwrap(np.arctan2(sine, cosine)) + (self.psi - math.atan2(math.sin(self.psi), math.cos(self.psi)))
+        turns = self.psi - math.atan2(math.sin(self.psi), math.cos(self.psi))
+        return np.asarray(np.unwrap(np.arctan2(sine, cosine)) + turns)
 
     def _columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
         kept = self.march.choices.kept
@@ -303,5 +303,3 @@ class _Log:
         if not error > COARSE * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)
-
-

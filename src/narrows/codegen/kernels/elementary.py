@@ -10,7 +10,7 @@ SINE_TERMS = 9
 ANGLE_TERMS = 12
 """Of the polynomial for arctan t/t up to an eighth of half a turn."""
 
-SIMPLE = '''
+SIMPLE = """
 @jit
 def minimum(a, b):
     return a if a < b else b
@@ -44,8 +44,8 @@ def power(base, exponent):
 @jit
 def entry(table, column, cell):
     return table[np.uint64(ROW * np.int64(cell) + column)]
-'''
-ANGLE = '''
+"""
+ANGLE = """
 @jit
 def angle(cosine, sine):
     a, b = abs(sine), abs(cosine)
@@ -58,7 +58,7 @@ def angle(cosine, sine):
     found = by + t * ({series})
     found = found if cosine >= real(0.0) else real({half_turn!r}) - found
     return found if sine >= real(0.0) else -found
-'''
+"""
 
 
 def elementary_text(body: str, precision: str) -> str:
@@ -97,7 +97,7 @@ def _angle_text() -> str:
 
     Its coefficients are those of the interpolation of arctan t/t in t squared at Chebyshev's points, in 50 digits.
     """
-    from mpmath import mp
+    from mpmath import mp  # type: ignore[import-untyped]
 
     with mp.workdps(50):
         top = mp.tan(mp.mpf(radians(22.51))) ** 2

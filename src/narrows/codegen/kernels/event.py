@@ -1,8 +1,8 @@
 """What becomes of a voyage when a step has closed a room or run out of sane numbers: one rule for every engine.
 
-A voyage in Python calls these functions as they stand; a kernel ends with their text. A step that went through a bank is
-gone back on and tried shorter, by the secant of the room; what was sane and clear is kept, and the next try starts from
-there. So a contact is located within the step, also where the suction grows without end towards it.
+A voyage in Python calls these functions as they stand; a kernel ends with their text. A step that went through a bank
+is gone back on and tried shorter, by the secant of the room; what was sane and clear is kept, and the next try starts
+from there. So a contact is located within the step, also where the suction grows without end towards it.
 """
 
 from typing import Any
@@ -14,8 +14,8 @@ Book = Any
 # the last, shorter step
 CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
-"""Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the numbers
-ran out."""
+"""Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
+numbers ran out."""
 MOST_TRIES, HALVE_EACH = 120, 8
 SHORTEST = 0.1
 
@@ -37,9 +37,7 @@ def last_step(book: Book) -> int:
     return ON
 
 
-def judge(
-    book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float
-) -> int:
+def judge(book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float) -> int:
     """Say what becomes of a voyage after a try, ``left`` of the planned steps being left."""
     tried = book[NEXT]
     if book[TRIES] == 0.0:

@@ -1,7 +1,7 @@
 """Newton's method for many steady courses, ship by ship: its text ends a generated module, below ``balance``.
 
-``balance(drift, angle, given)`` gives the accelerations in sway and yaw, and their slopes by drift over speed and by the
-rudder's angle. The search starts straight ahead with the rudder amidships and takes no long steps.
+``balance(drift, angle, given)`` gives the accelerations in sway and yaw, and their slopes by drift over speed and by
+the rudder's angle. The search starts straight ahead with the rudder amidships and takes no long steps.
 """
 
 from typing import TYPE_CHECKING, Any

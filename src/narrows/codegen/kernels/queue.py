@@ -1,8 +1,8 @@
 """The bookkeeping of a block of lanes: who sails in which, who has arrived, and where a hull met a bank.
 
-Never imported: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba keeps the
-whole as one file. A vessel is one lane's work until something ends its voyage; then the lane takes the next vessel of the
-queue. Locating a contact costs a few lane-steps beside its neighbours' whole ones.
+Never imported: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba
+keeps the whole as one file. A vessel is one lane's work until something ends its voyage; then the lane takes the next
+vessel of the queue. Locating a contact costs a few lane-steps beside its neighbours' whole ones.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,16 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from narrows.codegen.kernels.event import (
-        CLOSED, CLOCK, COUNT, FINISHED, LENGTH, LOST, NEXT, ON, BACK, PLACES, TRIES, begin, judge,
+        BACK,
+        CLOCK,
+        CLOSED,
+        COUNT,
+        FINISHED,
+        LOST,
+        NEXT,
+        TRIES,
+        begin,
+        judge,
     )  # fmt: skip
 
     Function = TypeVar("Function", bound=Callable[..., Any])
@@ -79,7 +88,14 @@ def cause_of(block: "Array", lane: int, shared: "Array", tolerance: float) -> in
 
 @called
 def attend(
-    block: "Array", lane: int, book: "Array", table: "Array", shared: "Array", track: "Array", outline: "Array", limits: "Array"
+    block: "Array",
+    lane: int,
+    book: "Array",
+    table: "Array",
+    shared: "Array",
+    track: "Array",
+    outline: "Array",
+    limits: "Array",
 ) -> int:
     """Say what becomes of a lane that a step has flagged: an outcome, or RUNNING with what comes next set up."""
     room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
@@ -96,7 +112,7 @@ def attend(
         return cause_of(block, lane, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
     if fate == FINISHED:
         return AFLOAT
-    if fate == LOST or fate == BACK:
+    if fate in (LOST, BACK):
         for field in range(KEPT):
             block[field * LANES + lane] = block[(OLD + field) * LANES + lane]
         block[ROOM * LANES + lane] = before
@@ -154,7 +170,8 @@ def unload_lane(
 
 @cached
 def sail(
-    start: "Array", times: "Array", own: "Array", table: "Array", shared: "Array", track: "Array", outline: "Array", limits: "Array",
+    start: "Array", times: "Array", own: "Array", table: "Array", shared: "Array", track: "Array", outline: "Array",
+    limits: "Array",
     end: "Array", time: "Array", codes: "Array", memory: "Array", book: "Array", who: "Array",
 ) -> int:  # fmt: skip
     """Sail every vessel to its end; return the lane-steps that it took."""

@@ -1,7 +1,8 @@
 """Lines as loops over lanes, which LLVM vectorises: a block of vessels, field after field in one flat array.
 
-That every field lies at a constant offset of ONE array is how LLVM proves that nothing aliases. Each round of the program
-is a loop of its own (one long loop is a longer chain than a processor looks ahead) and no loop branches on data.
+That every field lies at a constant offset of ONE array is how LLVM proves that nothing aliases. Each round of the
+program is a loop of its own (one long loop is a longer chain than a processor looks ahead) and no loop branches on
+data.
 """
 
 from collections.abc import Iterator, Sequence

@@ -15,7 +15,7 @@ LONGEST_PRODUCT = 4
 DIGITS = 20
 
 
-class Arithmetic(PythonCodePrinter):
+class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     """SymPy's printer of Python, with short powers as products and the functions of ``lines`` by their names.
 
     Parameters
