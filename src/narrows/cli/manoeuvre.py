@@ -33,4 +33,4 @@ def manoeuvre(
         from narrows.report.voyages import save_figure
 
         save_figure(manoeuvres_figure(found), plot)
-    print_json(found.summary()) if json else print_manoeuvres(found)
+    print_json(found.to_dict()) if json else print_manoeuvres(found)

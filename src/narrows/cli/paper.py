@@ -1,16 +1,13 @@
 """``reproduce``: the paper, ours beside its own."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
 from narrows.cli.app import app
 from narrows.cli.options import AsJson
 from narrows.cli.output import folder, print_json
-
-if TYPE_CHECKING:
-    pass
 
 
 @app.command(epilog="Example: narrows reproduce --out paper")
@@ -23,10 +20,14 @@ def reproduce(
 
     folder(out)
     numbers = write_reproduction(out / "report.html", lambda doing: typer.echo(f"{doing} ...", err=True))
+    summary = "\n".join(_said(reading) for reading in numbers["readings"])
     if json:
-        print_json(numbers)
+        print_json({**numbers, "summary": summary, "notes": []})
         return
-    for reading in numbers["readings"]:
-        where = "nowhere" if reading["switch"] is None else f"from y(0) = {reading['switch']:.2f} m"
-        typer.echo(f"grounds on the near bank {where}: {reading['name']}")
+    typer.echo(summary)
     typer.echo(f"wrote {out / 'report.html'}")
+
+
+def _said(reading: dict[str, Any]) -> str:
+    where = "nowhere" if reading["switch"] is None else f"from y(0) = {reading['switch']:.2f} m"
+    return f"grounds on the near bank {where}: {reading['name']}"

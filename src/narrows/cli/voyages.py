@@ -76,7 +76,7 @@ def simulate(
 
         save_figure(voyage_figure(voyage, chosen.configuration, course), plot)
     if json:
-        print_json(voyage.outcome.as_json())
+        print_json(voyage.outcome.to_dict())
     else:
         typer.echo(voyage.outcome.sentence)
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
@@ -151,5 +151,5 @@ def map_(
 
         save_figure(map_figure(voyages, chosen.configuration, within), plot)
     summary = map_summary(voyages)
-    print_json(summary) if json else typer.echo(summary["says"])
+    print_json(summary) if json else typer.echo(summary["summary"])
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))

@@ -28,7 +28,8 @@ def scaled_summary(old: Model, scaled: Scaled) -> dict[str, Any]:
             for name, value in scaled.model.coefficients.items()
         },
         "bis": nondimensional(scaled.model, "bis"),
-        "warnings": list(scaled.warnings),
+        "summary": _sentence(scaled),
+        "notes": list(scaled.warnings),
     }
 
 
@@ -51,6 +52,10 @@ def print_scaled(old: Model, scaled: Scaled) -> None:
         unit = old.terms[name].dimension.unit
         table.add_row(name, f"{old.coefficients[name]:.4g}", f"{value:.4g}", unit, f"{bare[name]:.4g}")
     console.print(table)
-    console.print(f"Lengths times {scaled.ratio:.4g}, speeds and times times {scaled.speed(1.0):.4g} (Froude).")
+    console.print(_sentence(scaled))
     for warning in scaled.warnings:
         console.print(f"- {warning}")
+
+
+def _sentence(scaled: Scaled) -> str:
+    return f"Lengths times {scaled.ratio:.4g}, speeds and times times {scaled.speed(1.0):.4g} (Froude)."

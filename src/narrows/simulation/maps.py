@@ -125,5 +125,5 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     )
     return {
         "voyages": int(outcome.size), "outcomes": count, "sides": sides, "nearest": near,
-        "complete": bool(voyages.attrs["complete"]), "says": f"{said}{nearest}{rest}.",
+        "complete": bool(voyages.attrs["complete"]), "summary": f"{said}{nearest}{rest}.", "notes": [],
     }  # fmt: skip

@@ -59,7 +59,7 @@ class Outcome:
         }[self.kind]
         return " ".join(filter(None, [said, *self.beyond, self.coarse]))
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The outcome as plain values, in the documented JSON shape."""
         return {
             "outcome": self.kind,
@@ -68,5 +68,6 @@ class Outcome:
             "distance": self.distance,
             "impact_speed": self.impact_speed,
             "state": self.state,
-            "says": self.sentence,
+            "summary": self.sentence,
+            "notes": list(filter(None, [*self.beyond, self.coarse])),
         }
