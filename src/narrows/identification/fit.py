@@ -221,7 +221,8 @@ class Fit:
         said = (f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",)
         depths = ("Terms that do not ask for the depth have one coefficient for all conditions of these tests.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
-        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * several)
+        bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
+        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * several, *bank)
 
     def summary(self) -> str:
         """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""

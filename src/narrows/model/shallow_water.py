@@ -1,26 +1,16 @@
 """A model of one depth taken to another: the few corrections there are, and what they leave out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.physics import shallow
-from narrows.quantities.names import Number, asked_by
+from narrows.quantities.names import asked_by
 from narrows.ship.particulars import Configuration
+from narrows.terms.about import DepthLaw
 
-FACTORS: Mapping[str, Callable[..., Number]] = {
-    "b_v": shallow.kijima_drift_force,
-    "b_uv": shallow.kijima_drift_force,
-    "c_v": shallow.kijima_drift_moment,
-    "c_uv": shallow.kijima_drift_moment,
-    "c_r": shallow.kijima_yaw_moment,
-    "c_ur": shallow.kijima_yaw_moment,
-}
-"""Which coefficient grows by which factor over deep water."""
-UNVERIFIED = ("c_v", "c_uv")
 SHALLOWEST = 1.5
 """h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2."""
 DEEP = 1e9
@@ -28,7 +18,7 @@ DEEP = 1e9
 
 
 @dataclass(frozen=True)
-class AtDepth:
+class DepthCorrected:
     """A model taken to another depth.
 
     Parameters
@@ -46,24 +36,23 @@ class AtDepth:
     warnings: tuple[str, ...]
 
 
-def factor_at(name: str, configuration: Configuration, depth: float) -> float:
+def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
     """Return the factor of a coefficient over deep water at a depth [1].
 
     Parameters
     ----------
-    name : str
-        One of ``FACTORS``.
+    law : DepthLaw
+        Of the coefficient's term.
     configuration : Configuration
         The ship.
     depth : float [m]
         Of the water.
     """
-    function = FACTORS[name]
     values = {**configuration.values(), "depth": depth}
-    return float(function(*[values[word] for word in asked_by(function)]))
+    return float(law.factor(*[values[word] for word in asked_by(law.factor)]))
 
 
-def at_depth(model: Model, depth: float) -> AtDepth:
+def at_depth(model: Model, depth: float) -> DepthCorrected:
     """Take a model to another depth by Kijima's corrections.
 
     Where the tests' own depth is not known they count as deep. Tests at the depth itself are better: the corrections
@@ -86,7 +75,9 @@ def at_depth(model: Model, depth: float) -> AtDepth:
         raise InputError(f"a depth of {depth} m leaves no water under a draft of {old.ship.draft} m; raise it")
     was = old.canal.depth or DEEP
     factors = {
-        name: factor_at(name, old, depth) / factor_at(name, old, was) for name in model.terms.names if name in FACTORS
+        term.name: factor_at(term.depth_law, old, depth) / factor_at(term.depth_law, old, was)
+        for term in model.terms.terms
+        if term.depth_law
     }
     grown = np.array([factors.get(name, 1.0) for name in model.terms.names])
     moved = replace(
@@ -97,18 +88,18 @@ def at_depth(model: Model, depth: float) -> AtDepth:
         data_range=replace(model.data_range, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
     )
-    return AtDepth(moved, factors, _warnings(model, factors, depth))
+    return DepthCorrected(moved, factors, _warnings(model, factors, depth))
 
 
 def _warnings(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
-    kept = [name for name in model.terms.names if name not in factors and name[0] != "a"]
+    kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
     said = [f"Left as they were: {', '.join(kept)}."]
-    unverified = [name for name in factors if name in UNVERIFIED]
+    unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
     if unverified:
         said.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
     if model.configuration.canal.depth is None:
         said.append("The depth of the tests is not known; they were taken as deep water.")
-    deeper = [term.name for term in model.terms.terms if "depth" in term.inputs]
+    deeper = [term.name for term in model.terms.terms if term.feels_depth]
     if deeper:
         said.append(f"The terms of {', '.join(deeper)} ask for the depth: tests at one depth do not determine them.")
     ratio = depth / model.configuration.ship.draft

@@ -20,13 +20,15 @@ from narrows.simulation.fleets import ensemble
 from narrows.simulation.maps import grounding_distance
 from narrows.simulation.modes import bank_stiffness, eigenvalues
 from narrows.simulation.voyage import Voyage, simulate
+from narrows.terms.canal_tables import PAPER
 
-PRINTED_SHARES = {
-    "a_udot": 0.0, "a_u": 0.0, "a_uu": 1.0,
-    "b_vdot": 0.239, "b_rdot": 0.002, "b_v": 0.087, "b_r": 0.243, "b_vv": 0.132, "b_rr": 0.015, "b_bank": 0.283,
-    "c_vdot": 0.040, "c_rdot": 0.255, "c_v": 0.235, "c_r": 0.128, "c_vv": 0.026, "c_rr": 0.248, "c_bank": 0.069,
-}  # fmt: skip
-"""Table (significance_test) of the paper."""
+SHARES = (
+    *(0.0, 0.0, 1.0),
+    *(0.239, 0.002, 0.087, 0.243, 0.132, 0.015, 0.283),
+    *(0.040, 0.255, 0.235, 0.128, 0.026, 0.248, 0.069),
+)
+PRINTED_SHARES = dict(zip(PAPER.names, SHARES, strict=True))
+"""Table (significance_test) of the paper, of surge, sway and yaw."""
 PRINTED_SWITCH = 2.0
 """Start [m] beyond which the paper's ship grounds on the near bank, "approximately"."""
 SURGE_FORCE, SURGE_MASS = 12.6, 300.0

@@ -55,7 +55,7 @@ class SimulatedShip:
     rudder: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.contact == OPEN and any(term.from_bank for term in self.model.terms.terms):
+        if self.contact == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
         if "revolutions" in self.model.terms.inputs and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
