@@ -6,7 +6,7 @@ from pathlib import Path
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.report.envelope_chart import envelope_chart
-from narrows.report.voyages import save_figure
+from narrows.report.voyage_figures import save_figure
 from narrows.terms.tables import table_named
 
 # Identify her with the terms of a rudder, from tests with the rudder turned too.

@@ -30,7 +30,7 @@ def scale(
     """
     from narrows.model.froude import Friction, scale_model
     from narrows.model.model_file import model_named, save_model
-    from narrows.report.scales import print_scaled, scaled_summary
+    from narrows.report.scale_table import print_scaled, scaled_summary
 
     friction = None
     if form_factor is None and not (wetted_surface is None and at_speed is None):

@@ -12,10 +12,13 @@ from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
 from narrows.model.model_file import published
-from narrows.report import banks, columns, motions, outcomes
+from narrows.report.bank_figures import delta_figure, delta_surface_figure
+from narrows.report.collinearity_figures import correlation_figure
+from narrows.report.fit_figures import forces_figure, shapley_figure
+from narrows.report.fit_page import figure, render
+from narrows.report.motion_figures import tests_figure
 from narrows.report.numbers import interval, readable
-from narrows.report.page import figure, render
-from narrows.report.voyages import distances_figure, paths_figure
+from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.simulation.fleets import ensemble
 from narrows.simulation.maps import grounding_distance
 from narrows.simulation.modes import bank_stiffness, eigenvalues
@@ -177,14 +180,12 @@ def _figures(fit: Fit, truth: Model, voyages: list[Voyage], readings: dict[str, 
     distances = {name: grounding_distance(voyages) for name, voyages in readings.items()}
     sides = {name: voyages["side"] for name, voyages in readings.items()}
     return {
-        "tests": figure(motions.tests_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
-        "delta": figure(
-            banks.delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."
-        ),
-        "surface": figure(banks.delta_surface_figure(configuration), "delta over offset and heading."),
-        "correlation": figure(columns.correlation_figure(fit), "Correlations between the columns, and rank."),
-        "forces": figure(outcomes.forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
-        "shapley": figure(outcomes.shapley_figure(fit), "Shapley shares under three value functions."),
+        "tests": figure(tests_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
+        "delta": figure(delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
+        "surface": figure(delta_surface_figure(configuration), "delta over offset and heading."),
+        "correlation": figure(correlation_figure(fit), "Correlations between the columns, and rank."),
+        "forces": figure(forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
+        "shapley": figure(shapley_figure(fit), "Shapley shares under three value functions."),
         "paths": figure(paths_figure(voyages, configuration), "Voyages from the starts of the table, hull corners."),
         "distance": figure(
             distances_figure(distances, sides, configuration), "Distance along the canal to the grounding."
