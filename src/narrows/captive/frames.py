@@ -95,7 +95,9 @@ def _parquet() -> Any:
     try:
         import pyarrow.parquet
     except ImportError:
-        raise InputError("Parquet needs pyarrow: install narrows with its extra, pip install 'narrows[parquet]'") from None
+        raise InputError(
+            "Parquet needs pyarrow: install narrows with its extra, pip install 'narrows[parquet]'"
+        ) from None
     return pyarrow.parquet
 
 
