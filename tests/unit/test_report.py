@@ -13,7 +13,7 @@ from narrows.report.collinearity_figures import correlation_figure, inflation_fi
 from narrows.report.fit_figures import forces_figure, intervals_figure, shapley_figure
 from narrows.report.fit_page import write_report
 from narrows.report.fit_table import print_fit
-from narrows.report.motion_figures import tests_figure
+from narrows.report.motion_figures import motions_figure
 
 pytestmark = pytest.mark.slow
 
@@ -44,7 +44,7 @@ def test_page_says_everything(page: str, kcs_fits: dict[int, nw.Fit]) -> None:
 def figures(fit: nw.Fit) -> list[Figure]:
     tests, configuration = fit.tests, fit.tests.configuration
     return [
-        tests_figure(tests), forces_figure(fit, tests), intervals_figure(fit),
+        motions_figure(tests), forces_figure(fit, tests), intervals_figure(fit),
         shapley_figure(fit), inflation_figure(fit), correlation_figure(fit),
         delta_figure(configuration, (0.0, 0.9)), delta_surface_figure(configuration),
     ]  # fmt: skip

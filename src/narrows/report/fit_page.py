@@ -17,7 +17,7 @@ from narrows.report.bank_figures import delta_figure, delta_surface_figure
 from narrows.report.collinearity_figures import correlation_figure, inflation_figure
 from narrows.report.fit_figures import forces_figure, intervals_figure, shapley_figure
 from narrows.report.fit_table import heading, kkt_sentence
-from narrows.report.motion_figures import tests_figure
+from narrows.report.motion_figures import motions_figure
 from narrows.report.numbers import interval, readable
 from narrows.report.style import svg
 from narrows.report.uncertainty_figures import influence_figure, profiles_figure
@@ -201,7 +201,7 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
     tests = fit.tests
     if isinstance(tests, CaptiveTests):
         measured = figure(forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
-        pictures = [measured, *pictures, figure(tests_figure(tests), "The tests: motions and forces.")]
+        pictures = [measured, *pictures, figure(motions_figure(tests), "The tests: motions and forces.")]
     return pictures
 
 

@@ -10,7 +10,7 @@ from narrows.report.bank_figures import delta_figure, delta_surface_figure
 from narrows.report.collinearity_figures import correlation_figure
 from narrows.report.fit_figures import forces_figure, shapley_figure
 from narrows.report.fit_page import figure, render
-from narrows.report.motion_figures import tests_figure
+from narrows.report.motion_figures import motions_figure
 from narrows.report.numbers import interval, readable
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.simulation.maps import grounding_distance
@@ -71,7 +71,7 @@ def _figures(found: Reproduction) -> dict[str, dict[str, str]]:
     distances = {name: grounding_distance(voyages) for name, voyages in found.readings.items()}
     sides = {name: voyages["side"] for name, voyages in found.readings.items()}
     made: dict[str, tuple[Any, str]] = {
-        "tests": (tests_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
+        "tests": (motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
         "delta": (delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
         "surface": (delta_surface_figure(configuration), "delta over offset and heading."),
         "correlation": (correlation_figure(fit), "Correlations between the columns, and rank."),
