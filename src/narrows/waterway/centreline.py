@@ -115,6 +115,11 @@ class Centreline:
         """How far along the line each of its points is [m]."""
         return self._samples[1][::SAMPLES_A_PIECE]
 
+    @property
+    def fine(self) -> np.ndarray:
+        """Places along the line, many between each two of its points [m]."""
+        return self._samples[1]
+
     def curvature(self, s: np.ndarray | float) -> np.ndarray:
         """Return how sharply the line turns to starboard [1/m]; beyond its ends as at them.
 
@@ -138,6 +143,31 @@ class Centreline:
         """
         rate = self._rate(self._from_distance(s))
         return np.asarray(np.arctan2(rate[..., 0], rate[..., 1]))
+
+    def frame(self, s: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions on the line, (..., 2): east and north [m], and unit vectors along it.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        t = self._from_distance(s)
+        rate = self._rate(t)
+        return self._spline(t), rate / np.linalg.norm(rate, axis=-1, keepdims=True)
+
+    def foot(self, s: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return where the line is square to the way to positions, from places near by: s, and n to starboard [m].
+
+        Parameters
+        ----------
+        s : array (n,) [m]
+            Along the line, near by.
+        positions : array (n, 2) [m]
+            East and north.
+        """
+        found, n, _ = self._placed(self._from_distance(s), positions)
+        return found, n
 
     def at(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> np.ndarray:
         """Return positions, (..., 2): east and north [m].
