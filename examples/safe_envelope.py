@@ -17,8 +17,8 @@ fit = nw.identify(tests, terms)
 
 # Her own size, in a canal; what does not scale is said.
 scaled = nw.scale_model(fit.model, length=230.0, density=1025.0, width=300.0, depth=16.2)
-for warning in scaled.warnings:
-    print("-", warning)
+for note in scaled.notes:
+    print("-", note)
 
 # Where is she safe, with a gust and what the tests leave uncertain?
 gust = nw.Disturbance(heading_deg=2.0, gust=nw.wind_force(speed=15.0, area=6000.0))

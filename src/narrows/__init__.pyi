@@ -22,10 +22,10 @@ from .manoeuvres import Turning as Turning
 from .manoeuvres import overshoots as overshoots
 from .manoeuvres import sail_trials as sail_trials
 from .manoeuvres import turning_circle as turning_circle
+from .model.data_range import DataRange as DataRange
 from .model.froude import Friction as Friction
 from .model.froude import Scaled as Scaled
 from .model.froude import scale_model as scale_model
-from .model.model import DataRange as DataRange
 from .model.model import Model as Model
 from .model.model import Source as Source
 from .model.model_file import load_model as load_model

@@ -173,7 +173,7 @@ def test_what_does_not_scale_is_said(dtc: nw.Model, changed: dict[str, float], s
         configuration=replace(dtc.configuration, canal=nw.Canal(7.0, depth)),
         data_range=nw.DataRange(speed=(0.5, 1.0), depth_to_draft=(depth / 0.163, depth / 0.163)),
     )
-    assert any(said in warning for warning in nw.scale_model(model, 355.0, **changed).warnings)
+    assert any(said in warning for warning in nw.scale_model(model, 355.0, **changed).notes)
 
 
 @pytest.mark.parametrize(

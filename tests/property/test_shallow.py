@@ -53,9 +53,9 @@ def test_there_and_back(dtc: nw.Model, there: float, back: float) -> None:
 def test_what_is_left_is_said(dtc: nw.Model) -> None:
     moved = nw.at_depth(dtc, 0.3)
     assert set(moved.factors) == {"b_v", "c_v", "c_r"}
-    assert "b_bank" in moved.warnings[0]
-    assert any("not verified" in said for said in moved.warnings)
-    assert any("taken as deep" in said for said in moved.warnings)
+    assert "b_bank" in moved.notes[0]
+    assert any("not verified" in said for said in moved.notes)
+    assert any("taken as deep" in said for said in moved.notes)
     assert moved.model.coefficients["b_bank"] == dtc.coefficients["b_bank"]
     with pytest.raises(nw.InputError, match="no water under"):
         nw.at_depth(dtc, 0.1)

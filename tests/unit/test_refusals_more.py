@@ -79,7 +79,7 @@ def test_the_command_line(words: tuple[str, ...], said: str, cli) -> None:
 
 def test_a_plain_depth_says_what_it_leaves(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
     fit = nw.identify(kcs_tests[100], "paper+distance_depth")
-    said = " ".join(nw.at_depth(fit.model, 0.246).warnings)
+    said = " ".join(nw.at_depth(fit.model, 0.246).notes)
     assert "tests at one depth do not determine them" in said
     assert "h/T = 1.20 is below 1.5" in said
 

@@ -27,7 +27,8 @@ from narrows.identification.uncertainty.clusters import Clusters
 from narrows.identification.uncertainty.interval import bounded_interval
 from narrows.identification.uncertainty.profile import Profile, profile
 from narrows.identification.uncertainty.unbounded_fit import UnboundedFit, unbounded_fit
-from narrows.model.model import DataRange, Model
+from narrows.model.data_range import DataRange
+from narrows.model.model import Model
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:

@@ -3,19 +3,23 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from math import log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.model.model import DataRange, Model, Range
-from narrows.model.nondimensional import Units
+from narrows.model.data_range import DataRange, Range
+from narrows.model.model import Model
+from narrows.model.nondimensional import Units, nondimensional
 from narrows.quantities.constants import GRAVITY
 from narrows.quantities.dimensions import KG, KG_M2, METRE, Dimension
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 from narrows.terms.about import ScaleEffect
 from narrows.terms.term import Term
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHIP = {"length": METRE, "beam": METRE, "draft": METRE, "mass": KG, "inertia": KG_M2, "x_g": METRE}
 ENVELOPE = {
@@ -28,11 +32,9 @@ ENVELOPE = {
 }
 LONGEST = 1e4
 """Length [m] that no ship has."""
-SLACK = 0.02
-"""Of a range of the data, by which a place may leave it without a word."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scaled:
     """A model at another scale, and what does not go with it.
 
@@ -40,15 +42,21 @@ class Scaled:
     ----------
     model : Model
         The model at the new scale.
+    original : Model
+        The model as it was.
     ratio : float [1]
         New length over old.
-    warnings : tuple of str
+    notes : tuple of str
         What does not scale, and where the new place leaves what the data covered.
     """
 
     model: Model
+    original: Model
     ratio: float
-    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Scaled model of {self.model.configuration.ship.name or 'a ship'}: {self.summary()}>"
 
     def speed(self, speed: float) -> float:
         """Return the speed at the new scale that has the Froude number of one at the old [m/s].
@@ -59,6 +67,31 @@ class Scaled:
             At the old scale.
         """
         return float(speed * self.ratio**0.5)
+
+    def summary(self) -> str:
+        """Say what lengths, speeds and times were multiplied by."""
+        return f"Lengths times {self.ratio:.4g}, speeds and times times {self.speed(1.0):.4g} (Froude)."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: what ``scale --json`` prints."""
+        old, terms = self.original.coefficients, self.original.terms
+        return {
+            "ratio": self.ratio,
+            "speed_ratio": self.speed(1.0),
+            "coefficients": {
+                name: {"old": old[name], "new": value, "unit": terms[name].dimension.unit}
+                for name, value in self.model.coefficients.items()
+            },
+            "bis": nondimensional(self.model, "bis"),
+            "summary": self.summary(),
+            "notes": list(self.notes),
+        }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, with old and new value and unit."""
+        import pandas as pd
+
+        return pd.DataFrame.from_dict(self.to_dict()["coefficients"], orient="index").rename_axis("coefficient")
 
 
 @dataclass(frozen=True)
@@ -151,7 +184,7 @@ def scale_model(
     configuration = Configuration(_scaled_ship(old.ship, units), canal, water, **_scaled_actuators(old, ratio))
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
-    said = (*_fixed_warnings(model, friction), *_place_warnings(model, configuration))
+    notes = (*_scale_notes(model, friction), *_place_notes(model, configuration))
     if friction:
         coefficients |= _with_friction(model, friction, configuration, coefficients)
     scaled = replace(
@@ -162,7 +195,7 @@ def scale_model(
         data_range=_scaled_range(model.data_range, units),
         source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
     )
-    return Scaled(scaled, ratio, said)
+    return Scaled(scaled, model, ratio, notes)
 
 
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
@@ -227,7 +260,7 @@ def _holding(model: Model, effect: ScaleEffect) -> list[str]:
     return [term.name for term in model.terms.terms if term.scale_effect is effect]
 
 
-def _fixed_warnings(model: Model, friction: Friction | None) -> tuple[str, ...]:
+def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
     said = []
     if (resisting := _holding(model, ScaleEffect.FRICTION)) and not friction:
         said.append(
@@ -252,12 +285,12 @@ def _fixed_warnings(model: Model, friction: Friction | None) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _place_warnings(model: Model, configuration: Configuration) -> tuple[str, ...]:
+def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     """Where the new canal leaves what the data covered, in ratios that do not depend on the scale."""
     said = []
     old, ship = model.configuration, configuration.ship
     wide, was = configuration.canal.width / ship.beam, old.canal.width / old.ship.beam
-    if abs(wide / was - 1) > SLACK:
+    if DataRange(width_to_beam=(was, was)).outside("width_to_beam", wide):
         said.append(f"W/B = {wide:.2f} is not that of the tests, {was:.2f}.")
     if configuration.canal.depth is None:
         return (*said, "The depth of the water is not given, so h/T and the depth Froude number are not known.")
@@ -265,7 +298,7 @@ def _place_warnings(model: Model, configuration: Configuration) -> tuple[str, ..
     ratio = configuration.canal.depth / ship.draft
     if not covered:
         said.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
-    elif not covered[0] * (1 - SLACK) <= ratio <= covered[1] * (1 + SLACK):
+    elif DataRange(depth_to_draft=covered).outside("depth_to_draft", ratio):
         said.append(f"h/T = {ratio:.2f} is outside the tests' {covered[0]:.2f} to {covered[1]:.2f}.")
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5

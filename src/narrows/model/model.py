@@ -11,42 +11,14 @@ from types import MappingProxyType
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
+from narrows.model.data_range import DataRange
 from narrows.quantities.names import AMIDSHIPS, Number
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.bank_forms import without_bank
 from narrows.terms.term import Term, TermTable
 
-Range = tuple[float, float]
 NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
-
-
-@dataclass(frozen=True)
-class DataRange:
-    """The ranges that the data covered; None where they did not say.
-
-    Parameters
-    ----------
-    speed : pair of float [m/s]
-        Surge velocity.
-    abs_y : pair of float [m]
-        Distance off the centreline.
-    abs_psi : pair of float [rad]
-        Size of the heading.
-    abs_r : pair of float [rad/s]
-        Size of the yaw rate.
-    depth_to_draft : pair of float [1]
-        h/T.
-    width_to_beam : pair of float [1]
-        W/B.
-    """
-
-    speed: Range | None = None
-    abs_y: Range | None = None
-    abs_psi: Range | None = None
-    abs_r: Range | None = None
-    depth_to_draft: Range | None = None
-    width_to_beam: Range | None = None
 
 
 @dataclass(frozen=True)

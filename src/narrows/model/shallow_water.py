@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ DEEP = 1e9
 """A depth [m] at which every factor is 1."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DepthCorrected:
     """A model taken to another depth.
 
@@ -27,13 +28,34 @@ class DepthCorrected:
         With the corrected coefficients and the new depth.
     factors : mapping of str to float [1]
         By which each corrected coefficient was multiplied.
-    warnings : tuple of str
+    notes : tuple of str
         What was not corrected, and what is not verified.
     """
 
     model: Model
     factors: Mapping[str, float]
-    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Model taken to another depth: {self.summary()}>"
+
+    def summary(self) -> str:
+        """Say what was multiplied by what."""
+        place = self.model.configuration
+        grown = ", ".join(f"{name} times {factor:.3g}" for name, factor in self.factors.items())
+        return (
+            f"Taken to h/T = {(place.canal.depth or DEEP) / place.ship.draft:.3g}: {grown or 'nothing was corrected'}."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {
+            "depth": self.model.configuration.canal.depth,
+            "factors": dict(self.factors),
+            "coefficients": dict(self.model.coefficients),
+            "summary": self.summary(),
+            "notes": list(self.notes),
+        }
 
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
@@ -88,10 +110,10 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
         data_range=replace(model.data_range, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
     )
-    return DepthCorrected(moved, factors, _warnings(model, factors, depth))
+    return DepthCorrected(moved, factors, _notes(model, factors, depth))
 
 
-def _warnings(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
+def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
     kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
     said = [f"Left as they were: {', '.join(kept)}."]
     unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
