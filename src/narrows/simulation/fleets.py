@@ -12,6 +12,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.fleet import KEPT, Fleet, Result
 from narrows.simulation.grid import Grid, grid_of
+from narrows.simulation.inputs import MOST_STEPS, check_precision, check_steps, check_vessels, check_workers
 from narrows.simulation.kept import attributes_of, empty_of
 from narrows.simulation.progress import bar
 from narrows.simulation.ship import Outline, SimulatedShip
@@ -75,7 +76,11 @@ def ensemble(
     InputError
         Where a name is unknown, a value does not fit, or a cluster has no store.
     """
+    duration, dt = check_steps(duration, dt, MOST_STEPS)
+    check_workers(workers)
+    check_precision(precision)
     grid = grid_of(model, vary, samples, seed)
+    check_vessels(grid.vessels, stored=store is not None)
     fleet = Fleet(SimulatedShip(model, surge, surge_inertia, coriolis, contact), duration, dt, precision)
     if store is not None:
         from narrows.simulation.store import run_into

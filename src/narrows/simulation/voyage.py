@@ -15,8 +15,8 @@ from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.simulation import outcome as end
 from narrows.simulation.course import Course, course_of
-from narrows.simulation.inputs import Schedule, Stretch, stretches
-from narrows.simulation.integrate import METHODS, Row, State
+from narrows.simulation.inputs import MOST_ROWS, Schedule, Stretch, check_steps, check_times, finite_numbers, stretches
+from narrows.simulation.integrate import METHODS, Rate, Row, State
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
 from narrows.simulation.ship import Outline, SimulatedShip
@@ -168,7 +168,9 @@ def simulate(
     """
     if method not in METHODS:
         raise InputError(f"method {method!r} is unknown{did_you_mean(method, METHODS)}")
-    _check_finite(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, duration=duration, dt=dt)
+    x, y, psi, u, v, r, rudder = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder).values()
+    output = None if at is None else check_times(at)
+    longest, dt = check_steps(output[-1] if output else duration, dt, MOST_ROWS)
     _check_helm(model, helm, method)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, rudder)
     if waterway is not None and not 0 <= x < waterway.line.length:
@@ -176,7 +178,8 @@ def simulate(
     course = course_of(ship, waterway)
     start = (x, y, math.cos(psi), math.sin(psi), u, v, r, rudder)
     _check_afloat(course, start)
-    times = _times(duration, dt, at)
+    _check_forces(course, start)
+    times = [0.0, *output] if output else _times(longest, dt)
     rows = _rows(course, start, times, stretches(X, Y, N, times[-1]), dt, method, helm)
     coarse = _coarse(course, rows, dt) if method == "rk4" else ""
     return _voyage(rows, ship, course, psi, times[-1], coarse)
@@ -193,7 +196,7 @@ def _rows(
     gear = course.ship.model.configuration.gear
     for push in pushes:
         own = [push.start, *(t for t in times if push.start < t < push.stop), push.stop]
-        rows += METHODS[method](steered(partial(course.rate, push.forces), helm, gear), rows[-1][1], own, gap, dt)
+        rows += METHODS[method](steered(partial(_rate, course, push.forces), helm, gear), rows[-1][1], own, gap, dt)
         if rows[-1][0] < push.stop:
             break
     wanted = {*times, rows[-1][0]}
@@ -246,13 +249,6 @@ def _check_helm(model: Model, helm: Helm | None, method: str) -> None:
         raise InputError(f"method {method!r} takes no orders from a helm; leave it at rk4")
 
 
-def _check_finite(**values: float) -> None:
-    for name, value in values.items():
-        if not np.isfinite(value) or (name in ("duration", "dt") and value <= 0):
-            what = "a positive, finite number" if name in ("duration", "dt") else "finite"
-            raise InputError(f"{name} = {value} must be {what}")
-
-
 def _check_afloat(course: Course, start: State) -> None:
     _, y, c, s, *_ = start
     if c <= course.widest:
@@ -262,11 +258,25 @@ def _check_afloat(course: Course, start: State) -> None:
         raise InputError(f"y = {y:g} m starts with the hull {-gap:.3g} m into the bank; start nearer the centreline")
 
 
-def _times(duration: float, dt: float, at: Sequence[float] | None) -> list[float]:
-    if at is None:
-        steps = max(1, math.ceil(duration / dt - 1e-9))
-        return [min(i * dt, duration) for i in range(steps + 1)]
-    times = [float(t) for t in at if t > 0]
-    if not times or sorted(set(times)) != times:
-        raise InputError("at: give rising output times after 0 s")
-    return [0.0, *times]
+def _check_forces(course: Course, start: State) -> None:
+    if not all(map(math.isfinite, _rate(course, (0.0, 0.0, 0.0), 0.0)(start))):
+        u, v, r = start[4:7]
+        raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
+
+
+def _rate(course: Course, forces: tuple[float, float, float], turning: float) -> Rate:
+    """The right-hand side, not a number where it divides by nothing or runs out of numbers."""
+    rate = course.rate(forces, turning)
+
+    def safe(state: State) -> State:
+        try:
+            return rate(state)
+        except ArithmeticError:
+            return (math.nan,) * len(state)
+
+    return safe
+
+
+def _times(duration: float, dt: float) -> list[float]:
+    steps = max(1, math.ceil(duration / dt - 1e-9))
+    return [min(i * dt, duration) for i in range(steps + 1)]
