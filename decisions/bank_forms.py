@@ -119,8 +119,8 @@ def text() -> str:
 
 def figure() -> None:
     """Draw the errors of the forms on tests left out."""
-    from narrows.report.trust import forms_figure
-    from narrows.report.voyages import save_figure
+    from narrows.report.uncertainty_figures import forms_figure
+    from narrows.report.voyage_figures import save_figure
 
     save_figure(forms_figure({label.partition(", terms")[0]: c for label, c in sets().items()}), DOCS / "banks.svg")
 

@@ -21,7 +21,7 @@ OVERSHOOTS = {"+10/10": (8.2, 21.9), "-10/10": (9.5, 15.0), "+20/20": (13.7, 14.
 
 def text() -> str:
     """Circles, then zigzags: computed, measured, the difference."""
-    found = nw.sail_trials(nw.published("yasukawa2015_kvlcc2"), APPROACH).summary()
+    found = nw.sail_trials(nw.published("yasukawa2015_kvlcc2"), APPROACH).to_dict()
     circles = []
     for order, measured in CIRCLES.items():
         for name, value in zip(("advance", "transfer", "tactical_diameter"), measured, strict=True):

@@ -6,7 +6,7 @@ from pathlib import Path
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.report.envelope_chart import envelope_chart
-from narrows.report.voyages import save_figure
+from narrows.report.voyage_figures import save_figure
 from narrows.terms.tables import table_named
 
 # Identify her with the terms of a rudder, from tests with the rudder turned too.
@@ -17,8 +17,8 @@ fit = nw.identify(tests, terms)
 
 # Her own size, in a canal; what does not scale is said.
 scaled = nw.scale_model(fit.model, length=230.0, density=1025.0, width=300.0, depth=16.2)
-for warning in scaled.warnings:
-    print("-", warning)
+for note in scaled.notes:
+    print("-", note)
 
 # Where is she safe, with a gust and what the tests leave uncertain?
 gust = nw.Disturbance(heading_deg=2.0, gust=nw.wind_force(speed=15.0, area=6000.0))

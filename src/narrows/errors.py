@@ -61,6 +61,8 @@ def shown(value: object) -> str:
     value : object
         As given.
     """
+    if isinstance(value, float):  # NumPy's among them, which would say of what kind they are
+        return float.__repr__(value)
     try:
         return _SHORT.repr(value)
     except ValueError:  # Python does not write out integers of more than 4300 digits.

@@ -7,7 +7,7 @@ import pytest
 
 import narrows as nw
 from narrows.physics.bank import cushion, suction
-from narrows.physics.clearance import delta, port_clearance, starboard_clearance, taper, tapered_delta
+from narrows.physics.clearance import delta, starboard_clearance, taper, tapered_delta
 
 W, B = 7.0, 0.572
 """The tank and the beam of the paper's experiments [m]."""
@@ -52,7 +52,7 @@ def test_delta_grows_without_bound_at_the_bank() -> None:
 def test_clearances_are_the_printed_ones() -> None:
     c = math.cos(math.radians(20))
     assert starboard_clearance(1.0, c, W, B) == pytest.approx(2.5 / c - B / 2, rel=1e-15)
-    assert port_clearance(1.0, c, W, B) == pytest.approx(4.5 / c - B / 2, rel=1e-15)
+    assert starboard_clearance(-1.0, c, W, B) == pytest.approx(4.5 / c - B / 2, rel=1e-15)
 
 
 @pytest.mark.parametrize(("y", "apart"), [(1.0, 0.245), (2.0, 0.330)])

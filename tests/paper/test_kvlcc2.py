@@ -82,7 +82,7 @@ class TestMeasured:
         return importlib.import_module("manoeuvres")
 
     def test_circles_within_a_tenth(self, measured) -> None:
-        found = nw.sail_trials(KVLCC2, APPROACH, zigzags=()).summary()["turning"]
+        found = nw.sail_trials(KVLCC2, APPROACH, zigzags=()).to_dict()["turning"]
         for order, (advance, transfer, diameter) in measured.CIRCLES.items():
             assert found[order]["transfer_over_length"] == pytest.approx(transfer, rel=0.16)
             assert found[order]["advance_over_length"] == pytest.approx(advance, rel=0.10)
@@ -91,7 +91,7 @@ class TestMeasured:
     def test_which_side_overshoots_more(self, measured) -> None:
         """Port first overshoots more at first, starboard first more in the second turn, in test and model."""
         found = {
-            order: own["overshoots_deg"] for order, own in nw.sail_trials(KVLCC2, APPROACH).summary()["zigzags"].items()
+            order: own["overshoots_deg"] for order, own in nw.sail_trials(KVLCC2, APPROACH).to_dict()["zigzags"].items()
         }
         for size in ("10/10", "20/20"):
             for own in (found, measured.OVERSHOOTS):

@@ -134,7 +134,7 @@ def test_a_geosim_by_froude_turns_the_same_circle() -> None:
     full = nw.scale_model(KVLCC2, 320.0, 1025.0).model
     ratio = 320.0 / 7.0
     small, large = (
-        nw.sail_trials(model, 1.179 * k**0.5, zigzags=(), dt=0.05 * k**0.5).summary()["turning"]["+35"]
+        nw.sail_trials(model, 1.179 * k**0.5, zigzags=(), dt=0.05 * k**0.5).to_dict()["turning"]["+35"]
         for model, k in ((KVLCC2, 1.0), (full, ratio))
     )
     assert large == pytest.approx(small, rel=1e-9)

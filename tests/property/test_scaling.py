@@ -140,6 +140,21 @@ def test_friction_goes_by_the_line_of_the_ittc(dtc: nw.Model) -> None:
     assert 0 < by_line < by_froude
 
 
+def test_friction_of_a_resistance_by_primes_is_the_same_friction() -> None:
+    """The line takes as many newtons off X of the MMG table as of one with a_uu of the same resistance."""
+    kvlcc2 = nw.published("yasukawa2015_kvlcc2")
+    ship = kvlcc2.configuration.ship
+    pressure = 0.5 * kvlcc2.configuration.water.density * ship.length * ship.draft
+    resistance = nw.TermTable("resistance", (nw.PAPER["a_uu"],), (), ())
+    plain = nw.Model(kvlcc2.configuration, resistance, {"a_uu": kvlcc2.coefficients["R_0"] * pressure})
+    friction = nw.Friction(14.0, 0.2, 1.179)
+    primes, other = (nw.scale_model(model, 320.0, 1025.0, friction=friction).model for model in (kvlcc2, plain))
+    straight = nw.Motion(u=8.0)
+    large = 0.5 * 1025.0 * 320.0 * primes.configuration.ship.draft
+    assert primes.coefficients["R_0"] * large * 64.0 == pytest.approx(-other.forces(straight)["X"], rel=1e-12)
+    assert primes.coefficients["R_0"] < kvlcc2.coefficients["R_0"]
+
+
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
@@ -158,7 +173,7 @@ def test_what_does_not_scale_is_said(dtc: nw.Model, changed: dict[str, float], s
         configuration=replace(dtc.configuration, canal=nw.Canal(7.0, depth)),
         data_range=nw.DataRange(speed=(0.5, 1.0), depth_to_draft=(depth / 0.163, depth / 0.163)),
     )
-    assert any(said in warning for warning in nw.scale_model(model, 355.0, **changed).warnings)
+    assert any(said in warning for warning in nw.scale_model(model, 355.0, **changed).notes)
 
 
 @pytest.mark.parametrize(

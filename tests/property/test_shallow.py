@@ -8,7 +8,8 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.model.shallow_water import FACTORS, factor_at
+from narrows.model.shallow_water import factor_at
+from narrows.terms.about import DepthLaw
 
 
 def at(model: nw.Model, depth: float | None) -> nw.Model:
@@ -17,10 +18,18 @@ def at(model: nw.Model, depth: float | None) -> nw.Model:
     )
 
 
-@pytest.mark.parametrize("name", FACTORS)
-def test_deep_water_changes_nothing_and_shallow_water_everything(name: str, dtc: nw.Model) -> None:
+LAWS = {term.name: term.depth_law for term in (*nw.MIXED.terms, *nw.CROSSFLOW.terms) if term.depth_law}
+
+
+def test_kijimas_factors_go_with_drift_and_turning() -> None:
+    assert set(LAWS) == {"b_v", "b_uv", "c_v", "c_uv", "c_r", "c_ur"}
+    assert {name for name, law in LAWS.items() if not law.verified} == {"c_v", "c_uv"}
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_deep_water_changes_nothing_and_shallow_water_everything(law: DepthLaw, dtc: nw.Model) -> None:
     draft = dtc.configuration.ship.draft
-    factors = [factor_at(name, dtc.configuration, ratio * draft) for ratio in (1e6, 10, 3, 2, 1.5, 1.2)]
+    factors = [factor_at(law, dtc.configuration, ratio * draft) for ratio in (1e6, 10, 3, 2, 1.5, 1.2)]
     assert factors[0] == pytest.approx(1.0, abs=1e-5)
     assert np.all(np.diff(factors[2:]) > 0)
     assert factors[-1] > 1.5
@@ -29,7 +38,7 @@ def test_deep_water_changes_nothing_and_shallow_water_everything(name: str, dtc:
 def test_by_hand(dtc: nw.Model) -> None:
     ship = dtc.configuration.ship
     power = 0.40 * ship.block_coefficient * ship.beam / ship.draft
-    assert factor_at("b_v", dtc.configuration, 2 * ship.draft) == pytest.approx(2**power - 0.5, rel=1e-12)
+    assert factor_at(LAWS["b_v"], dtc.configuration, 2 * ship.draft) == pytest.approx(2**power - 0.5, rel=1e-12)
 
 
 @given(there=numbers(0.2, 3.0), back=numbers(0.2, 3.0))
@@ -44,9 +53,9 @@ def test_there_and_back(dtc: nw.Model, there: float, back: float) -> None:
 def test_what_is_left_is_said(dtc: nw.Model) -> None:
     moved = nw.at_depth(dtc, 0.3)
     assert set(moved.factors) == {"b_v", "c_v", "c_r"}
-    assert "b_bank" in moved.warnings[0]
-    assert any("not verified" in said for said in moved.warnings)
-    assert any("taken as deep" in said for said in moved.warnings)
+    assert "b_bank" in moved.notes[0]
+    assert any("not verified" in said for said in moved.notes)
+    assert any("taken as deep" in said for said in moved.notes)
     assert moved.model.coefficients["b_bank"] == dtc.coefficients["b_bank"]
     with pytest.raises(nw.InputError, match="no water under"):
         nw.at_depth(dtc, 0.1)

@@ -53,7 +53,7 @@ def test_the_choice_gives_what_was_asked_for(gives: str) -> None:
     assert nw.SQUAT[found.formula].gives == found.gives == gives
     assert found.sinkage > 0
     unverified = nw.SQUAT[found.formula].status.startswith("from memory")
-    assert any("not verified" in said for said in found.warnings) == unverified
+    assert any("not verified" in said for said in found.notes) == unverified
 
 
 def test_a_formula_that_holds_goes_first() -> None:
@@ -61,12 +61,12 @@ def test_a_formula_that_holds_goes_first() -> None:
     assert nw.squat(wide, 4.0, "bow").formula == "huuska"
     full = nw.Configuration(nw.Ship(320.0, 58.0, 20.8, 0.82), nw.Canal(4000.0, 30.0))
     assert nw.squat(full, 4.0, "bow").formula == "icorels"
-    assert nw.squat(full, 4.0, "bow").warnings == ()
+    assert nw.squat(full, 4.0, "bow").notes == ()
 
 
 def test_outside_its_limits_is_said() -> None:
     deep = nw.Configuration(DTC.ship, nw.Canal(205.0, 40.0))
-    said = nw.squat(deep, 4.0, "largest").warnings
+    said = nw.squat(deep, 4.0, "largest").notes
     assert any(text.startswith("depth to draft 2.76 is outside 1.1 to 1.4") for text in said)
 
 

@@ -58,6 +58,70 @@ def test_a_circle_by_hand(radius: float, share: float, n: float) -> None:
     assert float(circle(radius, to_starboard=False).curvature(s)) == pytest.approx(-1 / radius, rel=2e-3)
 
 
+@given(radius=numbers(300, 5000), sign=st.sampled_from((-1, 1)), count=st.integers(7, 60), angle=numbers(0.3, 1.7))
+def test_a_bend_keeps_its_curvature_to_its_ends(radius: float, sign: int, count: int, angle: float) -> None:
+    """A circle by its points, to the errors that the docstring states."""
+    turned = np.linspace(0, angle, count)
+    line = Centreline(radius * np.stack([sign * (1 - np.cos(turned)), np.sin(turned)], axis=1))
+    s, apart = np.linspace(0, line.length, 500), angle / (count - 1)
+    off = np.abs(sign * radius * line.curvature(s) - 1)
+    inside = (s > 2 * apart * radius) & (s < line.length - 2 * apart * radius)
+    assert off.max() < 0.71 * apart**2
+    assert off[inside].max() < 0.14 * apart**2
+    np.testing.assert_allclose(line.heading(s), sign * s / radius, atol=0.2 * apart**3)
+    assert line.length == pytest.approx(radius * angle, rel=0.01 * apart**4)
+
+
+def clothoid(count: int, length: float, sharpest: float) -> np.ndarray:
+    """Points of a line whose curvature grows evenly from nothing, by Gauss and Legendre between them."""
+    s = np.linspace(0, length, count)
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    between = (s[1:] + s[:-1])[:, None] / 2 + np.diff(s)[:, None] / 2 * nodes
+    heading = sharpest * between**2 / (2 * length)
+    steps = [np.diff(s) / 2 * (f(heading) @ weights) for f in (np.sin, np.cos)]
+    return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=1).T])
+
+
+@given(sharpest=numbers(-1 / 1150, 1 / 1150), count=st.integers(10, 40))
+def test_a_clothoid_keeps_its_curvature_to_its_ends(sharpest: float, count: int) -> None:
+    """Two lengths of a ship of 230 m into a bend of five, by points every 12 to 50 m."""
+    line = Centreline(clothoid(count, 460.0, sharpest))
+    s = np.linspace(0, 460.0, 300)
+    np.testing.assert_allclose(line.curvature(s), sharpest * s / 460, atol=1e-3 / 1150)
+    np.testing.assert_allclose(line.heading(s), sharpest * s**2 / 920, atol=1e-5)
+    assert line.length == pytest.approx(460.0, abs=1e-4)
+
+
+def test_few_points_make_a_line() -> None:
+    """Two a straight one, three a parabola through them."""
+    straight = Centreline(np.array([[0.0, 0.0], [300.0, 400.0]]))
+    np.testing.assert_array_equal(straight.curvature(np.linspace(-10, 510, 14)), 0.0)
+    assert straight.length == pytest.approx(500.0, rel=1e-15)
+    points = np.array([[0.0, 0.0], [10.0, 100.0], [40.0, 195.0]])
+    bent = Centreline(points)
+    np.testing.assert_allclose(bent.at(bent.stations), points, atol=1e-9)
+    np.testing.assert_allclose(bent.curvature(np.linspace(0, bent.length, 5)), 1 / 500, rtol=0.05)
+
+
+@given(out=numbers(0, 400), n=numbers(-90, 90), first=st.booleans())
+def test_a_bend_goes_straight_on_beyond_its_ends(out: float, n: float, first: bool) -> None:
+    line = circle(1000.0)
+    end, sign = (0.0, -1.0) if first else (line.length, 1.0)
+    along = np.array([np.sin(line.heading(end)), np.cos(line.heading(end))])
+    there = line.at(end) + sign * out * along + n * np.array([along[1], -along[0]])
+    np.testing.assert_allclose(line.at(end + sign * out, n), there, atol=1e-7)
+    np.testing.assert_allclose(line.place(there), (end + sign * out, n), atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [[["a", 1], [2, 3]], [[0, 0], [1, 10**400]], [[0.0, 0.0], [1e308, 0.0]], [[0, 0], [float("nan"), 1]], [1, 2], None],
+)
+def test_a_line_of_anything_else_is_refused(points: object) -> None:
+    with pytest.raises(nw.InputError, match="centreline"):
+        Centreline(points)
+
+
 @given(heading=numbers(-3, 3), s=numbers(-50, 550), n=numbers(-90, 90))
 def test_a_straight_line_goes_on_beyond_its_ends(heading: float, s: float, n: float) -> None:
     way = nw.straight_waterway(nw.Canal(200.0), 500.0, heading)

@@ -28,7 +28,10 @@ def odd_shapes(y, cos_psi, v, r, width, draft, heave):
 OWN = nw.PAPER.with_terms(
     "own",
     surge=[nw.Term("a_vr", "a_{vr}", lambda v, r: v * r, dim.KG)],
-    sway=[nw.Term("b_uv", "b_{uv}", cross_flow, dim.KG_PER_M), nw.Term("b_|odd|", "b_o", odd_shapes, dim.NUMBER)],
+    sway=[
+        nw.Term("b_uv", "b_{uv}", cross_flow, dim.KG_PER_M),
+        nw.Term("b_|odd|", "b_o", odd_shapes, dim.NUMBER, kind=nw.TermKind.BANK),
+    ],
 )
 TABLES = {table.name: table for table in (nw.PAPER, nw.TAPERED, OWN)}
 EXTRA = {"a_udot": 20.0, "a_u": 3.0, "a_vr": 40.0, "b_uv": 60.0, "b_|odd|": 900.0}

@@ -115,13 +115,15 @@ def test_what_an_editor_shows_is_what_holds() -> None:
 
 
 def refuses(thing: Any) -> bool:
-    """Whether the code itself raises InputError; of a class, its check when made."""
+    """Whether the code itself raises InputError, or calls a check that does; of a class, its check when made."""
     code = vars(thing).get("__post_init__") if inspect.isclass(thing) else thing
     if code is None:
         return False
     tree = ast.parse(textwrap.dedent(inspect.getsource(code)))
     raised = [node.exc for node in ast.walk(tree) if isinstance(node, ast.Raise) and node.exc is not None]
-    return any(isinstance(own, ast.Call) and getattr(own.func, "id", "") == "InputError" for own in raised)
+    called = [getattr(node.func, "id", "") for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    said = any(isinstance(own, ast.Call) and getattr(own.func, "id", "") == "InputError" for own in raised)
+    return said or any(name.startswith("check_") for name in called)
 
 
 def test_some_code_refuses() -> None:

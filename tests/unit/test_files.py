@@ -16,9 +16,9 @@ import pytest
 
 import narrows as nw
 from narrows.files import is_stream, write_whole
-from narrows.report.page import write_report
-from narrows.report.plans import write_plan
-from narrows.report.voyages import save_figure, voyage_figure
+from narrows.report.fit_page import write_report
+from narrows.report.plan_table import write_plan
+from narrows.report.voyage_figures import save_figure, voyage_figure
 from tables import short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")

@@ -1,5 +1,7 @@
 """Forms of the bank term: limits that tie them together, symmetries, and the tables that take them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,7 +10,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.physics import clearance
 from narrows.ship.cross_section import equivalent_wall
-from narrows.terms.tables import table_named
+from narrows.terms.tables import BASES, table_named
 
 PLACE = {"cos_psi": 1.0, "width": 7.0, "beam": 0.572, "draft": 0.163, "depth": 0.4, "u": 1.0}
 OFFSETS = st.floats(-2.8, 2.8)
@@ -61,21 +63,60 @@ def test_tucks_form_is_the_bank_distance_at_low_speed_and_grows_to_the_critical(
     assert growth[1] == pytest.approx(1 / np.sqrt(1 - 1 / (9.81 * 0.4)), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["paper+tuck", "speed+distance_depth", "crossflow+keel_gap", "mixed", "tapered"])
+NAMES = [
+    base + form + helm
+    for base in BASES
+    for form in ("", *(f"+{form}" for form in nw.FORMS), "+open_water")
+    for helm in ("", "+helm")
+    if not (helm and any(term.kind is nw.TermKind.RUDDER for term in BASES[base].terms))
+]
+
+
+@pytest.mark.parametrize("name", [*NAMES, "tapered", "paper+helm+tuck"])
 def test_named_tables_go_into_model_files_and_back(name: str, dtc: nw.Model, tmp_path) -> None:
     table = table_named(name)
-    configuration = nw.Configuration(dtc.configuration.ship, nw.Canal(7.0, 0.4))
+    kvlcc2 = nw.published("yasukawa2015_kvlcc2").configuration
+    ship = replace(dtc.configuration.ship, mass=245.0, inertia=243.0, x_g=-0.04, flow_straightening=0.5)
+    configuration = nw.Configuration(ship, nw.Canal(7.0, 0.4), propeller=kvlcc2.propeller, rudder=kvlcc2.rudder)
     model = nw.Model(configuration, table, {own: 0.1 + i for i, own in enumerate(table.names)})
     nw.save_model(model, tmp_path / "m.toml")
     again = nw.load_model(tmp_path / "m.toml")
     assert again.terms == table
     motion = nw.Motion.at(y=1.0, psi=0.1, u=1.0, v=0.1, r=0.02)
     assert again.forces(motion) == model.forces(motion)
+    assert table.feels_bank == ("open_water" not in name and name != "mmg")
+
+
+def test_a_model_that_feels_no_bank_says_so(dtc: nw.Model, short: nw.CaptiveTests) -> None:
+    assert dtc.feels_bank
+    assert dtc.bank_note == ""
+    silent = dtc.with_coefficients(b_bank=0.0, c_bank=0.0)
+    assert "coefficients of the bank are 0" in silent.bank_note
+    assert not silent.feels_bank
+    assert "'paper+open_water' feel no bank" in dtc.in_open_water().bank_note
+    assert "'mmg' feel no bank" in nw.published("yasukawa2015_kvlcc2").bank_note
+    assert table_named("paper+open_water").bank_note in nw.identify(short, table_named("paper+open_water")).notes
+    assert not any("feel no bank" in note for note in nw.identify(short).notes)
+
+
+def test_bank_terms_are_called_as_the_tables_others() -> None:
+    assert {"Y_bank", "N_bank"} < set(table_named("mmg+delta").names)
+    assert {"Y_bank_depth", "N_bank_depth"} < set(table_named("mmg+delta_depth").names)
+    assert table_named("mmg+delta").without("mmg", lambda term: term.from_bank) == nw.MMG
+    assert nw.with_bank(nw.TAPERED, "tuck") == table_named("paper+tuck")
 
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("paper+tcuk", "did you mean 'tuck'"), ("papr", "did you mean 'paper'"), ("tapered+tuck", "'tapered'")],
+    [
+        ("paper+tcuk", "did you mean 'tuck'"),
+        ("papr", "did you mean 'paper'"),
+        ("tapered+tuck", "'tapered\\+tuck' have two forms"),
+        ("paper+delta+open_water", "two forms"),
+        ("mmg+helm", "'mmg' have a rudder"),
+        ("steered+tuck+helm", "have a rudder"),
+        ("paper+helm+helm", "have a rudder"),
+    ],
 )
 def test_unknown_tables_are_refused(name: str, said: str) -> None:
     with pytest.raises(nw.InputError, match=said):

@@ -1,5 +1,6 @@
 """Readers: the same rows whatever the file, the unit or the layout."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,16 @@ def test_csv_and_parquet(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path
     found = nw.read_captive(written(frame_of(short), tmp_path / f"t{suffix}"), ship_file)
     same(found, short)
     assert len(found.source.sha256) == 64
+
+
+@pytest.mark.parametrize("read", [nw.read_captive, lambda *paths: nw.stream_captive(*paths).names])
+def test_without_the_extra_it_says_which(
+    short: nw.CaptiveTests, ship_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, read
+) -> None:
+    path = written(frame_of(short), tmp_path / "t.parquet")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(nw.InputError, match=r"t.parquet: Parquet needs pyarrow: .* pip install 'narrows\[parquet\]'"):
+        read(path, ship_file)
 
 
 @pytest.mark.parametrize("as_struct", [True, False])

@@ -20,7 +20,7 @@ DTC = nw.published("mikkelsen2025_dtc")
         (lambda: nw.nondimensional(DTC, "prime1", np.inf), "positive one"),
         (lambda: nw.identify(short_twin()).influence.most_moving("b_bnk"), "did you mean 'b_bank'"),
         (lambda: nw.ensemble(DTC, samples=-1), "from 0"),
-        (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "wider than the canal"),
+        (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "does not fit in"),
         (lambda: nw.scale_model(DTC, 1e200), "is none"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
         (lambda: nw.scale_model(DTC, 355.0, friction=nw.Friction(400.0, 0.1, 1.0)), "more than the whole of a_uu"),
@@ -79,7 +79,7 @@ def test_the_command_line(words: tuple[str, ...], said: str, cli) -> None:
 
 def test_a_plain_depth_says_what_it_leaves(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
     fit = nw.identify(kcs_tests[100], "paper+distance_depth")
-    said = " ".join(nw.at_depth(fit.model, 0.246).warnings)
+    said = " ".join(nw.at_depth(fit.model, 0.246).notes)
     assert "tests at one depth do not determine them" in said
     assert "h/T = 1.20 is below 1.5" in said
 

@@ -8,9 +8,12 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 import narrows as nw
-from narrows.report import banks, columns, motions, outcomes
-from narrows.report.page import write_report
-from narrows.report.terminal import print_fit
+from narrows.report.bank_figures import delta_figure, delta_surface_figure
+from narrows.report.collinearity_figures import correlation_figure, inflation_figure
+from narrows.report.fit_figures import forces_figure, intervals_figure, shapley_figure
+from narrows.report.fit_page import write_report
+from narrows.report.fit_table import print_fit
+from narrows.report.motion_figures import motions_figure
 
 pytestmark = pytest.mark.slow
 
@@ -41,9 +44,9 @@ def test_page_says_everything(page: str, kcs_fits: dict[int, nw.Fit]) -> None:
 def figures(fit: nw.Fit) -> list[Figure]:
     tests, configuration = fit.tests, fit.tests.configuration
     return [
-        motions.tests_figure(tests), outcomes.forces_figure(fit, tests), outcomes.intervals_figure(fit),
-        outcomes.shapley_figure(fit), columns.inflation_figure(fit), columns.correlation_figure(fit),
-        banks.delta_figure(configuration, (0.0, 0.9)), banks.delta_surface_figure(configuration),
+        motions_figure(tests), forces_figure(fit, tests), intervals_figure(fit),
+        shapley_figure(fit), inflation_figure(fit), correlation_figure(fit),
+        delta_figure(configuration, (0.0, 0.9)), delta_surface_figure(configuration),
     ]  # fmt: skip
 
 

@@ -7,7 +7,8 @@ import pytest
 
 import narrows as nw
 from narrows.simulation.steering import turning_rate
-from narrows.terms.tables import HELM, with_helm
+from narrows.terms.about import TermKind
+from narrows.terms.tables import with_helm
 
 COEFFICIENTS = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
 
@@ -136,7 +137,7 @@ def test_borrowed_errors_stay_with_their_coefficients(dtc: nw.Model) -> None:
     own = nw.borrow_rudder(hull, replace(lender, covariance=errors))
     assert own.covariance is not None
     for place, name in enumerate(own.terms.names):
-        rudder = any(name == term.name for terms in HELM.values() for term in terms)
+        rudder = own.terms[name].kind == TermKind.RUDDER
         assert own.covariance[place, place] == (errors[names.index(name), names.index(name)] if rudder else 7.0)
 
 

@@ -93,6 +93,27 @@ def test_a_regressor_that_is_not_finite_is_refused(short: nw.CaptiveTests) -> No
         nw.identify(short, table)
 
 
+def test_what_asks_where_the_banks_are_is_of_the_bank() -> None:
+    """Open water, the bank's share of a force and the notes rest on the kind: a term cannot slip past them."""
+
+    def blockage(u, width):
+        return -u * abs(u) / width
+
+    with pytest.raises(nw.InputError, match=r"term a_b: it asks for the canal's width; give it kind=TermKind\.BANK"):
+        nw.Term("a_b", "a_b", blockage, nw.Dimension(1, 0))
+    assert nw.Term("a_b", "a_b", blockage, nw.Dimension(1, 0), kind=nw.TermKind.BANK).from_bank
+
+
+@pytest.mark.parametrize(
+    "term", dict.fromkeys((*nw.CROSSFLOW.terms, *nw.MIXED.terms, *nw.MMG.terms)), ids=lambda t: t.name
+)
+def test_every_row_says_what_it_is_and_where_from(term: nw.Term) -> None:
+    assert term.kind is not nw.TermKind.OTHER
+    assert "(" in term.source
+    inertial = {"udot", "vdot", "rdot"} & set(term.inputs)
+    assert (term.kind is nw.TermKind.INERTIA) == bool(inertial or term.name in ("X_my", "Y_mx"))
+
+
 @pytest.mark.parametrize(
     ("make", "word"),
     [

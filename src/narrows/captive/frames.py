@@ -57,10 +57,8 @@ def _csv_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
 
 
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
-    import pyarrow.parquet as parquet
-
     first = 0
-    with parquet.ParquetFile(path) as file:
+    with _parquet().ParquetFile(path) as file:
         for batch in file.iter_batches(batch_size=rows):
             frame = batch.to_pandas(ignore_metadata=True)
             frame.index = range(first, first + len(frame))
@@ -82,6 +80,8 @@ def _guarded(path: Path, read: Any) -> Any:
         raise InputError(f"{path}: there is no such file; check the path") from None
     except pd.errors.EmptyDataError:
         raise InputError(f"{path}: the table is empty; give a header and rows") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     except (OSError, ValueError, NotImplementedError, TypeError) as error:
         reason = str(error).partition("\n")[0] or type(error).__name__
         raise InputError(f"{path}: is not a readable {path.suffix[1:]} table ({reason}); export it again") from None
@@ -91,11 +91,19 @@ def _read_csv(path: Path) -> pd.DataFrame:
     return pd.read_csv(path, low_memory=False)
 
 
+def _parquet() -> Any:
+    try:
+        import pyarrow.parquet
+    except ImportError:
+        raise InputError(
+            "Parquet needs pyarrow: install narrows with its extra, pip install 'narrows[parquet]'"
+        ) from None
+    return pyarrow.parquet
+
+
 def _read_parquet(path: Path) -> pd.DataFrame:
     """A column that pandas saved as its index is a column like any other."""
-    import pyarrow.parquet as parquet
-
-    frame: pd.DataFrame = parquet.read_table(path).to_pandas(ignore_metadata=True)
+    frame: pd.DataFrame = _parquet().read_table(path).to_pandas(ignore_metadata=True)
     return frame
 
 

@@ -17,7 +17,7 @@ from narrows.model.model import Source
 from narrows.quantities.names import CONTROLS, MOTION
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import read_ship
-from narrows.terms.tables import PAPER
+from narrows.terms.canal_tables import PAPER
 from narrows.terms.term import TermTable
 
 

@@ -1,6 +1,6 @@
 """The command line: one thin command a verb, a file for those that belong together."""
 
-from narrows.cli import envelope, fits, manoeuvre, paper, plans, scale, voyages, waterway
+from narrows.cli import envelopes, fits, manoeuvre, plans, reproduce, scale, voyages, waterways
 from narrows.cli.app import app, main
 
-__all__ = ["app", "envelope", "fits", "main", "manoeuvre", "paper", "plans", "scale", "voyages", "waterway"]
+__all__ = ["app", "envelopes", "fits", "main", "manoeuvre", "plans", "reproduce", "scale", "voyages", "waterways"]

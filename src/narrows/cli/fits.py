@@ -82,7 +82,7 @@ def explain(
     from narrows.identification import explain as explained
     from narrows.identification.conditions import the_condition
     from narrows.model.model_file import model_named
-    from narrows.report.explanation import print_explanation, write_explanation
+    from narrows.report.explanation_report import print_explanation, write_explanation
 
     chosen = model_named(model)
     tests = the_condition(read_captive(table, ship or chosen.configuration, chosen.terms, where), condition)
@@ -122,7 +122,7 @@ def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Pat
             save_model(fit.model, path)
             written.append(path)
     if report:
-        from narrows.report.page import write_report
+        from narrows.report.fit_page import write_report
 
         write_report(fits, report, title)
         written.append(report)
@@ -138,7 +138,7 @@ def _show(fits: dict[str, "Fit"], json: bool) -> None:
         shown = {label: fit.to_dict() for label, fit in fits.items()}
         print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
         return
-    from narrows.report.terminal import print_fit
+    from narrows.report.fit_table import print_fit
 
     for label, fit in fits.items():
         print_fit(fit, label)

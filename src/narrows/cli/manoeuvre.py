@@ -26,11 +26,11 @@ def manoeuvre(
     """
     from narrows.manoeuvres.manoeuvring_trials import parse_zigzags, sail_trials
     from narrows.model.model_file import model_named
-    from narrows.report.manoeuvres import manoeuvres_figure, print_manoeuvres
+    from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
     found = sail_trials(model_named(model), u, turn_deg, parse_zigzags(zigzags), dt)
     if plot:
-        from narrows.report.voyages import save_figure
+        from narrows.report.voyage_figures import save_figure
 
         save_figure(manoeuvres_figure(found), plot)
-    print_json(found.summary()) if json else print_manoeuvres(found)
+    print_json(found.to_dict()) if json else print_manoeuvres(found)

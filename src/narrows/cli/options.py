@@ -16,7 +16,7 @@ Coriolis = Annotated[bool, typer.Option("--coriolis", help="Add the rigid body's
 ContactKind = Annotated[
     str, typer.Option(help="What meets the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
 ]
-TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'speed', 'crossflow', 'paper+keel_gap', ...")]
+TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
 Where = Annotated[str | None, typer.Option(help="Rows to take, as in 'u > 0.3', on the table's headers.")]
 Condition = Annotated[str | None, typer.Option(help="Take this condition of the table alone.")]
 Report = Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.")]

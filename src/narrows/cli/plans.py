@@ -31,7 +31,7 @@ def design(
     """Propose the captive tests that make the bank's coefficients best known."""
     from narrows.captive import read_captive
     from narrows.experiment_design import Tank, plan_tests
-    from narrows.report.plans import print_plan, write_plan
+    from narrows.report.plan_table import print_plan, write_plan
     from narrows.ship.ship_file import read_ship
     from narrows.terms.tables import table_named
 

@@ -30,7 +30,7 @@ def scale(
     """
     from narrows.model.froude import Friction, scale_model
     from narrows.model.model_file import model_named, save_model
-    from narrows.report.scales import print_scaled, scaled_summary
+    from narrows.report.scale_table import print_scaled
 
     friction = None
     if form_factor is None and not (wetted_surface is None and at_speed is None):
@@ -44,8 +44,8 @@ def scale(
     if output:
         save_model(scaled.model, output)
     if json:
-        print_json(scaled_summary(old, scaled))
+        print_json(scaled.to_dict())
         return
-    print_scaled(old, scaled)
+    print_scaled(scaled)
     if output:
         typer.echo(f"wrote {output}")

@@ -71,7 +71,7 @@ def simulate(
     if output:
         voyage.save(output)
     if plot:
-        from narrows.report.voyages import save_figure, voyage_figure
+        from narrows.report.voyage_figures import save_figure, voyage_figure
 
         save_figure(voyage_figure(voyage, chosen.configuration, course), plot)
     if json:
@@ -146,7 +146,7 @@ def map_(
     if output:
         save_netcdf(voyages, output)
     if plot:
-        from narrows.report.voyages import map_figure, save_figure
+        from narrows.report.voyage_figures import map_figure, save_figure
 
         save_figure(map_figure(voyages, chosen.configuration, within), plot)
     summary = map_summary(voyages)

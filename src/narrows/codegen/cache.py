@@ -1,21 +1,20 @@
 """Generated modules on disk: written whole, named by what they were made from, shared by processes."""
 
 import hashlib
-import importlib.util
 import os
 import platform
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
 
-from narrows.errors import InputError
-
 FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
+SEAL = "# sha256 of all above: "
 LAST_LINE = "# end of a module made by narrows\n"
 SAME_TIME = 946_684_800
 """Every generated file bears one time [s], the year 2000. Numba asks the time of a file whether its compiled form is
@@ -102,6 +101,9 @@ def _whole_text(path: Path) -> str | None:
 def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
     """Import a generated module, made now if no process has made it before.
 
+    What is damaged is made again; where the folder takes no file, or the disk is full, a temporary one serves, and
+    where there is none the module stays in memory.
+
     Parameters
     ----------
     name : str
@@ -113,44 +115,67 @@ def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> Mo
     """
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
-        return _loaded(path) or _loaded(_written(path, make())) or _unloadable(path)
+        if path not in _MODULES:
+            text = _read(path)
+            _MODULES[path] = _made(path, make()) if text is None else _imported(path, text)
+        return _MODULES[path]
 
 
 _LOCK = Lock()
 _MODULES: dict[Path, ModuleType] = {}
 
 
-def _loaded(path: Path) -> ModuleType | None:
-    """The module of a file, or None where the file is absent or was cut short."""
-    if path not in _MODULES:
-        try:
-            if not path.read_text(encoding="utf-8").endswith(LAST_LINE):
-                return None
-        except (OSError, UnicodeDecodeError):
-            return None
-        _MODULES[path] = _imported(path)
-    return _MODULES[path]
+def _read(path: Path) -> str | None:
+    """The text of a file, or None where it is absent or is not as it was written."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
+    return text if text == _sealed(text.partition(SEAL)[0]) else None
 
 
-def _imported(path: Path) -> ModuleType:
-    name = f"narrows_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None  # noqa: PT018
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
+def _sealed(text: str) -> str:
+    text = f"{text.rstrip()}\n\n\n"
+    return f"{text}{SEAL}{hashlib.sha256(text.encode()).hexdigest()}\n{LAST_LINE}"
+
+
+def _made(path: Path, text: str) -> ModuleType:
+    text = _sealed(text)
+    # Numba says by a RuntimeError that it cannot keep compiled code beside a file.
+    with suppress(OSError, RuntimeError):
+        return _imported(_written(path, text), text)
+    with suppress(OSError, RuntimeError):
+        return _imported(_written(_temporary_folder() / path.name, text), text)
+    return _imported(path, text.replace("cache=True", "cache=False"))
+
+
+def _imported(path: Path, text: str) -> ModuleType:
+    """Run a module's text; Python's own cache of it, which nobody checks, is not asked."""
+    module = ModuleType(f"narrows_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module
+    try:
+        exec(compile(text, path, "exec"), vars(module))
+    except BaseException:
+        del sys.modules[module.__name__]
+        raise
+    if "numba" in sys.modules:
+        from narrows.compile.numba_cache import checked
+
+        checked(module)
     return module
 
 
 def _written(path: Path, text: str) -> Path:
     """Write a file beside its place, give it its time, then put it there: no reader sees less than the whole."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.")
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(f"{text.rstrip()}\n\n\n{LAST_LINE}")
-    os.utime(temporary, (SAME_TIME, SAME_TIME))
-    os.replace(temporary, path)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.utime(temporary, (SAME_TIME, SAME_TIME))
+        os.replace(temporary, path)
+    except OSError:
+        Path(temporary).unlink(missing_ok=True)
+        raise
     return path
-
-
-def _unloadable(path: Path) -> ModuleType:
-    raise InputError(f"{path}: was written but does not read back; check the disk, or set {FOLDER_VARIABLE}")

@@ -17,7 +17,7 @@ from narrows.identification.fitting import check_one_condition
 from narrows.identification.regression.accumulation import accumulate
 from narrows.identification.regression.problem import reduced, slots
 from narrows.ship.particulars import Configuration
-from narrows.terms.tables import PAPER
+from narrows.terms.canal_tables import PAPER
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def plan_tests(
         if own and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
     tank = tank or Tank()
-    if tank.depths and "depth" not in terms.inputs:
+    if tank.depths and not terms.feels_depth:
         raise InputError("these terms do not know the depth of the water; leave the depths out, or take terms that do")
     offered = candidates(configuration, tank)
     told = np.array([run_information(run, configuration, terms, noise, correlation_time) for run in offered])

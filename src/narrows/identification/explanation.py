@@ -13,10 +13,9 @@ from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.regression.scores import Score, score
 from narrows.identification.shapley import KINDS
-from narrows.model.model import DataRange, Model
+from narrows.model.data_range import DataRange
+from narrows.model.model import Model
 
-SLACK = 0.01
-"""Of a range of the model's data, by which tests may exceed it before that is said."""
 UNLIKELY = 3.0
 """Joint standard errors between the model's coefficient and the table's beyond which they disagree."""
 
@@ -127,8 +126,7 @@ def outside(known: DataRange, rows: DataRange) -> tuple[str, ...]:
     said = []
     for name, (low, high) in ((n, pair) for n, pair in vars(known).items() if pair is not None):
         covered = getattr(rows, name)
-        slack = SLACK * max(abs(low), abs(high))
-        if covered is not None and (covered[0] < low - slack or covered[1] > high + slack):
+        if covered is not None and np.any(known.outside(name, np.array(covered))):
             said.append(
                 f"Outside the model's data: {name.replace('_', ' ')} from {covered[0]:.3g} to {covered[1]:.3g}, "
                 f"its data {low:.3g} to {high:.3g}."

@@ -27,7 +27,8 @@ from narrows.identification.uncertainty.clusters import Clusters
 from narrows.identification.uncertainty.interval import bounded_interval
 from narrows.identification.uncertainty.profile import Profile, profile
 from narrows.identification.uncertainty.unbounded_fit import UnboundedFit, unbounded_fit
-from narrows.model.model import DataRange, Model
+from narrows.model.data_range import DataRange
+from narrows.model.model import Model
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
@@ -221,7 +222,8 @@ class Fit:
         said = (f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",)
         depths = ("Terms that do not ask for the depth have one coefficient for all conditions of these tests.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
-        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * several)
+        bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
+        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * several, *bank)
 
     def summary(self) -> str:
         """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""

@@ -17,7 +17,7 @@ TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 """Ship lengths at the approach speed that a trial lasts."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trials:
     """Trials of one ship.
 
@@ -41,25 +41,48 @@ class Trials:
     zigzags: dict[str, tuple[Voyage, tuple[float, ...]]]
     notes: tuple[str, ...]
 
-    def summary(self) -> dict[str, Any]:
-        """Return the results as plain values: lengths over the ship's, degrees."""
-        length = self.model.configuration.ship.length
+    def __repr__(self) -> str:
+        return f"<Trials of {self.model.configuration.ship.name or 'a ship'} at {self.speed:g} m/s>"
+
+    def summary(self) -> str:
+        """Say what was measured of each manoeuvre: a line each."""
+        circles = [
+            f"Rudder {order} degrees: advance {own['advance_over_length']:.2f} L, tactical diameter "
+            f"{own['tactical_diameter_over_length']:.2f} L."
+            for order, own in self._circles().items()
+        ]
+        zigzags = [
+            f"Zigzag {order}: overshoots {', '.join(f'{angle:.1f}' for angle in own['overshoots_deg'])} degrees."
+            for order, own in self._zigzags().items()
+        ]
+        return "\n".join(circles + zigzags)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the results by name, as ``manoeuvre --json`` prints them: lengths over the ship's, degrees."""
         return {
             "speed": self.speed,
-            "turning": {
-                order: {
-                    "advance_over_length": own.advance / length,
-                    "transfer_over_length": own.transfer / length,
-                    "tactical_diameter_over_length": own.tactical_diameter / length,
-                    "speed_over_approach": float(voyage.u[-1] / self.speed),
-                }
-                for order, (voyage, own) in self.turning.items()
-            },
-            "zigzags": {
-                order: {"overshoots_deg": [math.degrees(angle) for angle in own]}
-                for order, (_, own) in self.zigzags.items()
-            },
+            "turning": self._circles(),
+            "zigzags": self._zigzags(),
+            "summary": self.summary(),
             "notes": list(self.notes),
+        }
+
+    def _circles(self) -> dict[str, dict[str, float]]:
+        length = self.model.configuration.ship.length
+        return {
+            order: {
+                "advance_over_length": own.advance / length,
+                "transfer_over_length": own.transfer / length,
+                "tactical_diameter_over_length": own.tactical_diameter / length,
+                "speed_over_approach": float(voyage.u[-1] / self.speed),
+            }
+            for order, (voyage, own) in self.turning.items()
+        }
+
+    def _zigzags(self) -> dict[str, dict[str, list[float]]]:
+        return {
+            order: {"overshoots_deg": [math.degrees(angle) for angle in own]}
+            for order, (_, own) in self.zigzags.items()
         }
 
 

@@ -1,17 +1,25 @@
 """Models at another scale by Froude's law, and what does not go with it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from math import log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.model.model import DataRange, Model, Range
-from narrows.model.nondimensional import Units
+from narrows.model.data_range import DataRange, Range
+from narrows.model.model import Model
+from narrows.model.nondimensional import Units, nondimensional
 from narrows.quantities.constants import GRAVITY
 from narrows.quantities.dimensions import KG, KG_M2, METRE, Dimension
+from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
+from narrows.terms.about import ScaleEffect
+from narrows.terms.term import Term
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHIP = {"length": METRE, "beam": METRE, "draft": METRE, "mass": KG, "inertia": KG_M2, "x_g": METRE}
 ENVELOPE = {
@@ -24,15 +32,9 @@ ENVELOPE = {
 }
 LONGEST = 1e4
 """Length [m] that no ship has."""
-SLACK = 0.02
-"""Of a range of the data, by which a place may leave it without a word."""
-RESISTANCE, CROSSFLOW_DRAG = ("a_uu", "R_0"), ("b_vv", "c_vv", "Y_vvv", "N_vvv")
-"""Coefficients that hold friction, and those that hold the drag of a bluff section."""
-ONE_SPEED = ("b_v", "b_r", "c_v", "c_r")
-"""Coefficients that hold a part proportional to the speed of the tests."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scaled:
     """A model at another scale, and what does not go with it.
 
@@ -40,15 +42,21 @@ class Scaled:
     ----------
     model : Model
         The model at the new scale.
+    original : Model
+        The model as it was.
     ratio : float [1]
         New length over old.
-    warnings : tuple of str
+    notes : tuple of str
         What does not scale, and where the new place leaves what the data covered.
     """
 
     model: Model
+    original: Model
     ratio: float
-    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Scaled model of {self.model.configuration.ship.name or 'a ship'}: {self.summary()}>"
 
     def speed(self, speed: float) -> float:
         """Return the speed at the new scale that has the Froude number of one at the old [m/s].
@@ -60,10 +68,35 @@ class Scaled:
         """
         return float(speed * self.ratio**0.5)
 
+    def summary(self) -> str:
+        """Say what lengths, speeds and times were multiplied by."""
+        return f"Lengths times {self.ratio:.4g}, speeds and times times {self.speed(1.0):.4g} (Froude)."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: what ``scale --json`` prints."""
+        old, terms = self.original.coefficients, self.original.terms
+        return {
+            "ratio": self.ratio,
+            "speed_ratio": self.speed(1.0),
+            "coefficients": {
+                name: {"old": old[name], "new": value, "unit": terms[name].dimension.unit}
+                for name, value in self.model.coefficients.items()
+            },
+            "bis": nondimensional(self.model, "bis"),
+            "summary": self.summary(),
+            "notes": list(self.notes),
+        }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, with old and new value and unit."""
+        import pandas as pd
+
+        return pd.DataFrame.from_dict(self.to_dict()["coefficients"], orient="index").rename_axis("coefficient")
+
 
 @dataclass(frozen=True)
 class Friction:
-    """What is needed to scale the friction in a_uu by the line of the ITTC.
+    """What is needed to scale the friction of a hull by the line of the ITTC.
 
     Parameters
     ----------
@@ -133,7 +166,7 @@ def scale_model(
     width, depth : float [m], optional
         Of the new canal; those of the tests at the new scale unless given.
     friction : Friction, optional
-        Scale the friction in a_uu by the line of the ITTC instead of by Froude's law.
+        Scale the friction in the resistance by the line of the ITTC instead of by Froude's law.
 
     Raises
     ------
@@ -151,9 +184,9 @@ def scale_model(
     configuration = Configuration(_scaled_ship(old.ship, units), canal, water, **_scaled_actuators(old, ratio))
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
-    said = (*_fixed_warnings(model, friction), *_place_warnings(model, configuration))
+    notes = (*_scale_notes(model, friction), *_place_notes(model, configuration))
     if friction:
-        coefficients["a_uu"] = _with_friction(model, friction, ratio, units, water.density)
+        coefficients |= _with_friction(model, friction, configuration, coefficients)
     scaled = replace(
         model,
         configuration=configuration,
@@ -162,7 +195,7 @@ def scale_model(
         data_range=_scaled_range(model.data_range, units),
         source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
     )
-    return Scaled(scaled, ratio, said)
+    return Scaled(scaled, model, ratio, notes)
 
 
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
@@ -190,54 +223,74 @@ def _scaled_range(covered: DataRange, units: Units) -> DataRange:
     return DataRange(**{own.name: moved(own.name) for own in fields(DataRange)})
 
 
-def _with_friction(model: Model, friction: Friction, ratio: float, units: Units, density: float) -> float:
-    """a_uu with the form's friction taken off at the old scale and put on at the new."""
-    if "a_uu" not in model.terms.names:
-        raise InputError("the model has no a_uu to scale the friction of; leave the form factor out")
-    length, old_density = model.configuration.ship.length, model.configuration.water.density
-    speeds = friction.speed, friction.speed * ratio**0.5
-    lengths, densities = (length, length * ratio), (old_density, density)
-    surfaces = friction.wetted_surface, friction.wetted_surface * ratio**2
-    parts = [
-        0.5 * rho * surface * (1 + friction.form_factor) * ittc57(speed * own / nu)
-        for rho, surface, speed, own, nu in zip(densities, surfaces, speeds, lengths, friction.viscosity, strict=True)
-    ]
-    if parts[0] > model.coefficients["a_uu"] > 0:
-        raise InputError("the friction is more than the whole of a_uu; check the wetted surface, form factor and speed")
-    wave = (model.coefficients["a_uu"] - parts[0]) * units.factor(model.terms["a_uu"].dimension)
-    return max(wave + parts[1], 0.0)
+def _with_friction(
+    model: Model, friction: Friction, configuration: Configuration, scaled: Mapping[str, float]
+) -> dict[str, float]:
+    """The resistance with the form's friction taken off at the old scale and put on at the new."""
+    found = _holding(model, ScaleEffect.FRICTION)
+    if not found:
+        raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
+    name = found[0]
+    small, large = (
+        _line(friction, place, nu, model.configuration) / _of_square(model.terms[name], place)
+        for place, nu in zip((model.configuration, configuration), friction.viscosity, strict=True)
+    )
+    whole = model.coefficients[name]
+    if small > whole > 0:
+        raise InputError(
+            f"the friction is more than the whole of {name}; check the wetted surface, form factor and speed"
+        )
+    share = scaled[name] / whole if whole else 1.0
+    return {name: max((whole - small) * share + large, 0.0)}
 
 
-def _fixed_warnings(model: Model, friction: Friction | None) -> tuple[str, ...]:
-    said, names = [], model.terms.names
-    if resisting := [name for name in RESISTANCE if name in names and not friction]:
-        remedy = " (give a form factor)" if "a_uu" in names else ""
-        said.append(f"The friction in {resisting[0]} does not follow Froude's law: a ship has less than this{remedy}.")
-    if drags := [name for name in CROSSFLOW_DRAG if name in names]:
+def _line(friction: Friction, place: Configuration, viscosity: float, old: Configuration) -> float:
+    """Frictional resistance over the square of the speed, by the line, where the hull is as long as there [kg/m]."""
+    ratio, length = place.ship.length / old.ship.length, place.ship.length
+    coefficient = (1 + friction.form_factor) * ittc57(friction.speed * ratio**0.5 * length / viscosity)
+    return 0.5 * place.water.density * friction.wetted_surface * ratio**2 * coefficient
+
+
+def _of_square(term: Term, place: Configuration) -> float:
+    """Resistance over the square of the speed, per unit of a coefficient [kg/m and what the coefficient has less]."""
+    return -float(term.column({**place.values(), **Motion.at(u=1.0).values()}))
+
+
+def _holding(model: Model, effect: ScaleEffect) -> list[str]:
+    return [term.name for term in model.terms.terms if term.scale_effect is effect]
+
+
+def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
+    said = []
+    if (resisting := _holding(model, ScaleEffect.FRICTION)) and not friction:
+        said.append(
+            f"The friction in {resisting[0]} does not follow Froude's law: a ship has less than this "
+            "(give a form factor)."
+        )
+    if drags := _holding(model, ScaleEffect.CROSSFLOW_DRAG):
         said.append(
             f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which is not kept."
         )
-    if "propeller_wake" in model.terms.inputs:
+    if _holding(model, ScaleEffect.WAKE):
         said.append(
             "The wake of a ship is thinner than her model's, and her propeller is loaded less; both are kept here."
         )
-    held = [name for name in ONE_SPEED if name in model.terms.names]
-    if held and (pair := model.data_range.speed):
+    if (held := _holding(model, ScaleEffect.TEST_SPEED)) and (pair := model.data_range.speed):
         said.append(
             f"{', '.join(held)} hold parts proportional to the speed of the tests, {pair[0]:.3g} to {pair[1]:.3g} m/s: "
             "far from that speed, scaled, they do not hold."
         )
-    if any(term.from_bank for term in model.terms.terms):
+    if _holding(model, ScaleEffect.BANK_SHAPE):
         said.append("The banks of the tests are the only shape that the coefficients know.")
     return tuple(said)
 
 
-def _place_warnings(model: Model, configuration: Configuration) -> tuple[str, ...]:
+def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     """Where the new canal leaves what the data covered, in ratios that do not depend on the scale."""
     said = []
     old, ship = model.configuration, configuration.ship
     wide, was = configuration.canal.width / ship.beam, old.canal.width / old.ship.beam
-    if abs(wide / was - 1) > SLACK:
+    if DataRange(width_to_beam=(was, was)).outside("width_to_beam", wide):
         said.append(f"W/B = {wide:.2f} is not that of the tests, {was:.2f}.")
     if configuration.canal.depth is None:
         return (*said, "The depth of the water is not given, so h/T and the depth Froude number are not known.")
@@ -245,7 +298,7 @@ def _place_warnings(model: Model, configuration: Configuration) -> tuple[str, ..
     ratio = configuration.canal.depth / ship.draft
     if not covered:
         said.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
-    elif not covered[0] * (1 - SLACK) <= ratio <= covered[1] * (1 + SLACK):
+    elif DataRange(depth_to_draft=covered).outside("depth_to_draft", ratio):
         said.append(f"h/T = {ratio:.2f} is outside the tests' {covered[0]:.2f} to {covered[1]:.2f}.")
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5

@@ -11,40 +11,14 @@ from types import MappingProxyType
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
+from narrows.model.data_range import DataRange
 from narrows.quantities.names import AMIDSHIPS, Number
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
+from narrows.terms.bank_forms import without_bank
 from narrows.terms.term import Term, TermTable
 
-Range = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class DataRange:
-    """The ranges that the data covered; None where they did not say.
-
-    Parameters
-    ----------
-    speed : pair of float [m/s]
-        Surge velocity.
-    abs_y : pair of float [m]
-        Distance off the centreline.
-    abs_psi : pair of float [rad]
-        Size of the heading.
-    abs_r : pair of float [rad/s]
-        Size of the yaw rate.
-    depth_to_draft : pair of float [1]
-        h/T.
-    width_to_beam : pair of float [1]
-        W/B.
-    """
-
-    speed: Range | None = None
-    abs_y: Range | None = None
-    abs_psi: Range | None = None
-    abs_r: Range | None = None
-    depth_to_draft: Range | None = None
-    width_to_beam: Range | None = None
+NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
 
 
 @dataclass(frozen=True)
@@ -159,19 +133,26 @@ class Model:
             for force, terms in self.terms.forces.items()
         }
 
+    @property
+    def feels_bank(self) -> bool:
+        """Whether the banks make a force: whether it has terms of the bank, and one of them counts for something."""
+        return any(term.from_bank and self.coefficients[term.name] for term in self.terms.terms)
+
+    @property
+    def bank_note(self) -> str:
+        """What to say first to whoever asks about a canal; nothing where the model feels the banks."""
+        return "" if self.feels_bank else self.terms.bank_note or NO_SUCTION
+
     def in_open_water(self) -> "Model":
         """Return the model without the terms of the banks; itself where it has none."""
-        if not any(term.from_bank for term in self.terms.terms):
+        if not self.terms.feels_bank:
             return self
-        parts = ([term for term in own if not term.from_bank] for own in self.terms.forces.values())
-        surge, sway, yaw = map(tuple, parts)
-        names = [term.name for term in (*surge, *sway, *yaw)]
-        ties = tuple(tie for tie in self.terms.ties if set(tie) <= set(names))
-        place = [self.terms.names.index(name) for name in names]
+        terms = without_bank(self.terms)
+        place = [self.terms.names.index(name) for name in terms.names]
         return replace(
             self,
-            terms=TermTable(f"{self.terms.name}, open water", surge, sway, yaw, ties),
-            coefficients={name: self.coefficients[name] for name in names},
+            terms=terms,
+            coefficients={name: self.coefficients[name] for name in terms.names},
             covariance=None if self.covariance is None else self.covariance[np.ix_(place, place)],
         )
 
@@ -186,8 +167,9 @@ class Model:
     def surge_inertia(self) -> float:
         """What the terms resist a surge acceleration with [kg]."""
         values = self._values(Motion.at(u=1.0, udot=1.0)) | {"revolutions": 0.0}
-        held = [term for term in self.terms.surge if "udot" in term.inputs]
-        return -float(self._sum(held, values) - self._sum(held, {**values, "udot": 0.0}))
+        still = {**values, "udot": 0.0}
+        slopes = ((term.name, term.column(values) - term.column(still)) for term in self.terms.surge)
+        return -float(sum(self.coefficients[name] * slope for name, slope in slopes))
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
         # Not by sum(): from Python 3.12 it compensates floats but not columns, which then differ by a rounding.

@@ -10,7 +10,8 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.files import write_whole
-from narrows.model.model import DataRange, Model, Range, Source
+from narrows.model.data_range import DataRange, Range
+from narrows.model.model import Model, Source
 from narrows.ship.ship_file import check_table, configuration_from, load_toml
 from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable

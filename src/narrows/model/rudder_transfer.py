@@ -1,14 +1,15 @@
 """A rudder for a hull that was tested without one: that of another, whose coefficients go with any size."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.terms.tables import HELM, with_helm
-
-NAMES = tuple(term.name for terms in HELM.values() for term in terms)
+from narrows.terms.about import TermKind
+from narrows.terms.helm import helm_terms, with_helm
+from narrows.terms.term import TermTable
 
 
 def borrow_rudder(model: Model, lender: Model) -> Model:
@@ -23,38 +24,48 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     model : Model
         Without a rudder.
     lender : Model
-        With the terms ``a_helm``, ``b_helm`` and ``c_helm``.
+        With the terms of ``steered``: ``a_helm``, ``b_helm`` and ``c_helm``.
 
     Raises
     ------
     InputError
         Where the model has a rudder, or the lender has none.
     """
-    if set(NAMES) & set(model.terms.names):
+    if _rudder(model.terms):
         raise InputError("the model has a rudder of its own; leave the other out")
-    if not set(NAMES) <= set(lender.terms.names):
-        raise InputError(f"the lender has no {', '.join(NAMES)}; identify it with the terms steered")
+    names = dict(zip(_helm(model.terms), _helm(lender.terms), strict=True))
+    if not set(names.values()) <= set(lender.terms.names):
+        raise InputError(f"the lender has no {', '.join(names.values())}; identify it with the terms steered")
     terms = with_helm(model.terms)
     ship = replace(model.configuration.ship, flow_straightening=lender.configuration.ship.flow_straightening)
     return replace(
         model,
         configuration=replace(model.configuration, ship=ship),
         terms=terms,
-        coefficients={**model.coefficients, **{name: lender.coefficients[name] for name in NAMES}},
-        covariance=_joined(model, lender, terms.names),
+        coefficients={**model.coefficients, **{name: lender.coefficients[own] for name, own in names.items()}},
+        covariance=_joined(model, lender, terms.names, names),
         source=replace(model.source, text=f"{model.source.text}; rudder of {lender.configuration.ship.name}"),
     )
 
 
-def _joined(model: Model, lender: Model, names: tuple[str, ...]) -> np.ndarray | None:
+def _rudder(terms: TermTable) -> list[str]:
+    return [term.name for term in terms.terms if term.kind == TermKind.RUDDER]
+
+
+def _helm(terms: TermTable) -> list[str]:
+    """What the terms of a rudder are called in a table."""
+    return [term.name for own in helm_terms(terms).values() for term in own]
+
+
+def _joined(model: Model, lender: Model, names: tuple[str, ...], lent: Mapping[str, str]) -> np.ndarray | None:
     """Both covariances, the two models' errors independent; None unless both are known."""
     if model.covariance is None or lender.covariance is None:
         return None
     joined = np.zeros((len(names), len(names)))
     for own, covariance, wanted in (
-        (model.terms.names, model.covariance, model.terms.names),
-        (lender.terms.names, lender.covariance, NAMES),
+        (model.terms.names, model.covariance, {name: name for name in model.terms.names}),
+        (lender.terms.names, lender.covariance, lent),
     ):
-        place, there = [names.index(name) for name in wanted], [own.index(name) for name in wanted]
+        place, there = [names.index(name) for name in wanted], [own.index(name) for name in wanted.values()]
         joined[np.ix_(place, place)] = covariance[np.ix_(there, there)]
     return joined

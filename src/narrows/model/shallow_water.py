@@ -1,34 +1,25 @@
 """A model of one depth taken to another: the few corrections there are, and what they leave out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.physics import shallow
-from narrows.quantities.names import Number, asked_by
+from narrows.quantities.names import asked_by
 from narrows.ship.particulars import Configuration
+from narrows.terms.about import DepthLaw
 
-FACTORS: Mapping[str, Callable[..., Number]] = {
-    "b_v": shallow.kijima_drift_force,
-    "b_uv": shallow.kijima_drift_force,
-    "c_v": shallow.kijima_drift_moment,
-    "c_uv": shallow.kijima_drift_moment,
-    "c_r": shallow.kijima_yaw_moment,
-    "c_ur": shallow.kijima_yaw_moment,
-}
-"""Which coefficient grows by which factor over deep water."""
-UNVERIFIED = ("c_v", "c_uv")
 SHALLOWEST = 1.5
 """h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2."""
 DEEP = 1e9
 """A depth [m] at which every factor is 1."""
 
 
-@dataclass(frozen=True)
-class AtDepth:
+@dataclass(frozen=True, repr=False)
+class DepthCorrected:
     """A model taken to another depth.
 
     Parameters
@@ -37,33 +28,53 @@ class AtDepth:
         With the corrected coefficients and the new depth.
     factors : mapping of str to float [1]
         By which each corrected coefficient was multiplied.
-    warnings : tuple of str
+    notes : tuple of str
         What was not corrected, and what is not verified.
     """
 
     model: Model
     factors: Mapping[str, float]
-    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Model taken to another depth: {self.summary()}>"
+
+    def summary(self) -> str:
+        """Say what was multiplied by what."""
+        place = self.model.configuration
+        grown = ", ".join(f"{name} times {factor:.3g}" for name, factor in self.factors.items())
+        return (
+            f"Taken to h/T = {(place.canal.depth or DEEP) / place.ship.draft:.3g}: {grown or 'nothing was corrected'}."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {
+            "depth": self.model.configuration.canal.depth,
+            "factors": dict(self.factors),
+            "coefficients": dict(self.model.coefficients),
+            "summary": self.summary(),
+            "notes": list(self.notes),
+        }
 
 
-def factor_at(name: str, configuration: Configuration, depth: float) -> float:
+def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
     """Return the factor of a coefficient over deep water at a depth [1].
 
     Parameters
     ----------
-    name : str
-        One of ``FACTORS``.
+    law : DepthLaw
+        Of the coefficient's term.
     configuration : Configuration
         The ship.
     depth : float [m]
         Of the water.
     """
-    function = FACTORS[name]
     values = {**configuration.values(), "depth": depth}
-    return float(function(*[values[word] for word in asked_by(function)]))
+    return float(law.factor(*[values[word] for word in asked_by(law.factor)]))
 
 
-def at_depth(model: Model, depth: float) -> AtDepth:
+def at_depth(model: Model, depth: float) -> DepthCorrected:
     """Take a model to another depth by Kijima's corrections.
 
     Where the tests' own depth is not known they count as deep. Tests at the depth itself are better: the corrections
@@ -86,7 +97,9 @@ def at_depth(model: Model, depth: float) -> AtDepth:
         raise InputError(f"a depth of {depth} m leaves no water under a draft of {old.ship.draft} m; raise it")
     was = old.canal.depth or DEEP
     factors = {
-        name: factor_at(name, old, depth) / factor_at(name, old, was) for name in model.terms.names if name in FACTORS
+        term.name: factor_at(term.depth_law, old, depth) / factor_at(term.depth_law, old, was)
+        for term in model.terms.terms
+        if term.depth_law
     }
     grown = np.array([factors.get(name, 1.0) for name in model.terms.names])
     moved = replace(
@@ -97,18 +110,18 @@ def at_depth(model: Model, depth: float) -> AtDepth:
         data_range=replace(model.data_range, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
     )
-    return AtDepth(moved, factors, _warnings(model, factors, depth))
+    return DepthCorrected(moved, factors, _notes(model, factors, depth))
 
 
-def _warnings(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
-    kept = [name for name in model.terms.names if name not in factors and name[0] != "a"]
+def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
+    kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
     said = [f"Left as they were: {', '.join(kept)}."]
-    unverified = [name for name in factors if name in UNVERIFIED]
+    unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
     if unverified:
         said.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
     if model.configuration.canal.depth is None:
         said.append("The depth of the tests is not known; they were taken as deep water.")
-    deeper = [term.name for term in model.terms.terms if "depth" in term.inputs]
+    deeper = [term.name for term in model.terms.terms if term.feels_depth]
     if deeper:
         said.append(f"The terms of {', '.join(deeper)} ask for the depth: tests at one depth do not determine them.")
     ratio = depth / model.configuration.ship.draft

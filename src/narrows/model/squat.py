@@ -2,7 +2,8 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import squat_formulas as formulas
@@ -98,7 +99,7 @@ class Squat:
         Which sinkage it is.
     critical_speed : float [m/s]
         At which the canal chokes.
-    warnings : tuple of str
+    notes : tuple of str
         Where the formula is used outside of what it holds for, or is not verified.
     """
 
@@ -106,7 +107,18 @@ class Squat:
     formula: str
     gives: str
     critical_speed: float
-    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def summary(self) -> str:
+        """Say the sinkage, its formula and where the canal chokes."""
+        return (
+            f"The {self.gives} sinkage is {self.sinkage:.3g} m by {self.formula}; the canal chokes at "
+            f"{self.critical_speed:.3g} m/s."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {**asdict(self), "notes": list(self.notes), "summary": self.summary()}
 
 
 def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
@@ -157,7 +169,7 @@ def squat(configuration: Configuration, speed: float, gives: str = "midship", fo
     """Estimate how far a ship sinks at a speed.
 
     The first formula of ``SQUAT`` that gives the wanted sinkage and holds here is taken; if none holds, the first that
-    gives it, with warnings.
+    gives it, with notes.
 
     Parameters
     ----------
@@ -189,5 +201,5 @@ def squat(configuration: Configuration, speed: float, gives: str = "midship", fo
     name = (holding or offered)[0]
     own = SQUAT[name]
     doubts = [f"{name} is {own.status}"] if own.status == UNVERIFIED else []
-    warnings = (*doubts, *own.outside(configuration, speed))
-    return Squat(own.sinkage(configuration, speed), name, own.gives, critical, warnings)
+    notes = (*doubts, *own.outside(configuration, speed))
+    return Squat(own.sinkage(configuration, speed), name, own.gives, critical, notes)

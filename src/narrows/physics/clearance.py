@@ -7,7 +7,7 @@ from narrows.quantities.names import Number
 
 
 def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
-    """Midship hull clearance to the starboard bank [m], y_s = (W/2 - y) sec|psi| - B/2.
+    """Midship hull clearance to the starboard bank [m], y_s = (W/2 - y) sec|psi| - B/2; to port, y_p, that of -y.
 
     Source: Mikkelsen et al. (2025), eq. (clearance_w_heading).
 
@@ -23,25 +23,6 @@ def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number)
         Beam B.
     """
     return (width / 2 - y) / cos_psi - beam / 2
-
-
-def port_clearance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
-    """Midship hull clearance to the port bank [m], y_p = (W/2 + y) sec|psi| - B/2.
-
-    Source: Mikkelsen et al. (2025), eq. (clearance_w_heading).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
-    """
-    return starboard_clearance(-y, cos_psi, width, beam)
 
 
 def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:

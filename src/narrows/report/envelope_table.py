@@ -3,7 +3,6 @@
 import math
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -29,12 +28,12 @@ def offset_rows(envelope: SafeEnvelope) -> list[dict[str, Any]]:
         rows.append(
             {
                 "offset": y,
-                "rudder": _known(np.degrees(float(here["rudder"]))),
-                "rudder_95": _known(np.degrees(float(here["rudder_95"]))),
+                "rudder": math.degrees(here["rudder"]),
+                "rudder_95": math.degrees(here["rudder_95"]),
                 "held": float(here["held"]),
-                "lowest_speed": _known(float(bottom[place]) / KNOT),
-                "highest_speed": _known(best / KNOT),
-                "highest_speed_median": _known(even / KNOT),
+                "lowest_speed": float(bottom[place]) / KNOT,
+                "highest_speed": best / KNOT,
+                "highest_speed_median": even / KNOT,
                 "limited_by": why,
             }
         )
@@ -53,9 +52,9 @@ def speed_rows(envelope: SafeEnvelope) -> list[dict[str, Any]]:
     return [
         {
             "speed": float(u) / KNOT,
-            "keel_clearance": _known(float(data["clearance"][place])),
+            "keel_clearance": float(data["clearance"][place]),
             "keel_clear": bool(data["clear"][place]),
-            "safest_offset": _known(float(best[place])),
+            "safest_offset": float(best[place]),
         }
         for place, u in enumerate(data["u"].to_numpy())
     ]
@@ -74,12 +73,8 @@ def envelope_summary(envelope: SafeEnvelope) -> dict[str, Any]:
         "offsets": offset_rows(envelope),
         "speeds": speed_rows(envelope),
         "notes": list(envelope.notes),
-        "says": envelope.says,
+        "summary": envelope.says,
     }
-
-
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def print_envelope(envelope: SafeEnvelope) -> None:
@@ -132,9 +127,9 @@ def _by_speed(envelope: SafeEnvelope) -> Table:
     return table
 
 
-def _span(low: float | None, high: float | None) -> str:
-    return "-" if low is None or high is None else f"{low:.1f} to {high:.1f}"
+def _span(low: float, high: float) -> str:
+    return f"{low:.1f} to {high:.1f}" if math.isfinite(low) and math.isfinite(high) else "-"
 
 
-def _cell(value: float | None, form: str) -> str:
-    return "-" if value is None else f"{value:{form}}"
+def _cell(value: float, form: str) -> str:
+    return f"{value:{form}}" if math.isfinite(value) else "-"

@@ -7,7 +7,8 @@ import xarray as xr
 
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError
-from narrows.model.model import Model, Range
+from narrows.model.data_range import Range
+from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance

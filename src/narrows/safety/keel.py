@@ -50,7 +50,7 @@ def keel_at(configuration: Configuration, speeds: np.ndarray) -> Keel:
             ends = [squat(configuration, speed, gives) for gives in ("bow", "largest")]
             middle = squat(configuration, speed)
             midship[place], clearance[place] = middle.sinkage, room - max(end.sinkage for end in ends)
-            notes += [f"squat by {own.formula}: {word}" for own in (middle, *ends) for word in own.warnings]
+            notes += [f"squat by {own.formula}: {word}" for own in (middle, *ends) for word in own.notes]
     return Keel(midship, clearance, choke, tuple(dict.fromkeys(_without_numbers(note) for note in notes)))
 
 

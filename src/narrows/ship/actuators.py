@@ -1,10 +1,9 @@
 """What drives and steers a ship: propeller, rudder, steering gear."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
-from narrows.errors import InputError
-from narrows.ship.checks import check_finite, check_positive
+from narrows.ship.checks import check_particulars, flat
 
 
 @dataclass(frozen=True)
@@ -46,10 +45,7 @@ class Propeller:
     wake_port: float = 1.0
 
     def __post_init__(self) -> None:
-        check_finite(self)
-        check_positive(self, ("diameter", "revolutions"))
-        if not 0 <= self.wake < 1:
-            raise InputError(f"[propeller] wake = {self.wake} is no fraction; give one from 0 to less than 1")
+        check_particulars(flat(self, (own.name for own in fields(self)), "propeller_"))
 
 
 @dataclass(frozen=True)
@@ -89,8 +85,7 @@ class Rudder:
     straightening_port: float
 
     def __post_init__(self) -> None:
-        check_finite(self)
-        check_positive(self, ("area", "lift", "wake_ratio", "in_slipstream"))
+        check_particulars(flat(self, (own.name for own in fields(self)), "rudder_"))
 
 
 @dataclass(frozen=True)
@@ -118,9 +113,7 @@ class SteeringGear:
     rate_deg: float = 65 / 28
 
     def __post_init__(self) -> None:
-        check_positive(self, ("limit_deg", "rate_deg"))
-        if self.limit_deg > 90:
-            raise InputError(f"[steering] limit_deg = {self.limit_deg} is beyond 90 degrees; check it")
+        check_particulars(flat(self, ("limit_deg", "rate_deg")))
 
     @property
     def limit(self) -> float:

@@ -1,56 +1,142 @@
-"""Numbers as files give them: each named by its section and key where it cannot be."""
+"""What particulars must be: each rule stands once, for numbers in files and for columns of an ensemble alike."""
 
 import math
-from dataclasses import fields
-from typing import Any
+import operator
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
-from narrows.errors import InputError
+import numpy as np
 
-PLACES = {
-    "Ship": "ship", "Canal": "canal", "Water": "water", "Propeller": "propeller", "Rudder": "rudder",
-    "SteeringGear": "steering",
+from narrows.errors import InputError, shown
+from narrows.quantities.names import Number
+
+SMALLEST, LARGEST = 1e-12, 1e20
+"""Between these every size of a ship, her water and her parts is, and every product of them is a number."""
+SECTIONS = {
+    "canal": ("width", "depth"), "water": ("density",), "steering": ("limit_deg", "rate_deg"),
+    "propeller": ("revolutions",),
 }  # fmt: skip
-"""The section of a file that gives each part."""
+"""Where a file gives what is not the ship's own and does not begin with its section's name."""
+POSITIVE = (
+    "length", "beam", "draft", "block_coefficient", "mass", "inertia", "flow_straightening", "width", "depth",
+    "density", "limit_deg", "rate_deg", "propeller_diameter", "rudder_area", "rudder_lift",
+    "rudder_wake_ratio", "rudder_in_slipstream",
+)  # fmt: skip
 
 
-def check_positive(owner: object, names: tuple[str, ...]) -> None:
-    """Raise where a number that is given is not positive (ours).
+class Rule(NamedTuple):
+    """What some particulars must be.
 
     Parameters
     ----------
-    owner : object
-        The part of a configuration.
-    names : tuple of str
-        Of its numbers.
+    asks : tuple of str
+        Their names.
+    right : callable
+        Whether it is so, of numbers or of columns in the order of the names; false of what is no number.
+    sentence : str
+        What is said where it is not, with the places and values of the particulars in it.
+    """
+
+    asks: tuple[str, ...]
+    right: Callable[..., Any]
+    sentence: str
+
+
+def _positive(name: str) -> tuple[Rule, Rule]:
+    tiny = f"{{{name}}} is beyond all measure; check its unit"
+    return (
+        Rule((name,), lambda value: value > 0, f"{{{name}}} must be positive, in SI units"),
+        Rule((name,), lambda value: value > SMALLEST, tiny),
+    )
+
+
+RULES = (
+    *(rule for name in POSITIVE for rule in _positive(name)),
+    Rule(
+        ("revolutions",),
+        lambda value: value >= 0,
+        "{revolutions} must not be negative; the thrust is that of going ahead",
+    ),
+    Rule(("block_coefficient",), lambda value: value <= 1, "{block_coefficient} is over 1; it is a fraction"),
+    Rule(("limit_deg",), lambda value: value <= 90, "{limit_deg} is beyond 90 degrees; check it"),
+    Rule(
+        ("propeller_wake",),
+        lambda value: (value >= 0) & (value < 1),
+        "{propeller_wake} is no fraction; give one from 0 to less than 1",
+    ),
+    Rule(
+        ("beam", "width"),
+        operator.lt,
+        "{beam} m does not fit in {width} m; check both, in metres and at one scale",
+    ),
+    Rule(("draft", "depth"), operator.lt, "{depth} m leaves no water under {draft} m; check both"),
+)
+"""Every rule beside that each is a finite number."""
+
+
+def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | None = None) -> None:
+    """Raise where particulars break a rule, be they numbers or columns (ours).
+
+    Parameters
+    ----------
+    values : mapping of str to number or DataArray
+        By name; None where one is not given.
+    places : mapping of str to str
+        Where a name was given, if it was not in its own section.
 
     Raises
     ------
     InputError
-        Names the section and the key.
+        Names the first that is wrong: its section and key, its value, and in a column where it stands.
     """
-    for name in names:
-        place, value = f"[{PLACES.get(type(owner).__name__, '')}] {name}", getattr(owner, name)
-        if value is None:
-            continue
-        check_number(place, value)
-        if value <= 0:
-            raise InputError(f"{place} = {value} must be positive, in SI units")
+    given = {name: value for name, value in values.items() if value is not None}
+    places = {name: place_of(name) for name in given} | dict(places or {})
+    for name, value in given.items():
+        check_number(places[name], value)
+    for rule in RULES:
+        if all(name in given for name in rule.asks):
+            check_rule(rule, given, places)
 
 
-def check_finite(owner: Any) -> None:
-    """Raise where a number of a part is not finite (ours).
+def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
+    """Raise where numbers or columns break a rule (ours).
 
     Parameters
     ----------
-    owner : dataclass
-        The part of a configuration, numbers alone.
+    rule : Rule
+        What they must be.
+    values : mapping of str to number or DataArray
+        By name.
+    places : mapping of str to str
+        Where each was given.
+
+    Raises
+    ------
+    InputError
+        Names the first that is wrong.
     """
-    for own in fields(owner):
-        check_number(f"[{PLACES[type(owner).__name__]}] {own.name}", getattr(owner, own.name))
+    asked = {name: values[name] for name in rule.asks}
+    _check(rule.right(*asked.values()), rule.sentence, asked, places)
+
+
+def place_of(name: str) -> str:
+    """Return the section and key that give a particular in a file (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the vocabulary.
+    """
+    for section, names in SECTIONS.items():
+        if name in names:
+            return f"[{section}] {name}"
+        if name.startswith(f"{section}_"):
+            return f"[{section}] {name.removeprefix(f'{section}_')}"
+    return f"[rudder] {name.removeprefix('rudder_')}" if name.startswith("rudder_") else f"[ship] {name}"
 
 
 def check_number(place: str, value: object) -> None:
-    """Raise where a value is no finite number (ours).
+    """Raise where a value is no finite number, or a column of values holds one that is not (ours).
 
     Parameters
     ----------
@@ -64,5 +150,63 @@ def check_number(place: str, value: object) -> None:
     InputError
         Names the place.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{place} = {value!r} is not a finite number; give it in SI units")
+    if hasattr(value, "dims"):
+        asked = {"": value}
+        _check(np.isfinite(value), "{} is not a finite number; give it in SI units", asked, {"": place})  # type: ignore[call-overload]
+        _check(abs(value) < LARGEST, "{} is beyond all measure; check its unit", asked, {"": place})  # type: ignore[arg-type]
+        return
+    if not is_finite(value):
+        raise InputError(f"{place} = {shown(value)} is not a finite number; give it in SI units")
+    if not abs(value) < LARGEST:  # type: ignore[arg-type]
+        raise InputError(f"{place} = {shown(value)} is beyond all measure; check its unit")
+
+
+def is_finite(value: object) -> bool:
+    """Say whether a value is a finite number that a float can hold (ours).
+
+    Parameters
+    ----------
+    value : object
+        As given.
+    """
+    try:
+        return not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value)
+    except OverflowError:  # An integer of more digits than floats have.
+        return False
+
+
+def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping[str, str]) -> None:
+    if np.all(right):
+        return
+    at = _first(~right) if hasattr(right, "dims") else {}
+    said = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}
+    labels = (f"{name} = {right[name].to_numpy()[place]}" for name, place in at.items() if name not in values)
+    where = ", ".join(labels)
+    raise InputError(sentence.format(*said.values(), **said) + (f" (the first is at {where})" if where else ""))
+
+
+def _first(wrong: Any) -> dict[str, int]:
+    """The place of the first hit, by dimension."""
+    places = np.unravel_index(int(np.argmax(wrong.to_numpy())), wrong.shape)
+    return {str(name): int(place) for name, place in zip(wrong.dims, places, strict=True)}
+
+
+def _picked(value: Any, at: Mapping[str, int]) -> Any:
+    if not hasattr(value, "dims"):
+        return value
+    return float(value.isel({name: place for name, place in at.items() if name in value.dims}))
+
+
+def flat(part: object, names: Iterable[str], prefix: str = "") -> dict[str, Any]:
+    """Return the numbers of a part by the names of the vocabulary (ours).
+
+    Parameters
+    ----------
+    part : object
+        Of a configuration.
+    names : iterable of str
+        Of its numbers.
+    prefix : str
+        That the vocabulary puts before them.
+    """
+    return {name if name == "revolutions" else f"{prefix}{name}": getattr(part, name) for name in names}

@@ -1,11 +1,10 @@
 """The ship, the canal and the water: frozen, in SI, checked when made."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 
-from narrows.errors import InputError
 from narrows.ship.actuators import Propeller, Rudder, SteeringGear
-from narrows.ship.checks import check_number, check_positive
+from narrows.ship.checks import check_particulars, flat
 
 
 @dataclass(frozen=True)
@@ -50,11 +49,7 @@ class Ship:
     name: str = "ship"
 
     def __post_init__(self) -> None:
-        check_positive(self, ("length", "beam", "draft", "block_coefficient", "mass", "inertia", "flow_straightening"))
-        if self.x_g is not None:
-            check_number("[ship] x_g", self.x_g)
-        if self.block_coefficient > 1:
-            raise InputError(f"[ship] block_coefficient = {self.block_coefficient} is over 1; it is a fraction")
+        check_particulars(flat(self, (own.name for own in fields(self) if own.name != "name")))
 
 
 @dataclass(frozen=True)
@@ -78,7 +73,7 @@ class Canal:
     depth: float | None = None
 
     def __post_init__(self) -> None:
-        check_positive(self, ("width", "depth"))
+        check_particulars(flat(self, ("width", "depth")))
 
 
 @dataclass(frozen=True)
@@ -99,7 +94,7 @@ class Water:
     density: float = 1000.0
 
     def __post_init__(self) -> None:
-        check_positive(self, ("density",))
+        check_particulars(flat(self, ("density",)))
 
 
 @dataclass(frozen=True)
@@ -138,20 +133,10 @@ class Configuration:
     rudder: Rudder | None = None
 
     def __post_init__(self) -> None:
-        if self.ship.beam >= self.canal.width:
-            raise InputError(
-                f"[ship] beam = {self.ship.beam} m does not fit in [canal] width = {self.canal.width} m; "
-                "check both, in metres and at one scale"
-            )
-        named = {f"[depths] {label}": depth for label, depth in self.depths.items()}
-        for name, depth in {"[canal] depth": self.canal.depth, **named}.items():
-            if depth is None:
-                continue
-            check_number(name, depth)
-            if depth <= self.ship.draft:
-                raise InputError(
-                    f"{name} = {depth} m leaves no water under [ship] draft = {self.ship.draft} m; check both"
-                )
+        draft, beam = self.ship.draft, self.ship.beam
+        check_particulars({"beam": beam, "draft": draft, "width": self.canal.width, "depth": self.canal.depth})
+        for label, depth in self.depths.items():
+            check_particulars({"draft": draft, "depth": depth}, {"depth": f"[depths] {label}"})
 
     @property
     def gear(self) -> SteeringGear:

@@ -12,7 +12,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ensemble_notes import notes_of
 from narrows.simulation.grid import Grid, grid_of, with_values
-from narrows.simulation.inputs import check_steps, check_workers
+from narrows.simulation.inputs import MOST_STEPS, check_precision, check_steps, check_vessels, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.output_columns import attributes_of, empty_of
 from narrows.simulation.progress import bar
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 BLOCK_VESSELS = 65_536
 """Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard."""
-MOST_STEPS = 1e9
-"""Of a vessel: more would take it hours."""
 OF_THE_WATERWAY = ("width", "depth")
 OF_THE_TABLE = ("length", "beam", "draft")
 
@@ -92,9 +90,11 @@ def ensemble(
     """
     duration, dt = check_steps(duration, dt, MOST_STEPS)
     check_workers(workers)
+    check_precision(precision)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     steering = steering_of(controller, ship.actuators)
     grid = with_values(grid_of(model, vary, samples, seed), steering.parameters if steering else {})
+    check_vessels(grid.vessels, stored=store is not None)
     run = KernelRun(ship, duration, dt, precision, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:

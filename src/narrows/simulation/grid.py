@@ -11,13 +11,13 @@ import xarray as xr
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import PARTICULARS
+from narrows.simulation.samples import check_samples, sampled
+from narrows.simulation.variation import check_columns, labelled, sizes_of, tied
 
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 """State at the start, and what it is unless said otherwise."""
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
 """Constant surge force, sway force and yaw moment."""
-PASSES = 3
-"""Over the coefficients, to bring samples back to their bounds."""
 STEADY = {"heave": 0.0, "rudder": 0.0}
 """Sinkage and rudder angle, held through a voyage."""
 
@@ -129,21 +129,17 @@ def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> 
     InputError
         Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
     """
-    known_here = {*PARTICULARS, "revolutions"}
-    particulars = {name: value for name, value in model.configuration.values().items() if name in known_here}
+    names = {*PARTICULARS, "revolutions"}
+    particulars = {name: value for name, value in model.configuration.values().items() if name in names}
     known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
-    words = {*known, *PARTICULARS}
     for name in given:
-        if name not in words:
-            raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
+        if name not in {*known, *PARTICULARS}:
+            raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, {*known, *PARTICULARS})}")
+    check_samples(samples, seed)
+    columns = tied(model.terms, {name: labelled(name, value) for name, value in given.items()})
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
-    if samples or seed < 0:
-        values |= _drawn(model, samples, seed)
-    values |= {name: _labelled(name, value) for name, value in given.items()}
-    if (values["width"] <= values["beam"]).any():
-        raise InputError("the ship is wider than the canal in some of these voyages; check width and beam")
-    sizes = dict(xr.broadcast(*[v.isel({d: slice(0, None) for d in v.dims}) for v in _slim(values)])[0].sizes)
-    return Grid(values, {str(name): n for name, n in sizes.items()} or {"vessel": 1})
+    values |= sampled(model, samples, seed) if samples else {}
+    return _grid(model, {**values, **columns}, columns)
 
 
 def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
@@ -161,64 +157,11 @@ def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
     InputError
         Where one is no number, or a dimension has another size.
     """
-    values = {**grid.values, **{name: _labelled(name, value) for name, value in more.items()}}
-    try:
-        sizes = dict(xr.broadcast(*[v.isel({d: slice(0, None) for d in v.dims}) for v in _slim(values)])[0].sizes)
-    except ValueError as error:
-        raise InputError(f"what varies does not fit together: {error}") from None
-    return Grid(values, {str(name): n for name, n in sizes.items()} or grid.sizes)
+    values = {**grid.values, **{name: labelled(name, value) for name, value in more.items()}}
+    return Grid(values, sizes_of(values) or grid.sizes)
 
 
-def _slim(values: Mapping[str, xr.DataArray]) -> list[xr.DataArray]:
-    """One array a set of dimensions: enough to know every size, and to refuse sizes that disagree."""
-    return list({value.dims: value for value in values.values()}.values())
-
-
-def _labelled(name: str, value: Any) -> xr.DataArray:
-    array = value if isinstance(value, xr.DataArray) else _from_plain(name, value)
-    if not array.size:
-        raise InputError(f"{name} is empty; give at least one value")
-    return array.astype(float)
-
-
-def _from_plain(name: str, value: Any) -> xr.DataArray:
-    plain = np.asarray(value, dtype=float)
-    if plain.ndim == 0:
-        return xr.DataArray(float(plain))
-    if plain.ndim > 1:
-        raise InputError(f"{name} has {plain.ndim} dimensions; name them in an xarray.DataArray")
-    return xr.DataArray(plain, dims=[name], coords={name: plain})
-
-
-def _drawn(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
-    """Coefficients from their covariance, tied ones together, brought back to their bounds."""
-    if samples < 0 or seed < 0:
-        raise InputError(f"samples = {samples} and seed = {seed}: give numbers from 0")
-    if model.covariance is None:
-        raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or samples=0")
-    names = model.terms.names
-    mean = np.array([model.coefficients[name] for name in names])
-    sample = mean + _correlated(model.covariance, samples, seed)
-    low, high = np.array([term.bound for term in model.terms.terms]).T
-    columns = _within(sample, model.covariance, low, high).T
-    coordinate = {"sample": np.arange(samples)}
-    return {name: xr.DataArray(c, dims=["sample"], coords=coordinate) for name, c in zip(names, columns, strict=True)}
-
-
-def _correlated(covariance: np.ndarray, samples: int, seed: int) -> np.ndarray:
-    """Draw normal errors, by the correlations: coefficients of a ship differ in size by many powers of ten."""
-    size = np.sqrt(np.diag(covariance))
-    scale = np.where(size > 0, size, 1.0)
-    share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
-    normal = np.random.default_rng(seed).standard_normal((samples, len(size)))
-    return np.asarray((normal * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
-
-
-def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Bring samples back to their bounds; what is correlated with a coefficient that moves, moves along."""
-    for _ in range(PASSES):
-        for k in np.flatnonzero(np.diag(covariance) > 0):
-            shift = np.clip(sample[:, k], low[k], high[k]) - sample[:, k]
-            if shift.any():
-                sample = sample + shift[:, None] * covariance[k] / covariance[k, k]
-    return np.asarray(np.clip(sample, low, high))
+def _grid(model: Model, values: Mapping[str, xr.DataArray], given: Mapping[str, xr.DataArray]) -> Grid:
+    sizes = sizes_of(values)
+    check_columns(model, values, given)
+    return Grid(values, sizes or {"vessel": 1})

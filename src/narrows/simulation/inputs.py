@@ -2,14 +2,24 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
+from narrows.ship.checks import LARGEST
 
 Schedule = float | Sequence[Sequence[float]]
 """A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first."""
+MOST_ROWS = 5_000_000
+"""Steps of a voyage, which keeps each of them."""
+MOST_STEPS = 1_000_000_000
+"""Steps of each voyage of an ensemble, which keeps only its end."""
+STEP_TIME = 1e-8
+"""What a step takes at best [s]."""
+MOST_WORKERS = 4096
+MOST_IN_MEMORY, MOST_STORED = 100_000_000, 100_000_000_000
+"""Voyages of an ensemble, some 60 bytes each."""
 
 
 class Stretch(NamedTuple):
@@ -60,10 +70,14 @@ def _value(table: tuple[np.ndarray, np.ndarray], t: float) -> float:
 
 
 def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
-    values = np.asarray(schedule, dtype=float)
+    try:
+        values = np.asarray(schedule)
+        values = np.asarray(schedule, dtype=float) if values.dtype.kind in "iufO" else np.array(math.nan)
+    except (TypeError, ValueError, OverflowError):
+        values = np.array(math.nan)
     if values.ndim == 0:
         values = np.array([[0.0, float(values)]])
-    if values.ndim != 2 or values.shape[1] != 2 or not np.isfinite(values).all():
+    if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) < LARGEST).all():
         raise InputError(f"input {name} must be a finite number or pairs of (time, value)")
     if (np.diff(values[:, 0]) <= 0).any():
         raise InputError(f"input {name}: the times of its schedule must rise")
@@ -81,48 +95,54 @@ def finite_numbers(**values: object) -> dict[str, float]:
     Raises
     ------
     InputError
-        Where one is no finite number: with its name.
+        Where one is no finite, real number.
     """
-    found = {}
-    for name, value in values.items():
-        try:
-            number = float(value)  # type: ignore[arg-type]
-        except (TypeError, ValueError, OverflowError):
-            raise InputError(f"{name} = {str(value)[:40]} must be a finite number") from None
-        if not math.isfinite(number):
-            raise InputError(f"{name} = {number} must be finite")
-        found[name] = number
-    return found
+    return {name: _finite(name, value) for name, value in values.items()}
+
+
+def _finite(name: str, value: Any) -> float:
+    try:
+        # Words and truth values turn into floats too.
+        number = math.nan if np.asarray(value).dtype.kind not in "iufO" or np.ndim(value) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {shown(value)} must be a finite number")
+    if not abs(number) < LARGEST:
+        raise InputError(f"{name} = {shown(value)} is beyond all measure; check its unit")
+    return number
 
 
 def check_steps(duration: object, dt: object, most: float) -> tuple[float, float]:
-    """Return a duration and a time step [s] (ours).
+    """Return a duration and a time step that can be taken [s] (ours).
 
     Parameters
     ----------
     duration, dt : object
         As a caller gave them.
     most : float
-        Steps that can be taken.
+        Steps that are not too many.
 
     Raises
     ------
     InputError
         Where one is not positive and finite, or there would be too many steps.
     """
-    numbers = finite_numbers(duration=duration, dt=dt)
-    for name, number in numbers.items():
-        if number <= 0:
-            raise InputError(f"{name} = {number} must be a positive, finite number")
-    if numbers["duration"] / numbers["dt"] > most:
+    for name, value in (("duration", duration), ("dt", dt)):
+        if _finite(name, value) <= 0:
+            raise InputError(f"{name} = {shown(value)} must be a positive, finite number")
+    longest, step = _finite("duration", duration), _finite("dt", dt)
+    steps = longest / step
+    if steps > most:
+        took = f"{steps * STEP_TIME:.2g} s" if steps < math.inf else "for ever"
         raise InputError(
-            f"a duration of {numbers['duration']:g} s in steps of {numbers['dt']:g} s is more than {most:.0g} steps; "
-            "lengthen dt"
+            f"duration = {longest:g} s in steps of dt = {step:g} s is {steps:.3g} steps, {took} at best, and more than "
+            f"{most:.0g} are refused; lengthen dt or shorten the duration"
         )
-    return numbers["duration"], numbers["dt"]
+    return longest, step
 
 
-def check_times(at: Sequence[float], duration: float | None) -> list[float]:
+def check_times(at: object, duration: float | None = None) -> list[float]:
     """Return output times after the start [s] (ours).
 
     Parameters
@@ -138,29 +158,71 @@ def check_times(at: Sequence[float], duration: float | None) -> list[float]:
         Where they do not rise, or one is no finite number.
     """
     try:
-        times = [float(t) for t in at]
-    except (TypeError, ValueError, OverflowError):
-        times = [math.nan]
-    times = [t for t in times if not t <= 0]
-    if not times or not all(map(math.isfinite, times)) or sorted(set(times)) != times:
-        raise InputError("at: give rising, finite output times after 0 s")
+        times = list(at)  # type: ignore[call-overload]
+    except (TypeError, ValueError):
+        raise InputError(f"at = {shown(at)}: give rising output times after 0 s") from None
+    times = [time for time in (_finite("at", time) for time in times) if time > 0]
+    if not times or sorted(set(times)) != times:
+        raise InputError("at: give rising output times after 0 s")
     if duration is not None and times[-1] > duration:
         raise InputError(f"at: {times[-1]:g} s lies beyond the duration of {duration:g} s; lengthen it")
     return times
 
 
-def check_workers(workers: int | None) -> None:
+def check_workers(workers: object) -> None:
     """Raise where a number of threads is none (ours).
 
     Parameters
     ----------
     workers : int, optional
+        As a caller gave it; None for all cores.
+
+    Raises
+    ------
+    InputError
+        Where it is no whole number from 1 to some thousand.
+    """
+    if workers is None:
+        return
+    if isinstance(workers, bool) or not isinstance(workers, int | np.integer) or not 1 <= workers <= MOST_WORKERS:
+        raise InputError(f"workers = {shown(workers)}: give a whole number from 1 to {MOST_WORKERS}, or leave it out")
+
+
+def check_precision(precision: object) -> None:
+    """Raise where a precision of ensembles is unknown (ours).
+
+    Parameters
+    ----------
+    precision : str
         As a caller gave it.
 
     Raises
     ------
     InputError
-        Where it is no whole number from 1.
+        Where it is neither of the two.
     """
-    if workers is not None and not (isinstance(workers, int) and workers >= 1):
-        raise InputError(f"workers = {workers!r}: give a whole number from 1, or leave it out for all cores")
+    if precision not in ("float64", "float32"):
+        raise InputError(f"precision = {shown(precision)} is unknown; it is 'float64' or 'float32'")
+
+
+def check_vessels(vessels: int, stored: bool) -> None:
+    """Raise where an ensemble holds more voyages than can be kept (ours).
+
+    Parameters
+    ----------
+    vessels : int
+        How many voyages.
+    stored : bool
+        Whether they go to a store, block by block.
+
+    Raises
+    ------
+    InputError
+        Where they are too many.
+    """
+    if not stored and vessels > MOST_IN_MEMORY:
+        raise InputError(
+            f"{vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"
+        )
+    if vessels > MOST_STORED:
+        raise InputError(f"{vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")

@@ -85,4 +85,5 @@ class Outcome:
             "impact_speed": self.impact_speed,
             "state": self.state,
             "summary": self.sentence,
+            "notes": list(self.notes),
         }

@@ -54,7 +54,7 @@ class SimulatedShip:
     def __post_init__(self) -> None:
         if self.surge not in ("held", "free"):
             raise InputError(f"surge {self.surge!r} is unknown; it is 'held' or 'free'")
-        if self.shape == OPEN and self.feels_bank:
+        if self.shape == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
         if "revolutions" in self.model.terms.inputs and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
@@ -63,11 +63,6 @@ class SimulatedShip:
                 "this model has no mass in surge (its tests held the speed), so a free speed needs an inertia: "
                 "give surge_inertia in kg, mass and added mass together, or hold the speed"
             )
-
-    @property
-    def feels_bank(self) -> bool:
-        """Whether any of the terms feels the banks."""
-        return any(term.from_bank for term in self.model.terms.terms)
 
     @cached_property
     def shape(self) -> str | Outline:
@@ -79,8 +74,8 @@ class SimulatedShip:
         shape, ship = checked_shape(self.contact), self.model.configuration.ship
         if isinstance(shape, str):
             return shape
-        check_outline(ship, shape, self.feels_bank)
-        return (*shape, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if self.feels_bank else shape
+        check_outline(ship, shape, self.model.terms.feels_bank)
+        return (*shape, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if self.model.terms.feels_bank else shape
 
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:

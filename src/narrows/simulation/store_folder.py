@@ -219,5 +219,5 @@ def _write_labels(path: Path, group: Any, grid: Grid) -> None:
         return
     try:
         xr.Dataset(coords=coordinates, attrs=dict(group.attrs)).to_zarr(path, mode="a", consolidated=False)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, NotImplementedError) as error:
         raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from narrows.model.model import DataRange, Range
+from narrows.model.data_range import DataRange, Range
 
 WORDS = {
     "speed": ("surge velocity", "m/s", 1.0),

@@ -15,7 +15,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
-from narrows.simulation.inputs import Schedule, Stretch, check_steps, check_times, finite_numbers, stretches
+from narrows.simulation.inputs import MOST_ROWS, Schedule, Stretch, check_steps, check_times, finite_numbers, stretches
 from narrows.simulation.march import March, Row, near_the_bank
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 LONGEST = 60.0
 """Of a voyage [s] where nothing is said of it."""
-MOST_STEPS = 5_000_000
-"""Of a voyage, which keeps them all."""
 COARSE = 0.02
 """Of the beam, by which a track may be off without a word."""
 CONTACT = 1e-6
@@ -175,7 +173,7 @@ def simulate(
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder)
     times = None if at is None else check_times(at, duration)
     longest = times[-1] if times else LONGEST
-    duration, dt = check_steps(longest if duration is None else duration, dt, MOST_STEPS)
+    duration, dt = check_steps(longest if duration is None else duration, dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     pushes = stretches(X, Y, N, duration)
     steering = steering_of(controller, ship.actuators)
@@ -226,6 +224,9 @@ def _check_afloat(march: March, start: tuple[float, ...]) -> None:
     room, _ = march.room(start)
     if room < 0 or (room == 0 and start[0] != march.channel.start):
         raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
+    if not all(map(math.isfinite, march.stepped(start, 0.0)[0])):
+        u, v, r = start[4:7]
+        raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
 
 
 def _rows(march: March, start: tuple[float, ...], pushes: list[Stretch], dt: float) -> tuple[list[Row], int]:

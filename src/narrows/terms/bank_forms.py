@@ -8,11 +8,13 @@ from narrows.physics import clearance
 from narrows.physics.bank import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
+from narrows.terms.about import ScaleEffect, TermKind
+from narrows.terms.helm import WITH_HELM
 from narrows.terms.regressors import Composed
-from narrows.terms.term import Term, TermTable
+from narrows.terms.term import LETTERS, Term, TermTable
 
-WITH_HELM = "helm"
-"""What the name of a table says where it has the terms of a rudder."""
+OPEN_WATER = "open_water"
+"""What the name of a table says where it has no terms of the bank."""
 PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted", "ours"
 
 
@@ -42,23 +44,31 @@ class BankForm:
 
     @property
     def sway(self) -> tuple[Term, ...]:
-        """The terms of the sway force."""
-        return tuple(
-            Term(f"b_{ending}", _symbol("b", ending), Composed(suction, parameter), dim.NUMBER)
-            for ending, parameter in self.parameters.items()
-        )
+        """The terms of the sway force, as the paper calls them."""
+        return self.terms(LETTERS[1], suction)
 
     @property
     def yaw(self) -> tuple[Term, ...]:
-        """The terms of the yaw moment."""
+        """The terms of the yaw moment, as the paper calls them."""
+        return self.terms(LETTERS[2], cushion)
+
+    def terms(self, letter: str, law: Callable[..., Number]) -> tuple[Term, ...]:
+        """Return the terms of a force.
+
+        Parameters
+        ----------
+        letter : str
+            What the names of its coefficients begin with.
+        law : callable
+            ``suction`` or ``cushion``.
+        """
         return tuple(
-            Term(f"c_{ending}", _symbol("c", ending), Composed(cushion, parameter), dim.NUMBER)
+            Term(
+                f"{letter}_{ending}", rf"{letter}_{{{ending.replace('_', ',')}}}", Composed(law, parameter), dim.NUMBER,
+                kind=TermKind.BANK, source=self.source, scale_effect=ScaleEffect.BANK_SHAPE,
+            )
             for ending, parameter in self.parameters.items()
-        )
-
-
-def _symbol(letter: str, ending: str) -> str:
-    return rf"{letter}_{{{ending.replace('_', ',')}}}"
+        )  # fmt: skip
 
 
 PAPER_TEXT = "Mikkelsen et al. (2025)"
@@ -131,11 +141,26 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
         Where there is no such form.
     """
     form = _form(form)
-    sway, yaw = (tuple(term for term in own if not term.from_bank) for own in (table.sway, table.yaw))
+    kept = table.without(name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
+    _, sway, yaw = table.letters
+    return kept.with_terms(kept.name, sway=form.terms(sway, suction), yaw=form.terms(yaw, cushion))
+
+
+def without_bank(table: TermTable) -> TermTable:
+    """Return a table without terms of the bank (ours).
+
+    Parameters
+    ----------
+    table : TermTable
+        The table.
+    """
+    return table.without(f"{_base(table)}+{OPEN_WATER}", lambda term: term.from_bank)
+
+
+def _base(table: TermTable) -> str:
+    """The name of a table without that of its form of the bank."""
     base, *additions = table.name.split("+")
-    own = "+".join([base, *(word for word in additions if word == WITH_HELM)])
-    kept = TermTable(name or f"{own}+{form.name}", table.surge, sway, yaw, table.ties)
-    return kept.with_terms(kept.name, sway=form.sway, yaw=form.yaw)
+    return "+".join([base, *(word for word in additions if word == WITH_HELM)])
 
 
 def _form(form: str | BankForm) -> BankForm:

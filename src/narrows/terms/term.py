@@ -7,10 +7,15 @@ from functools import cached_property
 from narrows.errors import InputError, did_you_mean
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, asked_by
+from narrows.terms.about import DepthLaw, ScaleEffect, TermKind
 
 Bound = tuple[float, float]
 FREE: Bound = (float("-inf"), float("inf"))
 NONNEGATIVE: Bound = (0.0, float("inf"))
+BANKS, DEPTH = "width", "depth"
+"""What says where the banks are, and how deep the water is."""
+LETTERS = ("a", "b", "c")
+"""What the names of the paper's coefficients begin with, by force."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +35,20 @@ class Term:
         Of the coefficient.
     bound : tuple of float
         Lowest and highest value of the coefficient, in its own unit.
+    kind : TermKind
+        What it describes.
+    source : str
+        Where the term is from.
+    depth_law : DepthLaw, optional
+        How the coefficient grows over deep water, where a law for it is known.
+    scale_effect : ScaleEffect, optional
+        What of the coefficient does not follow Froude's law.
 
     Raises
     ------
     InputError
-        Where the regressor asks for a quantity that the vocabulary does not have.
+        Where the regressor asks for a quantity that the vocabulary does not have, or for the canal's width and the
+        kind is not ``bank``.
     """
 
     name: str
@@ -42,12 +56,18 @@ class Term:
     regressor: Callable[..., Number]
     dimension: Dimension
     bound: Bound = FREE
+    kind: TermKind = TermKind.OTHER
+    source: str = ""
+    depth_law: DepthLaw | None = None
+    scale_effect: ScaleEffect | None = None
 
     def __post_init__(self) -> None:
         for word in self.inputs:
             if word not in REGRESSOR_INPUTS:
                 hint = did_you_mean(word, REGRESSOR_INPUTS)
                 raise InputError(f"term {self.name}: its regressor asks for an unknown {word!r}{hint}")
+        if BANKS in self.inputs and not self.from_bank:
+            raise InputError(f"term {self.name}: it asks for the canal's {BANKS}; give it kind=TermKind.BANK")
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -56,8 +76,13 @@ class Term:
 
     @property
     def from_bank(self) -> bool:
-        """Whether the term feels the banks: whether it asks for the canal's width."""
-        return "width" in self.inputs
+        """Whether the banks make the force."""
+        return self.kind == TermKind.BANK
+
+    @property
+    def feels_depth(self) -> bool:
+        """Whether it asks for the depth of the water."""
+        return DEPTH in self.inputs
 
     def column(self, values: Mapping[str, Number]) -> Number:
         """Evaluate the regressor.
@@ -82,6 +107,8 @@ class TermTable:
         The terms of X [N], Y [N] and N [N m].
     ties : tuple of pairs of str
         Coefficients held equal.
+    letters : tuple of str
+        What names of coefficients in X, Y and N begin with.
 
     Raises
     ------
@@ -94,6 +121,7 @@ class TermTable:
     sway: tuple[Term, ...]
     yaw: tuple[Term, ...]
     ties: tuple[tuple[str, str], ...] = ()
+    letters: tuple[str, str, str] = LETTERS
 
     def __post_init__(self) -> None:
         names = self.names
@@ -128,6 +156,22 @@ class TermTable:
         """The quantities that the terms ask for between them."""
         return tuple(dict.fromkeys(word for term in self.terms for word in term.inputs))
 
+    @property
+    def feels_bank(self) -> bool:
+        """Whether the banks make some of the force."""
+        return any(term.from_bank for term in self.terms)
+
+    @property
+    def bank_note(self) -> str:
+        """What to say to whoever asks about a canal where no term is of the bank; nothing where one is."""
+        told = f"The terms {self.name!r} feel no bank: the banks of a canal end a voyage, and do nothing before"
+        return "" if self.feels_bank else f"{told}; a name like mmg+delta gives them a form of it."
+
+    @property
+    def feels_depth(self) -> bool:
+        """Whether a term asks for the depth of the water."""
+        return any(term.feels_depth for term in self.terms)
+
     def __getitem__(self, name: str) -> Term:
         """The term of a coefficient."""
         for term in self.terms:
@@ -154,6 +198,21 @@ class TermTable:
             sway=_merged(self.sway, sway),
             yaw=_merged(self.yaw, yaw),
         )
+
+    def without(self, name: str, leave: Callable[[Term], bool]) -> "TermTable":
+        """Return the table without some terms, and without the ties of those.
+
+        Parameters
+        ----------
+        name : str
+            Of the new table.
+        leave : callable
+            Says of a term whether to leave it out.
+        """
+        surge, sway, yaw = (tuple(term for term in own if not leave(term)) for own in self.forces.values())
+        kept = {term.name for term in (*surge, *sway, *yaw)}
+        ties = tuple(tie for tie in self.ties if set(tie) <= kept)
+        return replace(self, name=name, surge=surge, sway=sway, yaw=yaw, ties=ties)
 
 
 def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:

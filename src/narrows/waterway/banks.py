@@ -2,19 +2,17 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.ship.cross_section import Point, equivalent_wall, keel_wall
+from narrows.waterway.bank_line import BankLine
 from narrows.waterway.centreline import Centreline
 
 Wall = Callable[[Sequence[Point], float], float]
 FAR = 1e4
 """More than any bank's profile reaches [m]."""
-BETWEEN = 8
-"""Places taken between two points of a bank's line."""
 
 
 @dataclass(frozen=True)
@@ -32,17 +30,21 @@ class Bank:
     profile : sequence of (m, m)
         Points of a slope or of steps: distance beyond the bank's line, and height above the bottom, outward from the
         toe. A vertical wall unless given.
+    drawn : BankLine, optional
+        Its own line on a map, where it is known: it then says the distance at every place, and ``s`` and ``distance``
+        are its corners.
 
     Raises
     ------
     InputError
-        Where the bank crosses the line or doubles back, with the place.
+        Where the bank crosses the line or its places do not rise, with the place.
     """
 
     side: str
     s: np.ndarray
     distance: np.ndarray
     profile: tuple[Point, ...] = ()
+    drawn: BankLine | None = None
 
     def __post_init__(self) -> None:
         wrong = ~(np.asarray(self.distance) > 0)
@@ -96,39 +98,30 @@ class Bank:
         s : array or float [m]
             Along the line.
         """
+        if self.drawn is not None:
+            return self.drawn.distance(s)
         return np.asarray(np.interp(s, self.s, self.distance))
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:
-    """Measure a bank's own line against the centreline (ours).
+    """Return a bank by its own line: at each place as far off as the normal of the centreline meets it first (ours).
 
     Parameters
     ----------
     side : str
         ``starboard`` or ``port``.
     points : array (n, 2) [m]
-        East and north, in either direction.
+        East and north, in either direction; at least two.
     line : Centreline
-        The line.
+        The centreline.
     profile : sequence of (m, m)
         Its shape, as in ``Bank``.
 
     Raises
     ------
     InputError
-        Where the bank crosses the line, doubles back, or does not reach along the whole of it.
+        Where the bank crosses the line, does not reach along the whole of it, or a normal meets it nowhere or beyond
+        the centre of its bend.
     """
-    points = np.asarray(points, float)
-    shares = np.linspace(0, 1, BETWEEN, endpoint=False)[:, None]
-    dense = np.concatenate([a + shares * (b - a) for a, b in pairwise(points)] + [points[-1:]])
-    s, n = line.place(dense)
-    if s[0] > s[-1]:
-        s, n = s[::-1], n[::-1]
-    bank = Bank(side, s, n if side == "starboard" else -n, profile)
-    slack = 0.01 * line.length
-    if bank.s[0] > slack or bank.s[-1] < line.length - slack:
-        raise InputError(
-            f"the {side} bank is known from {bank.s[0]:.0f} to {bank.s[-1]:.0f} m along a centreline of "
-            f"{line.length:.0f} m; draw it along the whole of it"
-        )
-    return bank
+    drawn = BankLine(side, points, line)
+    return Bank(side, drawn.corners, drawn.distance(drawn.corners), profile, drawn)

@@ -19,11 +19,17 @@ BLOCK = 8192
 """Positions at a time, that stay in the cache."""
 STEP = 1e-10
 """Of the search, over the length of the line."""
+FARTHEST = 1e8
+"""Farther [m] than any two places on earth."""
 
 
 @dataclass(frozen=True)
 class Centreline:
     """A smooth line through points, and places along it.
+
+    A cubic spline over the chords, whose bend goes on to its ends ("not a knot"): three points make a parabola, two a
+    straight line. Points h apart on a bend of radius R give its curvature to 0.71 (h / R)^2 of it at the ends and to
+    0.14 (h / R)^2 between, its heading to 0.2 (h / R)^3. Beyond its ends the line goes straight on.
 
     Parameters
     ----------
@@ -39,26 +45,32 @@ class Centreline:
     points: np.ndarray
 
     def __post_init__(self) -> None:
-        points = np.asarray(self.points, float)
+        points = self._points
         if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
             raise InputError("a centreline needs two points or more, each east and north; add some")
-        if not np.isfinite(points).all():
-            raise InputError(f"point {int(np.argmin(np.isfinite(points).all(axis=1)))} of the centreline is not finite")
+        known = (np.abs(points) < FARTHEST).all(axis=1)
+        if not known.all():
+            raise InputError(f"point {int(known.argmin())} of the centreline is not finite, or not on earth")
         gaps = np.hypot(*np.diff(points, axis=0).T)
         if not gaps.all():
             raise InputError(
                 f"points {int(gaps.argmin())} and {int(gaps.argmin()) + 1} of the centreline are one place"
             )
-        object.__setattr__(self, "points", points)
+
+    @cached_property
+    def _points(self) -> np.ndarray:
+        try:
+            return np.asarray(self.points, float)
+        except (TypeError, ValueError, OverflowError):
+            raise InputError("a centreline needs two points or more, each east and north in metres") from None
 
     @cached_property
     def _knots(self) -> np.ndarray:
-        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
+        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))])
 
     @cached_property
     def _spline(self) -> PPoly:
-        # Two points make a straight line; a natural spline stays straight at its ends.
-        return CubicSpline(self._knots, self.points, bc_type="natural")
+        return _straight_on(CubicSpline(self._knots, self._points))
 
     @cached_property
     def _rate(self) -> PPoly:
@@ -84,29 +96,39 @@ class Centreline:
         return KDTree(self._spline(self._samples[0]))
 
     @cached_property
-    def _from_distance(self) -> CubicSpline:
+    def _from_distance(self) -> PPoly:
         t, s = self._samples
-        return CubicSpline(s, t) if len(self.points) > 2 else CubicSpline(s[[0, -1]], t[[0, -1]])
+        return _straight_on(CubicSpline(s, t) if len(t) > SAMPLES_A_PIECE + 1 else CubicSpline(s[[0, -1]], t[[0, -1]]))
 
     @cached_property
-    def _to_distance(self) -> CubicSpline:
+    def _to_distance(self) -> PPoly:
         t, s = self._samples
-        return CubicSpline(t, s) if len(self.points) > 2 else CubicSpline(t[[0, -1]], s[[0, -1]])
+        return _straight_on(CubicSpline(t, s) if len(t) > SAMPLES_A_PIECE + 1 else CubicSpline(t[[0, -1]], s[[0, -1]]))
 
     @property
     def length(self) -> float:
         """From the first point to the last along the line [m]."""
         return float(self._samples[1][-1])
 
+    @property
+    def stations(self) -> np.ndarray:
+        """How far along the line each of its points is [m]."""
+        return self._samples[1][::SAMPLES_A_PIECE]
+
+    @property
+    def fine(self) -> np.ndarray:
+        """Places along the line, many between each two of its points [m]."""
+        return self._samples[1]
+
     def curvature(self, s: np.ndarray | float) -> np.ndarray:
-        """Return how sharply the line turns to starboard [1/m].
+        """Return how sharply the line turns to starboard [1/m]; beyond its ends as at them.
 
         Parameters
         ----------
         s : array or float [m]
             Along the line.
         """
-        t = self._from_distance(s)
+        t = np.clip(self._from_distance(s), self._knots[0], np.nextafter(self._knots[-1], 0.0))
         rate, bend = self._rate(t), self._bend(t)
         cross = rate[..., 0] * bend[..., 1] - rate[..., 1] * bend[..., 0]
         return np.asarray(-cross / np.linalg.norm(rate, axis=-1) ** 3)
@@ -121,6 +143,31 @@ class Centreline:
         """
         rate = self._rate(self._from_distance(s))
         return np.asarray(np.arctan2(rate[..., 0], rate[..., 1]))
+
+    def frame(self, s: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions on the line, (..., 2): east and north [m], and unit vectors along it.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        t = self._from_distance(s)
+        rate = self._rate(t)
+        return self._spline(t), rate / np.linalg.norm(rate, axis=-1, keepdims=True)
+
+    def foot(self, s: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return where the line is square to the way to positions, from places near by: s, and n to starboard [m].
+
+        Parameters
+        ----------
+        s : array (n,) [m]
+            Along the line, near by.
+        positions : array (n, 2) [m]
+            East and north.
+        """
+        found, n, _ = self._placed(self._from_distance(s), positions)
+        return found, n
 
     def at(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> np.ndarray:
         """Return positions, (..., 2): east and north [m].
@@ -196,8 +243,9 @@ class Centreline:
 
     def _step(self, t: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Newton's step towards the place where the line is square to the way to a position."""
-        piece = np.clip(np.searchsorted(self._knots, t, "right") - 1, 0, len(self._knots) - 2)
-        u = (t - self._knots[piece])[:, None]
+        knots = self._spline.x
+        piece = np.clip(np.searchsorted(knots, t, "right") - 1, 0, len(knots) - 2)
+        u = (t - knots[piece])[:, None]
         cubic, square, slope, start = self._spline.c[:, piece]
         bend = 6 * cubic * u + 2 * square
         rate = (3 * cubic * u + 2 * square) * u + slope
@@ -205,6 +253,17 @@ class Centreline:
         speed = np.einsum("ij,ij->i", rate, rate)
         steep = speed - np.einsum("ij,ij->i", apart, bend)
         return np.asarray(np.einsum("ij,ij->i", apart, rate) / np.where(steep > 0, steep, speed))
+
+
+def _straight_on(spline: PPoly) -> PPoly:
+    """Add straight pieces beyond both ends: what a piecewise polynomial extrapolates are the outer ones."""
+    first, last = spline.x[[0, -1]]
+    start, slope, stop, leaving = spline(first), spline(first, 1), spline(last), spline(last, 1)
+    none, span = np.zeros_like(slope), last - first
+    before, after = (
+        np.stack([none, none, *line])[:, None] for line in ((slope, start - span * slope), (leaving, stop))
+    )
+    return PPoly(np.concatenate([before, spline.c, after], axis=1), np.array([first - span, *spline.x, last + span]))
 
 
 def _in_blocks(work: Callable[[slice], tuple[np.ndarray, ...]], count: int) -> tuple[np.ndarray, ...]:

@@ -10,11 +10,13 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.files import write_whole
 from narrows.ship.cross_section import Point, equivalent_wall
-from narrows.waterway.banks import FAR, bank_from_points
+from narrows.waterway.banks import FAR, Bank, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.waterway import Waterway
 
 ROLES = ("centreline", "starboard", "port")
+CHORD = 0.001
+"""Between the bank of a bend and the line that is written for it [m]."""
 KNOWN_CRS = ("CRS84", "4326")
 
 
@@ -68,14 +70,23 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     if waterway.origin is None:
         raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
     line, origin = waterway.line, np.array(waterway.origin)
-    places = line.place(line.points)[0]
-    depth = {} if waterway.depths is None else {"depth": (waterway.depth(places) - waterway.level).tolist()}
-    features = [_feature("centreline", line.points, origin, depth)]
+    levels = waterway.depth(line.stations) - waterway.level
+    depth = {} if waterway.depths is None else {"depth": levels.tolist()}
+    features = [_feature("centreline", np.asarray(line.points), origin, depth)]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}
-        inside = np.clip(bank.s, 0, line.length)
-        features.append(_feature(bank.side, line.at(inside, sign * bank.distance), origin, shape))
+        features.append(_feature(bank.side, _drawn(bank, sign, line), origin, shape))
     write_whole(path, json.dumps({"type": "FeatureCollection", "features": features}, indent=1))
+
+
+def _drawn(bank: Bank, sign: int, line: Centreline) -> np.ndarray:
+    """Points of a bank on the map: its own, or near enough to each other that chords keep to a bend."""
+    if bank.drawn is not None:
+        return np.asarray(bank.drawn.points)
+    sharpest = np.abs(line.curvature(line.fine)).max()
+    count = int(np.ceil(line.length * np.sqrt(sharpest / (8 * CHORD)))) + 1
+    s = np.union1d(np.clip(bank.s, 0, line.length), np.linspace(0, line.length, count + 1))
+    return line.at(s, sign * bank.at(s))
 
 
 def _feature(role: str, points: np.ndarray, origin: np.ndarray, more: Mapping[str, Any]) -> dict[str, Any]:
@@ -224,4 +235,4 @@ def _depths(
         return np.array([0.0, line.length]), np.repeat(values, 2)
     if len(values) != len(points):
         raise InputError(f"the centreline has {len(points)} points and {len(values)} depths; give one for each")
-    return line.place(points)[0], values
+    return line.stations, values

@@ -100,9 +100,14 @@ def side_room(
         As in ``edge_room``.
     """
     stern, bow, breadth, least = 0.0, 0.0, 0.0, inf
+    aft, fore = 0.0, 0.0
     for point in range(0, len(outline), 2):
-        stern, bow = min(stern, outline[point]), max(bow, outline[point])
-        breadth = max(breadth, sign * outline[point + 1])
+        forward, out = outline[point], sign * outline[point + 1]
+        stern, bow = min(stern, forward), max(bow, forward)
+        if out > breadth:
+            breadth, aft, fore = out, forward, forward
+        elif out == breadth:
+            aft, fore = min(aft, forward), max(fore, forward)
     for direction in (-1, 1):
         end = bow if direction > 0 else -stern
         row = (cell + 1) * ROW
@@ -113,7 +118,10 @@ def side_room(
             dx, dy = track[row + column] - x, track[row + column + 1] - y
             next_a, next_b = dx * c + dy * si, sign * (dy * c - dx * si)
             if min(b, next_b) - breadth < least:
-                least = edge_room(a, b, next_a, next_b, sign, outline, least)
+                if min(a, next_a) > aft and max(a, next_a) < fore:  # beside the parallel body
+                    least = min(b, next_b) - breadth
+                else:
+                    least = edge_room(a, b, next_a, next_b, sign, outline, least)
             along = direction * ((track[row] - x) * c + (track[row + 1] - y) * si)
             # A bank that comes back over the hull's end once the line has passed it is farther off than before.
             if min(along, direction * next_a) > end or track[row + 2] * c + track[row + 3] * si < TURNED_AWAY:

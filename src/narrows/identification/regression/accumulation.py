@@ -9,7 +9,7 @@ from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.design_matrix import DesignMatrix
 from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.model.model import DataRange, Range
+from narrows.model.data_range import DataRange, Range
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 

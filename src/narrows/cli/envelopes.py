@@ -84,7 +84,7 @@ def envelope(
         save_netcdf(found.data, output)
     if plot:
         from narrows.report.envelope_chart import envelope_chart
-        from narrows.report.voyages import save_figure
+        from narrows.report.voyage_figures import save_figure
 
         save_figure(envelope_chart(found, ship, reserve), plot)
     print_json(envelope_summary(found)) if json else print_envelope(found)

@@ -19,7 +19,7 @@ def print_manoeuvres(trials: Trials) -> None:
     trials : Trials
         What was sailed.
     """
-    console, found = Console(highlight=False), trials.summary()
+    console, found = Console(highlight=False), trials.to_dict()
     circles = Table(box=None, pad_edge=False)
     for head in ("rudder \\[deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach"):
         circles.add_column(head, justify="right")

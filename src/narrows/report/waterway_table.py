@@ -43,7 +43,7 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
     bend = np.abs(here.curvature)
     narrow, sharp = int(here.width.argmin()), int(bend.argmax())
     deep = bool(np.isfinite(here.depth).all())
-    return {
+    found = {
         "name": waterway.name,
         "length": waterway.line.length,
         "narrowest": {"width": float(here.width[narrow]), "at": float(s[narrow])},
@@ -51,9 +51,10 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         "sharpest": {"radius": float(1 / bend[sharp]), "at": float(s[sharp])} if bend[sharp] > STRAIGHT else None,
         "stations": _stations(waterway, draft),
     }
+    return {**found, "summary": _sentence(found), "notes": []}
 
 
-def _stations(waterway: Waterway, draft: float) -> list[dict[str, float | None]]:
+def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
     s = np.linspace(0, waterway.line.length, SHOWN)
     here, heading = waterway.room(s, draft), np.degrees(waterway.line.heading(s)) % 360
     columns = {
@@ -61,7 +62,7 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float | None]]
         "width": here.width, "depth": here.depth,
     }  # fmt: skip
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    return [{name: v if math.isfinite(v) else None for name, v in zip(columns, row, strict=True)} for row in rows]
+    return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
 def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
@@ -80,13 +81,21 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
         table.add_column(head, justify="right")
     for row in found["stations"]:
         at, heading, *rest = row.values()
-        table.add_row(f"{at:.0f}", f"{heading:.1f}", *("-" if value is None else f"{value:.1f}" for value in rest))
+        table.add_row(
+            f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest)
+        )
     console.print(table)
-    console.print(
-        f"{found['name']}: {found['length']:.0f} m long; narrowest {found['narrowest']['width']:.1f} m at "
-        f"{found['narrowest']['at']:.0f} m" + _worst(found["shallowest"], "depth", "shallowest")
+    console.print(found["summary"])
+
+
+def _sentence(found: dict[str, Any]) -> str:
+    narrowest = found["narrowest"]
+    return (
+        f"{found['name']}: {found['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
+        f"{narrowest['at']:.0f} m"
+        + _worst(found["shallowest"], "depth", "shallowest")
         + _worst(found["sharpest"], "radius", "sharpest bend, radius")
-    )  # fmt: skip
+    )
 
 
 def _worst(found: dict[str, float] | None, name: str, word: str) -> str:

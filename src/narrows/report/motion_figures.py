@@ -10,7 +10,7 @@ FEW = 4
 """Up to so many tests are drawn against time, each with a line of its own; more are drawn row by row."""
 
 
-def tests_figure(tests: CaptiveTests) -> Figure:
+def motions_figure(tests: CaptiveTests) -> Figure:
     """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces).
 
     Parameters

@@ -8,7 +8,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.identification import Comparison, Fit
 from narrows.identification.uncertainty.interval import t_quantile
-from narrows.report.columns import COLOURS, MARKERS, symbols
+from narrows.report.collinearity_figures import COLOURS, MARKERS, symbols
 from narrows.report.style import BLUE, GREY, ORANGE, panels
 
 PANELS_A_ROW, ROW_HEIGHT = 4, 1.45

@@ -7,8 +7,8 @@ from narrows.captive.tests import CaptiveTests
 from narrows.identification import Fit
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
-from narrows.report.columns import symbols
-from narrows.report.motions import boundaries
+from narrows.report.collinearity_figures import symbols
+from narrows.report.motion_figures import boundaries
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREEN, GREY, HATCHES, ORANGE, panels
 from narrows.terms.term import Term
 

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from narrows.model.model import Range
+from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
 from narrows.report.style import BLUE, GREEN, ORANGE, panels
 from narrows.ship.particulars import Configuration

@@ -13,10 +13,14 @@ from narrows.identification import Fit
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
 from narrows.quantities.names import name_of
-from narrows.report import banks, columns, motions, outcomes, trust
+from narrows.report.bank_figures import delta_figure, delta_surface_figure
+from narrows.report.collinearity_figures import correlation_figure, inflation_figure
+from narrows.report.fit_figures import forces_figure, intervals_figure, shapley_figure
+from narrows.report.fit_table import heading, kkt_sentence
+from narrows.report.motion_figures import motions_figure
 from narrows.report.numbers import interval, readable
 from narrows.report.style import svg
-from narrows.report.terminal import heading, kkt_sentence
+from narrows.report.uncertainty_figures import influence_figure, profiles_figure
 
 ENVELOPE = {
     "speed": ("surge velocity", "m/s", 1.0),
@@ -182,22 +186,22 @@ def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
 def _figures(fit: Fit) -> list[dict[str, str]]:
     configuration, covered = fit.tests.configuration, fit.data_range.abs_y
     pictures = [
-        figure(outcomes.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
-        figure(columns.inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
+        figure(intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
+        figure(inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
                "dotted: the limits over all rows and within one speed."),
-        figure(columns.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
-        figure(trust.influence_figure(fit), "Share of what is known of each coefficient that goes with each test."),
-        figure(outcomes.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
-        figure(banks.delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
-        figure(banks.delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
+        figure(correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
+        figure(influence_figure(fit), "Share of what is known of each coefficient that goes with each test."),
+        figure(shapley_figure(fit), "Shapley shares of the terms under three value functions."),
+        figure(delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
+        figure(delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
     ]  # fmt: skip
-    if profiles := trust.profiles_figure(fit):
+    if profiles := profiles_figure(fit):
         said = "Profile likelihood under the constraints; dashed: the estimate, dotted: the limit of 95 %."
         pictures.insert(1, figure(profiles, said))
     tests = fit.tests
     if isinstance(tests, CaptiveTests):
-        measured = figure(outcomes.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
-        pictures = [measured, *pictures, figure(motions.tests_figure(tests), "The tests: motions and forces.")]
+        measured = figure(forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
+        pictures = [measured, *pictures, figure(motions_figure(tests), "The tests: motions and forces.")]
     return pictures
 
 

@@ -10,10 +10,10 @@ from rich.table import Table
 from narrows.files import write_whole
 from narrows.identification import Comparison, Explanation
 from narrows.identification.shapley import KINDS
-from narrows.report import trust
+from narrows.report.fit_page import figure, render, section
+from narrows.report.fit_table import heading, print_fit
 from narrows.report.numbers import interval, readable
-from narrows.report.page import figure, render, section
-from narrows.report.terminal import heading, print_fit
+from narrows.report.uncertainty_figures import comparison_figure
 
 
 def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
@@ -47,9 +47,7 @@ def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
         shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in found.scores for n in shares[KINDS[0]][f]],
         compared=found.comparison.summary().splitlines(),
         left_out=found.comparison.left_out,
-        comparison=figure(
-            trust.comparison_figure(rows), "Errors of tables of terms, of the fit and on what was left out."
-        ),
+        comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on what was left out."),
         rows=[row | {"said": bank_said(row)} for row in rows],
         s=section("", found.fit, 0) | {"heading": f"A fit to these tests: {heading(found.fit, '')}"},
     )

@@ -27,7 +27,7 @@ def waterway(
     json: AsJson = False,
 ) -> None:
     """Check a waterway and say how long, wide and deep it is; from a chart, measure it along a centreline."""
-    from narrows.report.waterways import print_waterway, waterway_summary
+    from narrows.report.waterway_table import print_waterway, waterway_summary
     from narrows.waterway import read_waterway, write_waterway
 
     if (file.suffix == ".000") != (line is not None):

@@ -1,0 +1,29 @@
+"""``reproduce``: the paper, ours beside its own."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from narrows.cli.app import app
+from narrows.cli.options import AsJson
+from narrows.cli.output import folder, print_json
+
+
+@app.command(epilog="Example: narrows reproduce --out paper")
+def reproduce(
+    out: Annotated[Path, typer.Option(help="Folder for report.html.")] = Path("out"),
+    json: AsJson = False,
+) -> None:
+    """Make every table and figure of the paper again, ours beside its own numbers."""
+    from narrows.report.reproduction import write_reproduction
+    from narrows.studies.mikkelsen2025 import reproduce as made
+
+    folder(out)
+    found = made(lambda doing: typer.echo(f"{doing} ...", err=True))
+    typer.echo("figures ...", err=True)
+    write_reproduction(found, out / "report.html")
+    if json:
+        print_json(found.to_dict())
+    else:
+        typer.echo(f"{found.summary()}\nwrote {out / 'report.html'}")

@@ -1,0 +1,88 @@
+"""The page of the paper made again: every table and figure of it, ours beside its own numbers."""
+
+from pathlib import Path
+from typing import Any
+
+from narrows.files import write_whole
+from narrows.identification import Fit
+from narrows.identification.shapley import KINDS
+from narrows.report.bank_figures import delta_figure, delta_surface_figure
+from narrows.report.collinearity_figures import correlation_figure
+from narrows.report.fit_figures import forces_figure, shapley_figure
+from narrows.report.fit_page import figure, render
+from narrows.report.motion_figures import motions_figure
+from narrows.report.numbers import interval, readable
+from narrows.report.voyage_figures import distances_figure, paths_figure
+from narrows.simulation.maps import grounding_distance
+from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
+
+
+def write_reproduction(found: Reproduction, path: str | Path) -> None:
+    """Write the reproduction of the paper as one HTML file.
+
+    Parameters
+    ----------
+    found : Reproduction
+        What was computed.
+    path : str or Path
+        Where to.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be written.
+    """
+    page = render(
+        "reproduction.html.j2", title="The paper, reproduced", figures=_figures(found),
+        coefficients=[_coefficient(found.fit, name, own) for name, own in found.truth.coefficients.items()],
+        shapley=[(name, PRINTED_SHARES[name], own.values()) for name, own in found.shares.items()],
+        kinds=KINDS, switches=found.switches, printed_switch=PRINTED_SWITCH, doubts=found.notes,
+        source=found.truth.source.text, clusters=found.fit.clusters.sentence, verdict=found.agreement,
+        voyages={y: voyage.outcome.sentence for y, voyage in found.voyages.items()},
+        eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in own] for name, own in found.modes.items()},
+        stiffness=found.stiffness,
+    )  # fmt: skip
+    write_whole(path, page)
+
+
+def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:
+    std, verdict = fit.std[name], fit.verdicts[name]
+    low, high = fit.intervals[name]
+    known = verdict.determined
+    return {
+        "name": name,
+        "printed": f"{printed:g}",
+        "found": readable(fit.coefficients[name], std) if known else "-",
+        "interval": interval((low, high), std) if known else "-",
+        "verdict": verdict.status,
+        "kind": verdict.status.replace(" ", "-"),
+        "why": _why(known, low <= printed <= high),
+    }
+
+
+def _why(known: bool, inside: bool) -> str:
+    if not known:
+        return "these tests cannot say; the paper's number is its solver's choice"
+    return "" if inside else "outside the 95 % interval, as one in twenty is"
+
+
+def _figures(found: Reproduction) -> dict[str, dict[str, str]]:
+    fit, tests, configuration = found.fit, found.fit.tests, found.truth.configuration
+    distances = {name: grounding_distance(voyages) for name, voyages in found.readings.items()}
+    sides = {name: voyages["side"] for name, voyages in found.readings.items()}
+    made: dict[str, tuple[Any, str]] = {
+        "tests": (motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
+        "delta": (delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
+        "surface": (delta_surface_figure(configuration), "delta over offset and heading."),
+        "correlation": (correlation_figure(fit), "Correlations between the columns, and rank."),
+        "forces": (forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
+        "shapley": (shapley_figure(fit), "Shapley shares under three value functions."),
+        "paths": (
+            paths_figure(list(found.voyages.values()), configuration),
+            "Voyages from the starts of the table, hull corners.",
+        ),
+        "distance": (
+            distances_figure(distances, sides, configuration), "Distance along the canal to the grounding."
+        ),
+    }  # fmt: skip
+    return {name: figure(*own) for name, own in made.items()}

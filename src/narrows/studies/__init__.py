@@ -1,0 +1,1 @@
+"""Published cases made again, ours beside their own numbers."""

@@ -1,0 +1,198 @@
+"""Mikkelsen et al. (2025) made again: its tests, coefficients, shares, voyages and switch, ours beside its own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from narrows.captive.synthetic import twin
+from narrows.identification import Fit, identify
+from narrows.identification.shapley import KINDS
+from narrows.model.model import Model
+from narrows.model.model_file import published
+from narrows.simulation.fleets import ensemble
+from narrows.simulation.modes import bank_stiffness, eigenvalues
+from narrows.simulation.voyage import Voyage, simulate
+from narrows.terms.canal_tables import PAPER
+
+SHARES = (
+    *(0.0, 0.0, 1.0),
+    *(0.239, 0.002, 0.087, 0.243, 0.132, 0.015, 0.283),
+    *(0.040, 0.255, 0.235, 0.128, 0.026, 0.248, 0.069),
+)
+PRINTED_SHARES = dict(zip(PAPER.names, SHARES, strict=True))
+"""Table (significance_test) of the paper, of surge, sway and yaw."""
+PRINTED_SWITCH = 2.0
+"""Start [m] beyond which the paper's ship grounds on the near bank, "approximately"."""
+PRINTED_DIGIT = 0.05
+"""How near to it [m] is the same in its one digit."""
+SURGE_FORCE, SURGE_MASS = 12.6, 300.0
+"""The paper's constant surge force [N]; and a mass in surge [kg] for it to act on, which the paper does not have:
+it is near what straight runs of the same hull give, and at the speed where force and resistance balance it
+does not matter."""
+MASS = 245.0
+"""Displacement of the model [kg] at its scale, for the reading with Coriolis."""
+DURATION = 120.0
+"""Of a voyage at most [s]."""
+STARTS = np.linspace(0.1, 2.5, 241)
+SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """The paper's coefficients taken as the truth: what tests of its kinds give back, and how its ship sails.
+
+    Parameters
+    ----------
+    truth : Model
+        The model as printed.
+    fit : Fit
+        What synthetic tests of the paper's kinds give.
+    voyages : dict of float to Voyage
+        From starts to starboard [m], contact by the hull's corners.
+    readings : dict of str to Dataset
+        Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without.
+    """
+
+    truth: Model
+    fit: Fit
+    voyages: dict[float, Voyage]
+    readings: dict[str, Any]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What tests of this kind could not pin down."""
+        return tuple(v.sentence(name) for name, v in self.fit.verdicts.items() if v.status != "identified")
+
+    @cached_property
+    def switches(self) -> dict[str, float | None]:
+        """The start beyond which the ship grounds on the near bank [m], by reading; None where there is none."""
+        return {name: switch_of(voyages) for name, voyages in self.readings.items()}
+
+    @property
+    def agreement(self) -> str:
+        """Which readings switch where the paper does, to its one digit."""
+        near = [s for s, at in self.switches.items() if at is not None and abs(at - PRINTED_SWITCH) < PRINTED_DIGIT]
+        which = ", ".join(near) or "None of these readings"
+        return (
+            f"{which} {'switches' if len(near) < 2 else 'switch'} where the paper does; the physics is left as it is."
+        )
+
+    @cached_property
+    def shares(self) -> dict[str, dict[str, float]]:
+        """The Shapley share of each coefficient in its own force, by value function."""
+        by_kind = {kind: self.fit.shapley(kind) for kind in KINDS}
+        forces = {term.name: force for force, terms in self.fit.terms.forces.items() for term in terms}
+        return {
+            name: {kind: float(own[forces[name]][name]) for kind, own in by_kind.items()}
+            for name in self.truth.terms.names
+        }
+
+    @cached_property
+    def modes(self) -> dict[str, np.ndarray]:
+        """Eigenvalues at 1 m/s on the centreline [1/s]."""
+        return {
+            "with the bank": eigenvalues(self.truth, bank=True, u=1.0),
+            "without": eigenvalues(self.truth, bank=False, u=1.0),
+        }
+
+    @property
+    def stiffness(self) -> float:
+        """Slope of the pressure difference across the centreline [1/m]."""
+        return bank_stiffness(self.truth.configuration)
+
+    def summary(self) -> str:
+        """Say from where the ship grounds on the near bank, a line for each reading."""
+        where = {name: "nowhere" if y is None else f"from y(0) = {y:.2f} m" for name, y in self.switches.items()}
+        return "\n".join(f"grounds on the near bank {at}: {name}" for name, at in where.items())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give every number of the comparison by name, the paper's under ``printed``."""
+        return {
+            "coefficients": [self._coefficient(name) for name in self.truth.terms.names],
+            "shapley": [{"name": n, "printed": PRINTED_SHARES[n], "ours": own} for n, own in self.shares.items()],
+            "readings": [{"name": name, "switch": switch} for name, switch in self.switches.items()],
+            "printed_switch": PRINTED_SWITCH,
+            "eigenvalues": {name: [[z.real, z.imag] for z in own] for name, own in self.modes.items()},
+            "stiffness": self.stiffness,
+            "summary": self.summary(),
+            "notes": self.notes,
+        }
+
+    def _coefficient(self, name: str) -> dict[str, Any]:
+        verdict, known = self.fit.verdicts[name], self.fit.verdicts[name].determined
+        return {
+            "name": name,
+            "printed": self.truth.coefficients[name],
+            "value": self.fit.coefficients[name] if known else None,
+            "ci95": self.fit.intervals[name] if known else None,
+            "verdict": verdict.status,
+        }
+
+
+def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
+    """Run the paper's tests on its own coefficients, identify them, and sail its voyages.
+
+    Parameters
+    ----------
+    progress : callable
+        Told what is being done.
+
+    References
+    ----------
+    Mikkelsen, Enevoldsen, Jensen, Jeppesen, Galeazzi, Papageorgiou (2025), Closed form modelling and identification
+    of banking effects in confined waters.
+    """
+    truth = published("mikkelsen2025_dtc")
+    progress("synthetic tests and their identification")
+    fit = identify(twin(truth))
+    progress("voyages and grounding distances")
+    return Reproduction(truth, fit, {y: sailed(truth, y) for y in SHOWN_STARTS}, grounding_readings(truth))
+
+
+def sailed(model: Model, y: float) -> Voyage:
+    """Sail as the paper does: 1 m/s, a constant surge force, the speed free (the mass in surge is ours).
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    y : float [m]
+        Start.
+    """
+    return simulate(model, y, 1.0, DURATION, surge="free", surge_inertia=SURGE_MASS, X=SURGE_FORCE)
+
+
+def grounding_readings(model: Model) -> dict[str, Any]:
+    """Sail from every start under each reading of contact, with Coriolis and without.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    """
+    ship = replace(model.configuration.ship, mass=MASS)
+    heavy = replace(model, configuration=replace(model.configuration, ship=ship))
+    common: dict[str, Any] = {"y": STARTS, "duration": DURATION, "surge": "free", "X": SURGE_FORCE}
+    common["surge_inertia"] = SURGE_MASS
+    return {
+        "hull corners": ensemble(model, **common),
+        "midship clearance": ensemble(model, contact="midship", **common),
+        "hull corners, with Coriolis": ensemble(heavy, coriolis=True, **common),
+        "midship clearance, with Coriolis": ensemble(heavy, coriolis=True, contact="midship", **common),
+    }
+
+
+def switch_of(voyages: Any) -> float | None:
+    """Return the smallest start beyond which every ship grounds to starboard [m], None where there is none.
+
+    Parameters
+    ----------
+    voyages : Dataset
+        Over ``y``, rising.
+    """
+    elsewhere = np.flatnonzero(voyages["side"].to_numpy() <= 0)
+    first = int(elsewhere[-1]) + 1 if elsewhere.size else 0
+    return float(voyages["y"][first]) if first < voyages.sizes["y"] else None

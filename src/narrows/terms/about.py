@@ -1,0 +1,49 @@
+"""What is known of a term beside its regressor: what it describes, how it changes with depth, what does not scale."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from narrows.quantities.names import Number
+
+
+class TermKind(StrEnum):
+    """What a term describes."""
+
+    INERTIA = "inertia"
+    RESISTANCE = "resistance"
+    DAMPING = "damping"
+    LIFT = "lift"
+    CROSSFLOW = "crossflow"
+    HULL = "hull polynomial"
+    BANK = "bank"
+    RUDDER = "rudder"
+    PROPELLER = "propeller"
+    THRUSTER = "thruster"
+    OTHER = "other"
+
+
+class ScaleEffect(StrEnum):
+    """What of a coefficient does not follow Froude's law."""
+
+    FRICTION = "friction"
+    CROSSFLOW_DRAG = "drag of crossflow"
+    TEST_SPEED = "speed of the tests"
+    WAKE = "wake at the propeller"
+    BANK_SHAPE = "shape of the banks"
+
+
+@dataclass(frozen=True)
+class DepthLaw:
+    """How a coefficient grows over deep water.
+
+    Parameters
+    ----------
+    factor : callable
+        Of names of the ship's particulars and ``depth``; 1 in deep water.
+    verified : bool
+        Whether it was read in its source.
+    """
+
+    factor: Callable[..., Number]
+    verified: bool = True

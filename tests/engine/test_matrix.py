@@ -1,0 +1,146 @@
+"""The matrix: voyages, fleets and the reference agree; mirrored to the bit; bit-equal for any number of workers."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import Case, matrix, mirrored, mirrored_law, waterway_for
+from public import awaits_engine, controller, fleet, kinds, sides, voyage
+from reference import End
+
+CASES = list(matrix())
+TRACKS = list(dict.fromkeys((case.ship, case.course, case.surge, case.controller) for case in CASES))
+ENDS = ("y_end", "psi_end", "u_end", "v_end", "r_end")
+MIRRORED = ("y", "psi", "v", "r", "rudder", "Y", "N")
+TIME, TRACK = 1e-6, 1e-9
+VESSELS = 300
+
+
+def in_every_cell(test: Callable[..., None]) -> Callable[..., None]:
+    """Hold the engine to a test in every cell of the matrix."""
+    return awaits_engine(pytest.mark.parametrize("case", CASES, ids=str)(test))
+
+
+def start_of(case: Case) -> int:
+    """Which start the reference sails: another from track to track, one for all contacts on a track."""
+    return TRACKS.index((case.ship, case.course, case.surge, case.controller)) % len(case.starts["y"])
+
+
+def expected(case: Case) -> End:
+    return case.reference(start_of(case)).end(case.shape)
+
+
+@in_every_cell
+def test_a_voyage_is_the_reference(case: Case) -> None:
+    found, reference = voyage(case, start_of(case)).outcome, expected(case)
+    assert (found.kind, found.side) == (reference.kind, reference.side)
+    assert found.time == pytest.approx(reference.time, abs=TIME)
+    if case.contact != "midship":  # which is met at a speed without bound
+        assert found.distance == pytest.approx(reference.distance, abs=2 * TIME)
+
+
+@in_every_cell
+def test_a_fleet_is_the_reference(case: Case) -> None:
+    ended, number, reference = fleet(case), start_of(case), expected(case)
+    assert (kinds(ended)[number], sides(ended)[number]) == (reference.kind, reference.side)
+    assert ended["time"].to_numpy().ravel()[number] == pytest.approx(reference.time, abs=TIME)
+
+
+@in_every_cell
+def test_a_fleet_is_its_voyages(case: Case) -> None:
+    ended = fleet(case)
+    alone = [voyage(case, number).outcome for number in range(len(case.starts["y"]))]
+    assert kinds(ended) == [one.kind for one in alone]
+    assert sides(ended) == [one.side for one in alone]
+    near = {"rtol": 0.0, "atol": TRACK}
+    np.testing.assert_allclose(ended["time"], [one.time for one in alone], **near)
+    for name in ENDS if case.contact != "midship" else ("y_end",):
+        np.testing.assert_allclose(ended[name], [one.state[name.removesuffix("_end")] for one in alone], **near)
+
+
+def reflection(case: Case) -> dict[str, Any]:
+    """What a fleet is told in the mirror."""
+    starts = {name: xr.DataArray(column, dims="start") for name, column in case.starts.items()}
+    told = {name: -value for name, value in {**starts, **case.push}.items() if name in MIRRORED}
+    way = None if case.waterway is None else waterway_for(case.ship, mirrored=True)
+    shape = case.shape if isinstance(case.shape, str) else [(f, -s) for f, s in case.shape]
+    return {**told, "waterway": way, "contact": shape, "controller": controller(mirrored_law(case.law))}
+
+
+@in_every_cell
+def test_mirrored_to_the_bit(case: Case) -> None:
+    other = replace(case)
+    object.__setattr__(other, "model", mirrored(case.model))
+    plain, reflected = fleet(case), fleet(other, **reflection(case))
+    for name in ("outcome", "time", "distance", "u_end"):
+        np.testing.assert_array_equal(plain[name], reflected[name])
+    for name in ("side", "y_end", "psi_end", "v_end", "r_end"):
+        np.testing.assert_array_equal(plain[name], -reflected[name])
+
+
+@in_every_cell
+def test_a_mirrored_voyage_to_the_bit(case: Case) -> None:
+    other, number = replace(case), start_of(case)
+    object.__setattr__(other, "model", mirrored(case.model))
+    told = {name: v[number].item() if isinstance(v, xr.DataArray) else v for name, v in reflection(case).items()}
+    plain, reflected = voyage(case, number), voyage(other, number, **told)
+    assert plain.outcome.kind == reflected.outcome.kind
+    assert plain.outcome.time == reflected.outcome.time
+    for name in ("t", "x", "u"):
+        np.testing.assert_array_equal(getattr(plain, name), getattr(reflected, name))
+    for name in ("y", "psi", "v", "r", "rudder"):
+        np.testing.assert_array_equal(getattr(plain, name), -getattr(reflected, name))
+
+
+def crowd(case: Case) -> dict[str, Any]:
+    """Many starts about those of a case."""
+    draw = np.random.default_rng(3)
+    columns = {name: np.resize(column, VESSELS) for name, column in case.starts.items()}
+    columns["psi"] = columns["psi"] + 0.02 * draw.standard_normal(VESSELS)
+    return {name: xr.DataArray(column, dims="start") for name, column in columns.items()}
+
+
+@in_every_cell
+def test_the_number_of_workers_changes_no_bit(case: Case) -> None:
+    crew = crowd(case)
+    alone, *others = (fleet(case, **crew, workers=workers) for workers in (1, 2, 3))
+    assert alone.sizes["start"] == VESSELS
+    for other in others:
+        xr.testing.assert_identical(alone, other)
+
+
+@in_every_cell
+def test_a_vessel_does_not_depend_on_its_company(case: Case) -> None:
+    crew = crowd(case)
+    whole = fleet(case, **crew)
+    part = fleet(case, **{name: column[7:18] for name, column in crew.items()})
+    for name in whole.data_vars:
+        np.testing.assert_array_equal(whole[name].isel(start=slice(7, 18)), part[name])
+
+
+def test_the_matrix_is_whole(capsys: pytest.CaptureFixture[str]) -> None:
+    """A hull without a rudder takes no controller; nothing else is left out."""
+    count = Counter((case.ship, case.course, case.contact) for case in CASES)
+    with capsys.disabled():
+        print(f"\n{len(CASES)} cells of the matrix, on {len(TRACKS)} tracks beside the banks and as many without")
+    assert len(CASES) == 144
+    assert set(count.values()) == {2, 8}
+
+
+def test_the_matrix_meets_every_end() -> None:
+    """Or it would not hold the engine to them."""
+    ends = Counter((end.kind, end.side) for end in map(expected, CASES))
+    assert ends["grounded", "starboard"] > 10
+    assert ends["grounded", "port"] > 10
+    assert ends["afloat", None] > 10
+
+
+def test_the_cells_are_told_apart() -> None:
+    """A hull that ended as another does would hold nothing."""
+    cells = [Case("steered", "waterway", "held", "pilot", contact) for contact in ("corners", "outline", "midship")]
+    corners, outline, midship = (cell.reference(1).end(cell.shape).time for cell in cells)
+    assert corners < outline < midship

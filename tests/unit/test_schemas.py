@@ -1,0 +1,112 @@
+"""What every verb prints with ``--json`` is what its schema says, no more and no less."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.cli import app
+from narrows.results import plain, to_json
+
+pytest.importorskip("jsonschema", reason="of the group test")
+from jsonschema import Draft202012Validator
+from referencing import Registry, Resource
+
+FOLDER = Path(nw.__file__).parent / "schemas"
+SCHEMAS = {path.stem: json.loads(path.read_text()) for path in FOLDER.glob("*.json")}
+KNOWN = Registry().with_resources([(f"{verb}.json", Resource.from_contents(own)) for verb, own in SCHEMAS.items()])
+
+
+def asks_for_json(command: Any) -> bool:
+    import inspect
+
+    return "json" in inspect.signature(command.callback).parameters
+
+
+TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+VERBS = {command.name or command.callback.__name__ for command in app.registered_commands if asks_for_json(command)}
+
+
+def errors(verb: str, value: Any) -> list[str]:
+    """What a schema has against a value."""
+    found = Draft202012Validator(SCHEMAS[verb], registry=KNOWN).iter_errors(value)
+    return [f"{error.json_path}: {error.message[:300]}" for error in found]
+
+
+def test_every_verb_has_a_schema() -> None:
+    assert set(SCHEMAS) == VERBS
+    for verb, schema in SCHEMAS.items():
+        Draft202012Validator.check_schema(schema)
+        assert schema["title"] == f"What narrows {verb} --json prints"
+
+
+@pytest.mark.parametrize("verb", sorted({"identify", "explain", "simulate", "waterway"}))
+def test_a_schema_refuses_what_it_does_not_know(verb: str) -> None:
+    assert errors(verb, {"surprise": 1})
+    assert errors(verb, [])
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A model with a rudder at full size, that of the tests, and a waterway."""
+    folder = tmp_path_factory.mktemp("schemas")
+    table, ship = measured_files("kcs")
+    terms = nw.with_helm(nw.SPEED)
+    tests = nw.read_captive(table, ship, terms, TURNED).by_condition()["C0101A02"]
+    tank = nw.identify(tests, terms).model
+    nw.save_model(tank, folder / "tank.toml")
+    nw.save_model(nw.scale_model(tank, 230.0, width=300.0, depth=16.2).model, folder / "full.toml")
+    canal = replace(nw.straight_waterway(nw.Canal(300.0, 16.2), 4000.0), origin=(7.6, 52.0))
+    nw.write_waterway(canal, folder / "canal.geojson")
+    return {
+        "table": Path(table), "ship": Path(ship), "tank": folder / "tank.toml", "full": folder / "full.toml",
+        "canal": folder / "canal.geojson", "out": folder / "out",
+    }  # fmt: skip
+
+
+WORDS = {
+    "demo": "--out {out}",
+    "identify": "{table} --ship {ship} --condition C0101A02",
+    "explain": "mikkelsen2025_dtc {table} --ship {ship} --condition C0101A02 --compare speed,paper+distance_depth",
+    "design": "{ship} --runs 2 --targets b_bank,a_udot",
+    "scale": "mikkelsen2025_dtc --length 355",
+    "simulate": "mikkelsen2025_dtc --y 0.5",
+    "map": "mikkelsen2025_dtc --y -1,0,1 --u 0.8,1",
+    "envelope": "{full} --offsets 0,30 --speeds 8 --samples 5",
+    "manoeuvre": "yasukawa2015_kvlcc2 --u 1.179 --zigzags 10/10",
+    "waterway": "{canal} --draft 10",
+    "reproduce": "--out {out}",
+}
+SAYS_NO, SLOW = {"design"}, {"demo", "envelope", "map", "reproduce"}
+
+
+@pytest.mark.parametrize(
+    "verb", [pytest.param(verb, marks=[pytest.mark.slow] * (verb in SLOW)) for verb in sorted(VERBS)]
+)
+def test_a_verb_prints_what_its_schema_says(verb: str, cli, files: dict[str, Path]) -> None:
+    code, out, err = cli(verb, *WORDS[verb].format(**files).split(), "--json")
+    assert code == (verb in SAYS_NO), err
+    shown = json.loads(out)
+    assert errors(verb, shown) == []
+    parts = shown.get("conditions", {"": shown}).values()
+    assert all(isinstance(part["notes"], list) for part in parts)
+    if verb not in ("identify", "demo"):
+        assert shown["summary"]
+
+
+def test_json_has_no_nan_and_no_infinity() -> None:
+    value = {
+        "a": np.array([1.0, np.nan, -np.inf]),
+        "b": (math.inf, np.float32(2), np.int64(3), np.bool_(True)),
+        "c": None,
+    }
+    assert plain(value) == {"a": [1.0, None, None], "b": [None, 2.0, 3, True], "c": None}
+    assert json.loads(to_json(value)) == plain(value)
+    with pytest.raises(TypeError, match="object has no place in JSON"):
+        plain(object())
