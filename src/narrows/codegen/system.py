@@ -94,10 +94,13 @@ class System:
         return self._plain(column_functions())
 
     def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
-        from narrows.codegen.printers.modules import plain_text
+        def text() -> str:
+            from narrows.codegen.printers.modules import plain_text
+
+            return plain_text(self)
 
         scope: dict[str, Any] = dict(functions)
-        exec(compile(source("plain", self.key, lambda: plain_text(self)), "<plain>", "exec"), scope)
+        exec(compile(source("plain", self.key, text), "<plain>", "exec"), scope)
         return SimpleNamespace(**scope)
 
     @cached_property
