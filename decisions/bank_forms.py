@@ -1,4 +1,4 @@
-"""Every form of the bank term on the measured tests: the tables and the figure of docs/banks.md.
+"""Every form of the bank term on the measured tests: the tables and the figure of docs/bank-forms.md.
 
 python decisions/bank_forms.py          # prints them
 python decisions/bank_forms.py --write  # and puts them into docs/
@@ -122,10 +122,11 @@ def figure() -> None:
     from narrows.report.uncertainty_figures import forms_figure
     from narrows.report.voyage_figures import save_figure
 
-    save_figure(forms_figure({label.partition(", terms")[0]: c for label, c in sets().items()}), DOCS / "banks.svg")
+    compared = {label.partition(", terms")[0]: comparison for label, comparison in sets().items()}
+    save_figure(forms_figure(compared), DOCS / "bank-forms.svg")
 
 
 if __name__ == "__main__":
-    publish(__file__, "banks.md", text())
+    publish(__file__, "bank-forms.md", text())
     if "--write" in sys.argv:
         figure()

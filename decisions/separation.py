@@ -25,7 +25,7 @@ SETS = {
     "and another period at one speed": (YAW, SMALLER, nw.HarmonicRun("yaw 0.3 m 14 s", "yaw", 0.3, 14.0)),
     "and harmonic sway": (YAW, SMALLER, nw.HarmonicRun("sway", "sway", 0.9, 25.0)),
     "and straight runs off the centreline": (YAW, SMALLER, *(nw.StraightRun(f"y {y}", y) for y in (0.9, 1.5))),
-    "six runs of narrows design": nw.plan_tests(PUBLISHED.configuration, 6, tank=nw.Tank(speeds=(0.7, 1.0))).runs,
+    "six runs of narrows plan": nw.plan_tests(PUBLISHED.configuration, 6, tank=nw.Tank(speeds=(0.7, 1.0))).runs,
 }
 
 
@@ -55,4 +55,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    publish(__file__, "trust.md", text())
+    publish(__file__, "uncertainty.md", text())

@@ -36,4 +36,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    publish(__file__, "trust.md", text())
+    publish(__file__, "uncertainty.md", text())

@@ -11,8 +11,8 @@ import pytest
 ROOT = Path(__file__).parent.parent.parent
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
 PAGES = {
-    "bank_forms": "banks.md",
-    "term_tables": "trust.md",
+    "bank_forms": "bank-forms.md",
+    "term_tables": "uncertainty.md",
     "squat": "squat.md",
     "shallow": "squat.md",
     "rudder": "rudder.md",

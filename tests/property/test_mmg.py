@@ -156,11 +156,11 @@ def test_a_propeller_that_cannot_be_is_named(changed: dict, said: str) -> None:
 
 def test_the_command_prints_trials(cli, tmp_path) -> None:
     tracks = tmp_path / "t.svg"
-    code, out, _ = cli("manoeuvre", "yasukawa2015_kvlcc2", "--u", 1.179, "--zigzags", "20/20", "--plot", tracks)
+    code, out, _ = cli("trials", "yasukawa2015_kvlcc2", "--speed", "1.179m/s", "--zigzags", "20/20", "--plot", tracks)
     assert code == 0
     assert "tactical diameter/L" in out
     assert tracks.stat().st_size > 5_000
-    code, _, error = cli("manoeuvre", "yasukawa2015_kvlcc2", "--u", "1.179", "--zigzags", "ten")
+    code, _, error = cli("trials", "yasukawa2015_kvlcc2", "--speed", "1.179", "--zigzags", "ten")
     assert code == 2
     assert "write 10/10,20/20" in error
 

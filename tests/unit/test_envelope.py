@@ -129,7 +129,7 @@ class TestAutopilot:
         words = (
             "simulate",
             tmp_path / "full.toml",
-            "--u",
+            "--speed",
             "5",
             "--y",
             "30",
@@ -351,7 +351,7 @@ class TestCommand:
     def test_table_chart_data(self, doubtful: nw.Model, cli, tmp_path) -> None:
         nw.save_model(doubtful, tmp_path / "full.toml")
         code, out, _ = cli(
-            "envelope", tmp_path / "full.toml", "--offsets=-60:60:7", "--speeds", "6:16:3", "--samples", "20",
+            "envelope", tmp_path / "full.toml", "--y=-60:60:7", "--speed", "6kn:16kn:3", "--samples", "20",
             "--plot", tmp_path / "chart.svg", "-o", tmp_path / "e.nc",
         )  # fmt: skip
         assert code == 0
@@ -363,7 +363,7 @@ class TestCommand:
 
     def test_json_in_the_pilots_units(self, doubtful: nw.Model, cli, tmp_path) -> None:
         nw.save_model(doubtful, tmp_path / "full.toml")
-        words = ("--offsets", "0,30", "--speeds", "8", "--samples", "20", "--json")
+        words = ("--y", "0,30", "--speed", "8kn", "--samples", "20", "--json")
         code, out, _ = cli("envelope", tmp_path / "full.toml", *words)
         said = json.loads(out)
         assert code == 0
@@ -373,7 +373,7 @@ class TestCommand:
 
     def test_where_nothing_is_safe_it_says_no(self, ship: nw.Model, cli, tmp_path) -> None:
         nw.save_model(ship.with_coefficients(c_bank=20.0), tmp_path / "full.toml")
-        code, out, _ = cli("envelope", tmp_path / "full.toml", "--offsets", "40,60", "--speeds", "8", "--samples", "5")
+        code, out, _ = cli("envelope", tmp_path / "full.toml", "--y", "40,60", "--speed", "8kn", "--samples", "5")
         assert code == 1
         assert "At no offset and speed" in out
 
@@ -407,7 +407,7 @@ def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli,
     way = Waterway(line, *banks, (ends, np.full(2, 16.2)), origin=(7.6, 52.0))
     nw.write_waterway(way, tmp_path / "canal.geojson")
     nw.save_model(doubtful, tmp_path / "full.toml")
-    words = ("envelope", tmp_path / "full.toml", "--offsets", "0,30", "--speeds", "8", "--samples", "20", "--json")
+    words = ("envelope", tmp_path / "full.toml", "--y", "0,30", "--speed", "8kn", "--samples", "20", "--json")
     code, out, _ = cli(*words, "--waterway", tmp_path / "canal.geojson", "--at", "2500")
     said = json.loads(out)
     assert code == 0
@@ -416,7 +416,7 @@ def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli,
     # Her keel meets the slope before the wall that her forces feel.
     edge = 120.0 + 2 * (16.2 - doubtful.configuration.ship.draft) + 6.9 - BEAM / 2
     for offset, known in ((edge - 0.1, True), (edge + 0.1, False)):
-        spot = ("envelope", tmp_path / "full.toml", f"--offsets={offset}", *words[4:])
+        spot = ("envelope", tmp_path / "full.toml", f"--y={offset}", *words[4:])
         code, _, error = cli(*spot, "--waterway", tmp_path / "canal.geojson", "--at", "2500")
         assert (code != 2) == known
     assert "have the hull in a bank" in error

@@ -156,15 +156,15 @@ def test_a_straight_run_moves_straight() -> None:
 
 
 def test_design_on_the_command_line(cli, ship_file, tmp_path) -> None:
-    code, out, err = cli("design", ship_file, "--runs", 4, "--speeds", "0.7,1", "-o", tmp_path / "runs.csv")
+    code, out, err = cli("plan", ship_file, "--runs", 4, "--speed", "0.7,1", "-o", tmp_path / "runs.csv")
     assert (code, err) == (0, "")
     assert "b_bank: standard error" in out
     frame = pd.read_csv(tmp_path / "runs.csv")
     assert len(frame) == 4
     assert {"offset [m]", "speed [m/s]", "std b_bank"} <= set(frame.columns)
-    code, out, err = cli("design", ship_file, "--speeds", "fast")
+    code, out, err = cli("plan", ship_file, "--speed", "fast")
     assert code == 2
-    assert "write 0.6,0.9" in err
+    assert "--speed 'fast' is not understood; give 4.1m/s, 8kn" in err
 
 
 def test_what_was_made_does_not_count_by_its_sampling() -> None:

@@ -74,16 +74,16 @@ WORDS = {
     "demo": "--out {out}",
     "identify": "{table} --ship {ship} --condition C0101A02",
     "explain": "mikkelsen2025_dtc {table} --ship {ship} --condition C0101A02 --compare speed,paper+distance_depth",
-    "design": "{ship} --runs 2 --targets b_bank,a_udot",
+    "plan": "{ship} --runs 2 --targets b_bank,a_udot",
     "scale": "mikkelsen2025_dtc --length 355",
     "simulate": "mikkelsen2025_dtc --y 0.5",
-    "map": "mikkelsen2025_dtc --y -1,0,1 --u 0.8,1",
-    "envelope": "{full} --offsets 0,30 --speeds 8 --samples 5",
-    "manoeuvre": "yasukawa2015_kvlcc2 --u 1.179 --zigzags 10/10",
+    "map": "mikkelsen2025_dtc --y -1,0,1 --speed 0.8,1",
+    "envelope": "{full} --y 0,30 --speed 8kn --samples 5",
+    "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
     "waterway": "{canal} --draft 10",
     "reproduce": "--out {out}",
 }
-SAYS_NO, SLOW = {"design"}, {"demo", "envelope", "map", "reproduce"}
+SAYS_NO, SLOW = {"plan"}, {"demo", "envelope", "map", "reproduce"}
 
 
 @pytest.mark.parametrize(

@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from narrows.model.model import Model
 
 
-@app.command(epilog="Example: narrows envelope full.toml --speeds 4:12:17 --plot chart.png -o envelope.nc")
+@app.command(epilog="Example: narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc")
 def envelope(
     model: ModelFile,
-    offsets: Annotated[
+    y: Annotated[
         str | None,
         typer.Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
     ] = None,
-    speeds: Annotated[
-        str | None, typer.Option(help="Through the water [knots], likewise; to choking unless given.")
+    speed: Annotated[
+        str | None, typer.Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
     ] = None,
     rudder_of: Annotated[
         str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
@@ -35,7 +35,7 @@ def envelope(
     at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0,
     level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0,
     heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0,
-    wind: Annotated[float, typer.Option(help="Speed of a beam gust, from either side [m/s].")] = 0.0,
+    wind: Annotated[str, typer.Option(help="Speed of a beam gust, from either side: 20m/s, 40kn.")] = "0m/s",
     windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0,
     gust_lever: Annotated[float, typer.Option(help="Of the gust, forward of midship [m].")] = 0.0,
     gust_time: Annotated[float, typer.Option(help="How long the gust lasts [s].")] = 60.0,
@@ -53,28 +53,29 @@ def envelope(
 ) -> None:
     """Find how fast and how far off the middle of her canal a ship is still in hand, as a table and a chart.
 
-    MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/envelope.md).
+    MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
     """
+    from narrows.cli.ranges import numbers, speeds
+    from narrows.cli.ranges import speed as read_speed
     from narrows.model.model_file import model_named
     from narrows.model.rudder_transfer import borrow_rudder
-    from narrows.quantities.constants import KNOT
     from narrows.report.envelope_table import envelope_summary, print_envelope
     from narrows.safety import Disturbance, safe_envelope, wind_force
-    from narrows.simulation.maps import parse_range
     from narrows.simulation.netcdf import save_netcdf
 
     if waterway is None and (at or level):
         raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
-    if bool(wind) != bool(windage):
+    gust = read_speed("--wind", wind)
+    if bool(gust) != bool(windage):
         raise InputError("a gust needs both --wind and --windage; give both, or neither")
     ship = model_named(model)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     ship, walls, where = _placed(ship, waterway, at, level) if waterway else (ship, None, "")
-    disturbance = Disturbance(heading_deg, gust=wind_force(wind, windage), gust_lever=gust_lever, gust_time=gust_time)
+    disturbance = Disturbance(heading_deg, gust=wind_force(gust, windage), gust_lever=gust_lever, gust_time=gust_time)
     found = safe_envelope(
         ship,
-        None if offsets is None else parse_range("--offsets", offsets),
-        None if speeds is None else parse_range("--speeds", speeds) * KNOT,
+        None if y is None else numbers("--y", y),
+        None if speed is None else speeds("--speed", speed),
         disturbance=disturbance, reserve=reserve, keel=keel, samples=samples, seed=seed, walls=walls,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What verbs do alike: folders, lists of numbers, JSON."""
+"""What verbs do alike: folders, names of files, JSON."""
 
 from pathlib import Path
 
@@ -50,27 +50,6 @@ def output_of(path: Path, label: str) -> Path:
     if not path.name:
         raise InputError(f"{path}: is a folder; name a file")
     return path.with_name(f"{path.stem}-{label.translate(NOT_IN_NAMES)}{path.suffix}")
-
-
-def numbers(text: str, option: str) -> tuple[float, ...]:
-    """Read numbers between commas (ours).
-
-    Parameters
-    ----------
-    text : str
-        As given.
-    option : str
-        What they were given for.
-
-    Raises
-    ------
-    InputError
-        Where one is no number.
-    """
-    try:
-        return tuple(float(word) for word in text.split(",") if word)
-    except ValueError:
-        raise InputError(f"{option} {text!r} is not numbers between commas; write 0.6,0.9") from None
 
 
 def print_json(value: object) -> None:

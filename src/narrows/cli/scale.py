@@ -20,7 +20,7 @@ def scale(
     depth: Annotated[float | None, typer.Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
     form_factor: Annotated[float | None, typer.Option(help="Scale friction by the ITTC's line with this k.")] = None,
     wetted_surface: Annotated[float | None, typer.Option(help="Of the old hull [m2], with --form-factor.")] = None,
-    at_speed: Annotated[float | None, typer.Option(help="Of the old hull [m/s], with --form-factor.")] = None,
+    at_speed: Annotated[str | None, typer.Option(help="Of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Model file to write.")] = None,
     json: AsJson = False,
 ) -> None:
@@ -38,7 +38,9 @@ def scale(
     if form_factor is not None:
         if wetted_surface is None or at_speed is None:
             raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
-        friction = Friction(wetted_surface, form_factor, at_speed)
+        from narrows.cli.ranges import speed
+
+        friction = Friction(wetted_surface, form_factor, speed("--at-speed", at_speed))
     old = model_named(model)
     scaled = scale_model(old, length, density, width, depth, friction)
     if output:

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
 
-@app.command(epilog="Example: narrows simulate mikkelsen2025_dtc --y 0.5 --u 1.0 -o voyage.nc --plot voyage.png")
+@app.command(epilog="Example: narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")
 def simulate(
     model: ModelFile,
     y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0,
-    u: Annotated[float, typer.Option(help="Surge velocity [m/s].")] = 1.0,
+    speed: Annotated[str, typer.Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit.")] = "1m/s",
     psi_deg: Annotated[float, typer.Option(help="Heading at the start [deg].")] = 0.0,
-    v: Annotated[float, typer.Option(help="Sway velocity at the start [m/s].")] = 0.0,
+    v: Annotated[str, typer.Option(help="Sway velocity at the start, likewise.")] = "0m/s",
     r_deg: Annotated[float, typer.Option(help="Yaw rate at the start [deg/s].")] = 0.0,
     surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0,
     sway_force: Annotated[float, typer.Option("--Y", help="Sway force from elsewhere [N].")] = 0.0,
@@ -44,7 +44,7 @@ def simulate(
         Path | None, typer.Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
     ] = None,
     x: Annotated[float, typer.Option(help="Start along the canal [m].")] = 0.0,
-    current: Annotated[float, typer.Option(help="Of the water along the waterway [m/s].")] = 0.0,
+    current: Annotated[str, typer.Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s",
     level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the voyage to write.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
@@ -56,13 +56,14 @@ def simulate(
     """
     from math import radians
 
+    from narrows.cli.ranges import speed as read_speed
     from narrows.model.model_file import model_named
     from narrows.simulation.voyage import simulate as run
 
-    chosen = model_named(model)
-    course = _waterway(waterway, current, level)
+    chosen, u = model_named(model), read_speed("--speed", speed)
+    course = _waterway(waterway, read_speed("--current", current), level)
     voyage = run(
-        chosen, y, u, duration, dt, x=x, psi=radians(psi_deg), v=v, r=radians(r_deg),
+        chosen, y, u, duration, dt, x=x, psi=radians(psi_deg), v=read_speed("--v", v), r=radians(r_deg),
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
         surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
         contact=contact, waterway=course,
@@ -108,11 +109,11 @@ def _waterway(file: Path | None, current: float, level: float) -> "Waterway | No
     return read_waterway(file).with_water(current, level)
 
 
-@app.command("map", epilog="Example: narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --u 0.6:1.2:61 --plot map.png")
+@app.command("map", epilog="Example: narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png")
 def map_(
     model: ModelFile,
     y: Annotated[str, typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count.")] = "-2.5:2.5:101",
-    u: Annotated[str, typer.Option(help="Surge velocity [m/s], likewise.")] = "1.0",
+    speed: Annotated[str, typer.Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit.")] = "1m/s",
     psi_deg: Annotated[str, typer.Option(help="Heading at the start [deg], likewise.")] = "0",
     width: Annotated[str | None, typer.Option(help="Canal width [m], likewise; the model's own unless given.")] = None,
     samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0,
@@ -132,17 +133,20 @@ def map_(
     MODEL is a model file, or the name of a published model.
     """
     from narrows.model.model_file import model_named
-    from narrows.simulation.maps import map_summary, mapped
+    from narrows.simulation.fleets import ensemble
+    from narrows.simulation.maps import map_summary
     from narrows.simulation.netcdf import save_netcdf
 
     if within is not None and not 0 < within < float("inf"):
         raise InputError(f"--within {within} is no distance; give metres")
     if within is not None and not samples:
         raise InputError("--within maps a probability, which needs samples of the coefficients: add --samples 200")
-    chosen, ranges = model_named(model), {"--y": y, "--u": u, "--psi-deg": psi_deg, "--width": width}
+    chosen = model_named(model)
     shown = sys.stderr.isatty() and not json
-    options = {"duration": duration, "dt": dt, "samples": samples, "seed": seed, "contact": contact, "progress": shown}
-    voyages = mapped(chosen, ranges, **options)
+    vary = _varied(y, speed, psi_deg, width)
+    voyages = ensemble(
+        chosen, duration=duration, dt=dt, samples=samples, seed=seed, contact=contact, progress=shown, **vary
+    )
     if output:
         save_netcdf(voyages, output)
     if plot:
@@ -152,3 +156,15 @@ def map_(
     summary = map_summary(voyages)
     print_json(summary) if json else typer.echo(summary["summary"])
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
+
+
+def _varied(y: str, speed: str, psi_deg: str, width: str | None) -> "dict[str, Any]":
+    """What a map varies, by the names of ``ensemble``; a number alone is no dimension."""
+    from math import radians
+
+    from narrows.cli.ranges import numbers, speeds
+
+    vary = {"y": numbers("--y", y), "u": speeds("--speed", speed), "psi": radians(1) * numbers("--psi-deg", psi_deg)}
+    if width is not None:
+        vary["width"] = numbers("--width", width)
+    return {name: own if own.size > 1 else float(own[0]) for name, own in vary.items()}

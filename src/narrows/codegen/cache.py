@@ -86,16 +86,19 @@ def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
     """
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
-        return _whole_text(path) or _whole_text(_written(path, make())) or str(_unloadable(path))
+        if path not in _TEXTS:
+            _TEXTS[path] = _read(path) or _kept(path, _sealed(make()))
+        return _TEXTS[path]
 
 
-def _whole_text(path: Path) -> str | None:
-    """The text of a file, or None where the file is absent or was cut short."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        return None
-    return text if text.endswith(LAST_LINE) else None
+def _kept(path: Path, text: str) -> str:
+    """A text, on disk where the disk takes it."""
+    with suppress(OSError):
+        _written(path, text)
+    return text
+
+
+_TEXTS: dict[Path, str] = {}
 
 
 def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
@@ -160,7 +163,7 @@ def _imported(path: Path, text: str) -> ModuleType:
         del sys.modules[module.__name__]
         raise
     if "numba" in sys.modules:
-        from narrows.compile.numba_cache import checked
+        from narrows.codegen.numba_cache import checked
 
         checked(module)
     return module

@@ -1,45 +1,18 @@
 """Exact derivatives of the motion, from the same trace: by state, by control, by coefficient."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
 
-import numpy as np
-
+from narrows.codegen.choices import Actuated
 from narrows.codegen.derivatives import with_tangents
-from narrows.codegen.free_motion import ACCELERATIONS, INPUTS, STATE, Expr, FreeMotion, symbol
+from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
+from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.lowering import straight_lines
 from narrows.codegen.printers.python import function_text
 from narrows.codegen.rates import Rates
-from narrows.codegen.step import Actuated, control_names
-from narrows.quantities.names import FORCES, Number
+from narrows.quantities.names import FORCES
 
-LINEARISED = ("x", "y", "psi", "u", "v", "r")
-"""The state of a linearised model; the heading is one angle [rad] again."""
 ANGLES = ("cos_{}", "sin_{}")
-
-
-def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
-    """Return what a linearised model is driven by: forces from outside, and positions of actuators.
-
-    Parameters
-    ----------
-    actuators : sequence of Actuated
-        Of the model.
-    """
-    return (*INPUTS.values(), *(own.name for own in actuators))
-
-
-def arguments(actuators: Sequence[Actuated]) -> tuple[str, ...]:
-    """Return what the generated functions are given before the constants: state, forces from outside, controls.
-
-    Parameters
-    ----------
-    actuators : sequence of Actuated
-        Of the model.
-    """
-    return (*STATE, *INPUTS.values(), *(name for own in actuators for name in control_names(own)))
 
 
 def jacobian_text(motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated]) -> str:
@@ -118,90 +91,3 @@ def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Exp
             inverse = rates.constants.lift(rows[force][motion.freedoms.index(motion.regressors[name][0])])
             entries.append(inverse * values[name])
     return lines, entries
-
-
-@dataclass(frozen=True)
-class Linearisation:
-    """Derivatives of the motion of one ship, or of a fleet where the values were columns.
-
-    Parameters
-    ----------
-    functions : mapping of str to callable
-        The generated functions, for floats and columns.
-    constants : tuple of number
-        Of the ship.
-    names : tuple of str
-        The coefficients, in the order of the columns of ``coefficients``.
-    actuators : tuple of Actuated
-        Of the model.
-    """
-
-    functions: Mapping[str, Any]
-    constants: tuple[Number, ...]
-    names: tuple[str, ...]
-    actuators: tuple[Actuated, ...]
-
-    @property
-    def controlled(self) -> tuple[str, ...]:
-        """The columns of ``controls``."""
-        return controlled(self.actuators)
-
-    def state(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in,
-            Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given.
-        """
-        return self._linear(at)[..., : len(LINEARISED)]
-
-    def controls(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the same rates by ``controlled``: (..., 6, n).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            As for ``state``.
-        """
-        return self._linear(at)[..., len(LINEARISED) :]
-
-    def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the same rates by every coefficient of the table: (..., 6, n).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            As for ``state``.
-        """
-        found = self._matrix("coefficients", at, len(FORCES))
-        return np.concatenate([np.zeros_like(found), found], axis=-2)
-
-    def _linear(self, at: Mapping[str, Number]) -> np.ndarray:
-        return self._matrix("linear", at, len(LINEARISED))
-
-    def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
-        values = [*argument_values(at, self.actuators), *self.constants]
-        entries = self.functions[name](*values)
-        shape = np.broadcast_shapes(*(np.shape(value) for value in values))
-        stacked = np.stack([np.broadcast_to(entry, shape) for entry in entries], axis=-1)
-        return stacked.reshape(*shape, rows, -1)
-
-
-def argument_values(at: Mapping[str, Number], actuators: Sequence[Actuated]) -> list[Number]:
-    """Return what the generated functions are given before the constants.
-
-    Parameters
-    ----------
-    at : mapping of str to number
-        As for ``Linearisation.state``.
-    actuators : sequence of Actuated
-        Of the model.
-    """
-    given = dict(at)
-    for name in ("psi", *(own.name for own in actuators if own.angle)):
-        if f"cos_{name}" not in given:
-            position = given.get(name, 0.0)
-            given |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
-    return [given.get(name, 0.0) for name in arguments(actuators)]

@@ -3,13 +3,14 @@
 from importlib.util import find_spec
 from pathlib import Path
 
-from narrows.codegen.contact import MIDSHIP, OPEN
+from narrows.codegen.choices import ROW, Choices
 from narrows.codegen.free_motion import STATE
 from narrows.codegen.kernels.elementary import elementary_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import Lanes
 from narrows.codegen.printers.python import Arithmetic
-from narrows.codegen.step import ROW, Choices, room_left
+from narrows.codegen.shapes import MIDSHIP, OPEN
+from narrows.codegen.step import room_left
 
 LANES = 64
 SHARED_PLACES = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")

@@ -17,10 +17,11 @@ from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
+    from narrows.codegen.choices import Actuated, Choices
     from narrows.codegen.free_motion import Surge
-    from narrows.codegen.jacobian import Linearisation
+    from narrows.codegen.linearisation import Linearisation
     from narrows.codegen.rates import Rates
-    from narrows.codegen.step import Actuated, Choices, Step
+    from narrows.codegen.step import Step
 
 FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
 DEFAULTS = dict.fromkeys((*FORCES_FROM_OUTSIDE, "heave", "surge_inertia"), 0.0)
@@ -80,23 +81,26 @@ class System:
     @cached_property
     def scalar(self) -> SimpleNamespace:
         """The functions of floats: ``constants``, ``rates``, ``step``, ``room`` with the names that they ask for."""
-        from narrows.codegen.printers.python import scalar_functions
-        from narrows.codegen.step import ROW
+        from narrows.codegen.choices import ROW
+        from narrows.codegen.functions import scalar_functions
 
         return self._plain(scalar_functions(ROW))
 
     @cached_property
     def columns(self) -> SimpleNamespace:
         """The same functions for floats and columns alike; ``step`` and ``room`` only where no table is read."""
-        from narrows.codegen.printers.python import column_functions
+        from narrows.codegen.functions import column_functions
 
         return self._plain(column_functions())
 
     def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
-        from narrows.codegen.printers.modules import plain_text
+        def text() -> str:
+            from narrows.codegen.printers.modules import plain_text
+
+            return plain_text(self)
 
         scope: dict[str, Any] = dict(functions)
-        exec(compile(source("plain", self.key, lambda: plain_text(self)), "<plain>", "exec"), scope)
+        exec(compile(source("plain", self.key, text), "<plain>", "exec"), scope)
         return SimpleNamespace(**scope)
 
     @cached_property
@@ -140,10 +144,12 @@ class System:
         InputError
             Where a value is missing, or no mass resists an acceleration.
         """
-        from narrows.codegen.jacobian import Linearisation, jacobian_text
-        from narrows.codegen.printers.python import column_functions
+        from narrows.codegen.functions import column_functions
+        from narrows.codegen.linearisation import Linearisation
 
         def text() -> str:
+            from narrows.codegen.jacobian import jacobian_text
+
             return jacobian_text(self.rates.motion, self.table.names, tuple(actuators))
 
         scope: dict[str, Any] = dict(column_functions())

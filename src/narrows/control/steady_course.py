@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from narrows.codegen.balance import balance_module
+from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.run import cores, in_threads
-from narrows.codegen.step import Actuated, Law
 from narrows.codegen.tape import tape_of
 from narrows.control.self_propulsion import with_propulsion
 from narrows.errors import InputError

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from narrows.codegen.jacobian import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.self_propulsion import self_propulsion
 from narrows.control.steady_course import check_inside, check_rudder, solved
 from narrows.errors import InputError

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from narrows.codegen.contact import OPEN, Outline
+from narrows.codegen.choices import COLUMNS, ROW
 from narrows.codegen.run import NOWHERE, Water
-from narrows.codegen.step import COLUMNS, ROW
+from narrows.codegen.shapes import OPEN, Outline
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.model.model import DataRange
+from narrows.model.data_range import DataRange
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code

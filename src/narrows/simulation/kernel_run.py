@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.choices import Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
-from narrows.codegen.step import Pushed
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.simulation.channel import Channel, along_waterway, straight_channel

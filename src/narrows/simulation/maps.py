@@ -1,14 +1,11 @@
 """What a map of voyages says: how far to the grounding, on which side, and how likely within a distance."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
-from narrows.model.model import Model
-from narrows.simulation.ensemble import ensemble
 from narrows.simulation.outcome import Code
 
 
@@ -52,61 +49,6 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     within = (grounded & ~far).mean(over).where((grounded | far).all(over))
     name = f"probability of grounding within {distance:g} m"
     return within.assign_attrs(units="1", long_name=name)
-
-
-def mapped(model: Model, ranges: Mapping[str, str | None], **options: Any) -> xr.Dataset:
-    """Sail over ranges as the command line spells them (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    ranges : mapping of str to str
-        By option: ``--y``, ``--u``, ``--psi-deg``, ``--width``; None where it was not given.
-    **options : Any
-        As in ``ensemble``.
-
-    Raises
-    ------
-    InputError
-        Where a range is not understood.
-    """
-    vary: dict[str, Any] = {}
-    for option, text in ranges.items():
-        if text is not None:
-            values = parse_range(option, text)
-            name, in_degrees, _ = option.removeprefix("--").partition("-deg")
-            values = np.radians(values) if in_degrees else values
-            vary[name] = values if len(values) > 1 else float(values[0])
-    return ensemble(model, **options, **vary)
-
-
-def parse_range(option: str, text: str) -> np.ndarray:
-    """Read ``0.5``, ``0.5,1,2`` or ``from:to:count`` (ours).
-
-    Parameters
-    ----------
-    option : str
-        For messages.
-    text : str
-        As the user wrote it.
-
-    Raises
-    ------
-    InputError
-        Where it is none of these.
-    """
-    try:
-        if ":" in text:
-            low, high, count = text.split(":")
-            values = np.linspace(float(low), float(high), int(count))
-        else:
-            values = np.array([float(word) for word in text.split(",")])
-    except ValueError:
-        raise InputError(f"{option} {text!r} is not understood; give 0.5, or 0.5,1,2, or -2.5:2.5:101") from None
-    if not values.size or not np.isfinite(values).all():
-        raise InputError(f"{option} {text!r} must be finite numbers, at least one")
-    return values
 
 
 def map_summary(voyages: xr.Dataset) -> dict[str, Any]:

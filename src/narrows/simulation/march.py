@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from narrows.codegen.contact import MIDSHIP, OPEN
+from narrows.codegen.choices import LENGTH, SHARE, Choices
 from narrows.codegen.kernels import event
-from narrows.codegen.step import LENGTH, SHARE, Choices
+from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.steering import PARAMETER

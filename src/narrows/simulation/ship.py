@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from narrows.codegen.contact import OPEN, Outline, checked_shape
-from narrows.codegen.step import Actuated, Choices, Law, Pushed
+from narrows.codegen.choices import Actuated, Choices, Law, Pushed
+from narrows.codegen.shapes import OPEN, Outline, checked_shape
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.codegen.free_motion import INPUTS as PUSHES
-from narrows.codegen.jacobian import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 from narrows.simulation.grid import INPUTS, START, grid_of

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from narrows.codegen.choices import LENGTH, TIME, Actuated, Law
 from narrows.codegen.free_motion import STATE
-from narrows.codegen.step import LENGTH, TIME, Actuated, Law
 from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import angle

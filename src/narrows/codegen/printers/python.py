@@ -1,10 +1,8 @@
 """Lines as Python: one function of floats or columns, whose elementary functions the caller brings."""
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-import numpy as np
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
@@ -93,75 +91,3 @@ def function_text(
     body = [f"{target} = {plain.doprint(value)}" for target, value in assignments]
     values = ", ".join(plain.doprint(sympy.sympify(value)) for value in results)
     return "\n    ".join([f"def {name}({', '.join(given)}):", *body, f"return ({values},)"]) + "\n"
-
-
-def _root(value: float) -> float:
-    return math.sqrt(value) if value >= 0 else math.nan
-
-
-def _power(base: float, exponent: float) -> float:
-    return base**exponent if base >= 0 else math.nan
-
-
-def _entries(row: int) -> Callable[[Any, int, float], float]:
-    return lambda table, column, cell: float(table[row * int(cell) + column])
-
-
-def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats.
-
-    Parameters
-    ----------
-    row : int
-        Numbers a cell of the table of a waterway.
-    """
-    return {
-        "minimum": lambda a, b: a if a < b else b,
-        "maximum": lambda a, b: a if a > b else b,
-        "choice": lambda test, over, under: over if test > 0 else under,
-        "positive": lambda test: 1.0 if test > 0 else 0.0,
-        "whole": lambda number: float(int(number)),
-        "angle": lambda cosine, sine: math.atan2(sine, cosine),
-        "sine": math.sin,
-        "cosine": math.cos,
-        "sqrt": _root,
-        "exp": math.exp,
-        "log": math.log,
-        "power": _power,
-        "entry": _entries(row),
-    }
-
-
-def column_functions() -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats and columns alike."""
-    return {
-        "minimum": np.minimum,
-        "maximum": np.maximum,
-        "choice": lambda test, over, under: np.where(np.asarray(test) > 0, over, under),
-        "positive": lambda test: np.where(np.asarray(test) > 0, 1.0, 0.0),
-        "whole": np.trunc,
-        "angle": lambda cosine, sine: np.arctan2(sine, cosine),
-        "sine": np.sin,
-        "cosine": np.cos,
-        "sqrt": np.sqrt,
-        "exp": np.exp,
-        "log": np.log,
-        "power": np.power,
-    }
-
-
-def function_of(text: str, name: str, functions: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
-    """Make a printed function of its text (ours).
-
-    Parameters
-    ----------
-    text : str
-        As ``function_text`` prints it.
-    name : str
-        Of the function.
-    functions : mapping of str to callable
-        The elementary functions.
-    """
-    scope: dict[str, Any] = dict(functions)
-    exec(compile(text, f"<{name}>", "exec"), scope)
-    return scope[name]  # type: ignore[no-any-return]

@@ -1,4 +1,4 @@
-"""``manoeuvre``: turning circles and zigzags in open water."""
+"""``trials``: turning circles and zigzags in open water."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,10 +10,10 @@ from narrows.cli.options import AsJson, ModelFile
 from narrows.cli.output import print_json
 
 
-@app.command(epilog="Example: narrows manoeuvre yasukawa2015_kvlcc2 --u 1.179 --plot tracks.png")
-def manoeuvre(
+@app.command(epilog="Example: narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
+def trials(
     model: ModelFile,
-    u: Annotated[float, typer.Option(help="Approach speed [m/s].")],
+    speed: Annotated[str, typer.Option(help="Of the approach: 1.2m/s, 8kn; m/s without a unit.")],
     turn_deg: Annotated[float, typer.Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
     zigzags: Annotated[str, typer.Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
     dt: Annotated[float | None, typer.Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
@@ -24,11 +24,12 @@ def manoeuvre(
 
     MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
     """
+    from narrows.cli.ranges import speed as read_speed
     from narrows.manoeuvres.manoeuvring_trials import parse_zigzags, sail_trials
     from narrows.model.model_file import model_named
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
-    found = sail_trials(model_named(model), u, turn_deg, parse_zigzags(zigzags), dt)
+    found = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, parse_zigzags(zigzags), dt)
     if plot:
         from narrows.report.voyage_figures import save_figure
 

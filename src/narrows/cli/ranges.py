@@ -1,0 +1,89 @@
+"""Numbers, ranges of them and speeds, as the command line spells them."""
+
+import re
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.quantities.constants import KNOT
+
+SPEED_UNITS = {"": 1.0, "m/s": 1.0, "kn": KNOT, "km/h": 1 / 3.6}
+"""Of a speed as written, in m/s."""
+UNIT = re.compile(r"(?:m/s|kn|km/h)?\s*$")
+
+
+def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5:101") -> np.ndarray:
+    """Read ``0.5``, ``0.5,1,2`` or ``from:to:count``.
+
+    Parameters
+    ----------
+    option : str
+        For messages.
+    text : str
+        As the user wrote it.
+    such_as : str
+        What would do.
+
+    Raises
+    ------
+    InputError
+        Where it is none of these.
+    """
+    try:
+        if ":" in text:
+            low, high, count = text.split(":")
+            values = np.linspace(float(low), float(high), int(count))
+        else:
+            values = np.array([float(word) for word in text.split(",")])
+    except ValueError:
+        raise InputError(f"{option} {text!r} is not understood; give {such_as}") from None
+    if not values.size or not np.isfinite(values).all():
+        raise InputError(f"{option} {text!r} must be finite numbers, at least one")
+    return values
+
+
+def speeds(option: str, text: str) -> np.ndarray:
+    """Read speeds [m/s]: as numbers, each with its unit or all without: ``4.1m/s``, ``8kn,9kn``, ``4kn:12kn:17``.
+
+    Parameters
+    ----------
+    option : str
+        For messages.
+    text : str
+        As the user wrote it; without a unit it is in m/s.
+
+    Raises
+    ------
+    InputError
+        Where it is none of these, or some have another unit than the others.
+    """
+    between = ":" if ":" in text else ","
+    words = text.split(between)
+    carry = words[:2] if between == ":" else words
+    units = {UNIT.search(word)[0].strip() for word in carry}  # type: ignore[index]
+    if len(units) > 1:
+        raise InputError(f"{option} {text!r} has several units, or numbers without; give each number the same unit")
+    (unit,) = units
+    plain = between.join([word.strip().removesuffix(unit) for word in carry] + words[len(carry) :])
+    return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17") * SPEED_UNITS[unit]
+
+
+def speed(option: str, text: str) -> float:
+    """Read one speed [m/s].
+
+    Parameters
+    ----------
+    option : str
+        For messages.
+    text : str
+        As the user wrote it.
+
+    Raises
+    ------
+    InputError
+        Where it is none, or there are several.
+    """
+    found = speeds(option, text)
+    if found.size != 1:
+        raise InputError(f"{option} {text!r} is more than one speed; give one, as 4.1m/s or 8kn")
+    return float(found[0])
