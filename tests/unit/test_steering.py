@@ -105,7 +105,10 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
         (lambda: nw.SteeringGear(120.0), "beyond 90 degrees"),
         (lambda: nw.Zigzag(0.0, 0.1), "needs a rudder angle"),
         (lambda: nw.Zigzag(0.1, -0.1), "positive change of heading"),
-        (lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), controller=nw.ConstantRudder(0.1)), "no terms of a rudder"),
+        (
+            lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), controller=nw.ConstantRudder(0.1)),
+            "no terms of a rudder",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused(made, words: str) -> None:
