@@ -79,7 +79,13 @@ def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
     numbers = {name: fields[field] for name, field in FIELDS.items()}
     numbers |= {f"AT_{name.upper()}": shared.index(name) if name in shared else 0 for name in SHARED_PLACES}
     own = lanes.own_inputs
-    numbers |= {"LANES": lanes.count, "FIELDS": lanes.size, "KEPT": len(lanes.kept), "OLD": fields["old x"], "ROW": ROW}
+    numbers |= {
+        "LANES": lanes.count,
+        "FIELDS": lanes.size,
+        "KEPT": len(lanes.kept),
+        "OLD": fields["old x"],
+        "CELL_ENTRIES": ROW,
+    }
     numbers |= {"FIRST_OWN": fields[own[0]] if own else 0, "EXACT": exact, "WATERWAY": choices.waterway}
     names = {"KEPT_NAMES": lanes.kept, "OWN": own, "SHARED": shared}
     return "\n".join(f"{name} = {value!r}" for name, value in (numbers | names).items())

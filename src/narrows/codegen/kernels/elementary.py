@@ -43,7 +43,7 @@ def power(base, exponent):
 
 @jit
 def entry(table, column, cell):
-    return table[np.uint64(ROW * np.int64(cell) + column)]
+    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + column)]
 """
 ANGLE = """
 @jit
