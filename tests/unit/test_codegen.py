@@ -1,266 +1,144 @@
-"""Compiled equations of motion are held to the terms themselves, evaluated by NumPy."""
+"""Printed equations of motion are held to the terms themselves, evaluated by NumPy; one step to another's of ours."""
 
 import pickle
-import platform
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.compile import LINEARISED, STATE, Program, compiled
-from narrows.compile.record import record
-from narrows.compile.trace import ACCELERATIONS, trace
+from engine_models import ACTUATED, TABLES, cross_flow, model_of, rates_by_hand, states, steered, values_of
+from narrows.codegen.choices import Choices
+from narrows.codegen.free_motion import STATE, trace
+from narrows.codegen.system import System
+from narrows.codegen.tape import tape_of_terms
 from narrows.quantities import dimensions as dim
-from narrows.quantities.names import MOTION
+from narrows.simulation.channel import along_waterway, straight_channel
+from narrows.simulation.reference import accelerations
+from narrows.simulation.ship import SimulatedShip
+
+PUSHED = Choices(pushed="always")
 
 
-def cross_flow(u, v):
-    return -u * v
-
-
-def odd_shapes(y, cos_psi, v, r, width, draft, heave):
-    """Roots, odd powers, a number to a power, a reciprocal, a plain + and a NumPy number."""
-    bulge = (1.5 + cos_psi) ** 0.5 / (1 + (y / width) ** 2) ** 1.5
-    return +bulge * np.float64(0.3) * 2 ** (-abs(v) / 3) * r**5 * (draft + heave) ** -1 - 0.1 * v
-
-
-OWN = nw.PAPER.with_terms(
-    "own",
-    surge=[nw.Term("a_vr", "a_{vr}", lambda v, r: v * r, dim.KG)],
-    sway=[
-        nw.Term("b_uv", "b_{uv}", cross_flow, dim.KG_PER_M),
-        nw.Term("b_|odd|", "b_o", odd_shapes, dim.NUMBER, kind=nw.TermKind.BANK),
-    ],
-)
-TABLES = {table.name: table for table in (nw.PAPER, nw.TAPERED, OWN)}
-EXTRA = {"a_udot": 20.0, "a_u": 3.0, "a_vr": 40.0, "b_uv": 60.0, "b_|odd|": 900.0}
-MASS, SURGE_INERTIA = 245.0, 280.0
-
-
-def model_of(table: nw.TermTable) -> nw.Model:
-    """The published coefficients, with nothing at zero."""
-    paper = nw.published("mikkelsen2025_dtc")
-    coefficients = {**paper.coefficients, **EXTRA}
-    configuration = replace(paper.configuration, ship=replace(paper.configuration.ship, mass=MASS))
-    return nw.Model(configuration, table, {name: coefficients[name] for name in table.names})
-
-
-def values_of(model: nw.Model) -> dict[str, float]:
-    return {**model.configuration.values(), **model.coefficients, "surge_inertia": SURGE_INERTIA}
-
-
-def states(count: int) -> dict[str, np.ndarray]:
-    """Random states on both sides, by the names of the equations."""
-    draw = np.random.default_rng(1)
-    ranges = {"x": 9.0, "y": 2.6, "psi": 1.2, "v": 0.4, "r": 0.3}
-    state = {name: draw.uniform(-top, top, count) for name, top in ranges.items()}
-    psi = state.pop("psi")
-    state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), "u": draw.uniform(0.3, 1.5, count)}
-    return {name: state[name] for name in STATE}
-
-
-def reference(model: nw.Model, state: dict, pushes: tuple[float, float, float], surge: str, coriolis: bool) -> list:
-    """Solve M (udot, vdot, rdot) = f + F_in with the forces that the terms themselves give: floats, one state."""
-
-    def force(**accelerations: float) -> np.ndarray:
-        named = {name: value for name, value in state.items() if name in MOTION}
-        return np.array(list(model.forces(nw.Motion(**named, **accelerations)).values()), float)
-
-    still = force()
-    mass = np.stack([still - force(**{name: 1.0}) for name in ACCELERATIONS.values()], axis=1)
-    mass[0, 0] += SURGE_INERTIA
-    rest = still + pushes
-    if coriolis:
-        rest += MASS * state["r"] * np.array([state["v"], -state["u"], 0.0])
-    part = slice(0, 3) if surge == "free" else slice(1, 3)
-    accelerations = np.zeros(3)
-    accelerations[part] = np.linalg.solve(mass[part, part], rest[part])
-    u, v, r, c, s = (state[name] for name in ("u", "v", "r", "cos_psi", "sin_psi"))
-    return [u * c - v * s, u * s + v * c, -r * s, r * c, *accelerations]
-
-
-PUSHES = (3.0, -2.0, 5.0)
-CONTROLS = (0.995, 0.0999, 2.0)
-"""Rudder and propeller, which these tables do not ask for."""
+def rates(system: System, values: dict, state: dict, functions: SimpleNamespace | None = None) -> list:
+    functions = functions or system.scalar
+    numbers = system.constants(values)
+    return list(functions.rates(*state.values(), *(numbers[name] for name in functions.RATES_INPUTS)))
 
 
 @pytest.mark.parametrize("coriolis", [False, True])
 @pytest.mark.parametrize("surge", ["held", "free"])
 @pytest.mark.parametrize("name", TABLES)
-def test_plain_form_is_the_terms_own(name: str, surge: str, coriolis: bool) -> None:
+def test_printed_rates_are_the_terms_own(name: str, surge: str, coriolis: bool) -> None:
     model = model_of(TABLES[name])
-    program, columns = compiled(model.terms, surge, coriolis), states(50)
-    constants = program.constants(values_of(model))
-    together = np.broadcast_arrays(*program.rhs(*columns.values(), *PUSHES, *CONTROLS, *constants))
+    system, columns = System(model.terms, surge, coriolis, PUSHED), states(50)
+    together = np.broadcast_arrays(*rates(system, values_of(model), columns, system.columns))
     for row in range(50):
         state = {key: float(column[row]) for key, column in columns.items()}
-        expected = reference(model, state, PUSHES, surge, coriolis)
-        alone = program.rhs(*state.values(), *PUSHES, *CONTROLS, *constants)
-        np.testing.assert_allclose(alone, expected, rtol=1e-12, atol=1e-14)
+        expected = rates_by_hand(model, state, surge, coriolis)
+        np.testing.assert_allclose(rates(system, values_of(model), state), expected, rtol=1e-12, atol=1e-14)
         np.testing.assert_allclose([column[row] for column in together], expected, rtol=1e-12, atol=1e-14)
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_block_form_is_the_plain_form(name: str) -> None:
-    """The right-hand side that kernels step, exponential and roots included; forces are constants there."""
-    model, columns = model_of(TABLES[name]), states(40)
-    program = compiled(model.terms, "free")
-    kernel = program.kernel(varying=False, precision="float64", inputs="constants")
-    values = {**values_of(model), "heave": 0.01, **dict(zip(("X_in", "Y_in", "N_in"), PUSHES, strict=True))}
-    own = kernel.constants(*(float(values[parameter]) for parameter in kernel.PARAMETERS))
-    expected = np.array(
-        np.broadcast_arrays(*program.rhs(*columns.values(), *PUSHES, *CONTROLS, *program.constants(values)))
-    )
-    found = np.array([kernel.rhs(*state, *own) for state in np.array(list(columns.values())).T]).T
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
+@pytest.mark.parametrize("name", ["steered", "mmg+delta"])
+def test_printed_rates_are_the_accelerations_of_the_terms(name: str) -> None:
+    """With a rudder that stands over, and a propeller."""
+    model, rudder = ACTUATED[name](), 0.2
+    ship = SimulatedShip(model, "free", None if name == "mmg+delta" else 280.0)
+    system, state = ship.system(), {key: float(column[3]) for key, column in states(4).items()}
+    motion = nw.Motion(**{key: state[key] for key in ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")})
+    found = rates(system, ship.values(rudder), state)[4:]
+    at_rest = accelerations(model, motion, surge_inertia=ship.surge_inertia)
+    assert not np.allclose(found, at_rest, rtol=1e-3)
+    still = model.forces(motion, rudder)
+    mass = np.array([
+        [still[f] - model.forces(replace(motion, **{a: 1.0}), rudder)[f] for a in ("udot", "vdot", "rdot")]
+        for f in "XYN"
+    ])  # fmt: skip
+    if ship.surge_inertia is not None:
+        mass[0, 0] = ship.surge_inertia
+    np.testing.assert_allclose(found, np.linalg.solve(mass, [still[f] for f in "XYN"]), rtol=1e-11, atol=1e-13)
 
 
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="reads x86 assembly")
-@pytest.mark.parametrize("name", TABLES)
-@pytest.mark.slow
-def test_a_block_is_stepped_by_vectors(name: str) -> None:
-    """No lane on its own: the step divides packed numbers only, and calls no exponential."""
-    model = model_of(TABLES[name])
-    kernel = compiled(model.terms).kernel(varying=False, precision="float64", inputs="none")
-    values = values_of(model) | {"heave": 0.0}
-    own = np.array(kernel.constants(*(values[parameter] for parameter in kernel.PARAMETERS)))
-    kernel.step(np.zeros(kernel.FIELDS * kernel.LANES), np.ones(5), kernel.uniform(own))
-    (assembly,) = kernel.step.inspect_asm().values()
-    assert "divpd" in assembly
-    assert "divsd" not in assembly
-
-
-def test_a_replayed_record_is_the_terms_to_the_bit() -> None:
-    for table in TABLES.values():
-        model = model_of(table)
-        inputs = {**model.configuration.values(), **nw.Motion.at(0.3, y=1.1, u=0.9, v=0.1, r=-0.2, rdot=0.4).values()}
-        found = record(table).replay(inputs)
-        assert found == {term.name: term.column(inputs) for term in table.terms}
-
-
-def test_records_name_what_is_done_and_nothing_else() -> None:
-    renamed = replace(nw.PAPER, name="another name")
-    assert record(renamed).text == record(nw.PAPER).text
-    texts = {record(table).text for table in TABLES.values()}
-    assert len(texts) == len(TABLES)
-
-
-AT = {"x": 0.0, "y": 1.3, "psi": -0.4, "u": 0.8, "v": 0.11, "r": -0.07}
-PUSHED = dict(zip(("X_in", "Y_in", "N_in"), PUSHES, strict=True))
-DIFFERENCE = 1e-6
-
-
-class TestJacobian:
-    """Exact derivatives against central differences."""
-
-    def rates(self, program: Program, values: dict, at: dict, inputs: dict) -> np.ndarray:
-        y, psi, u, v, r = (at[name] for name in LINEARISED[1:])
-        rhs = program.rhs(
-            0.0, y, np.cos(psi), np.sin(psi), u, v, r, *inputs.values(), *CONTROLS, *program.constants(values)
-        )  # fmt: skip
-        return np.array([rhs[0], rhs[1], r, *rhs[4:]])
-
-    def slopes(self, rates, about: dict) -> np.ndarray:
-        """Of the rates by each of some named numbers."""
-        columns = []
-        for name, value in about.items():
-            width = DIFFERENCE * max(1.0, abs(value))
-            ahead, behind = (rates({**about, name: value + sign * width}) for sign in (1, -1))
-            columns.append((ahead - behind) / (2 * width))
-        return np.stack(columns, axis=-1)
-
-    @pytest.mark.parametrize("surge", ["held", "free"])
-    @pytest.mark.parametrize("name", TABLES)
-    def test_derivatives(self, name: str, surge: str) -> None:
-        model = model_of(TABLES[name])
-        program, values = compiled(model.terms, surge, coriolis=True), values_of(model)
-        exact, at = program.jacobian(values), AT
-        state = {**at, "cos_psi": np.cos(at["psi"]), "sin_psi": np.sin(at["psi"])}
-        found = {kind: getattr(exact, kind)(state, PUSHED) for kind in ("state", "controls", "coefficients")}
-        expected = {
-            "state": self.slopes(lambda at: self.rates(program, values, at, PUSHED), at),
-            "controls": self.slopes(lambda inputs: self.rates(program, values, at, inputs), PUSHED),
-            "coefficients": self.slopes(
-                lambda own: self.rates(program, values | own, at, PUSHED), dict(model.coefficients)
-            ),
-        }
-        found["controls"] = found["controls"][:, : len(PUSHES)]
-        for kind, matrix in expected.items():
-            np.testing.assert_allclose(found[kind], matrix, rtol=2e-7, atol=1e-9, err_msg=kind)
-
-    def test_columns_go_through(self) -> None:
-        model = model_of(nw.PAPER)
-        exact = compiled(nw.PAPER).jacobian(values_of(model))
-        columns = states(6)
-        many = exact.state(columns)
-        assert many.shape == (6, 6, 6)
-        for row in range(6):
-            one = exact.state({name: column[row] for name, column in columns.items()})
-            np.testing.assert_allclose(many[row], one, rtol=1e-13, atol=1e-15)
-
-    def test_of_an_exactly_straight_course(self) -> None:
-        """|v| v has no kink in its slope: no sign of zero is asked for, and the published poles come out."""
-        model = nw.published("mikkelsen2025_dtc")
-        exact = compiled(nw.PAPER).jacobian(values_of(model))
-        matrix = exact.state({"cos_psi": 1.0, "u": 1.0})
-        poles = np.linalg.eigvals(matrix[np.ix_((1, 2, 4, 5), (1, 2, 4, 5))])
-        pair = poles[np.argmax(poles.imag)]
-        assert pair == pytest.approx(0.260 + 0.248j, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("regressor", "deed"),
-    [
-        (lambda v: v if v > 0 else 0.0, "compares"),
-        (lambda v: 1.0 if v else 0.0, "branches"),
-        (lambda v: max(v, 0.0), "compares"),
-        (lambda v: __import__("math").sin(v), "plain number"),
-        (lambda v: np.sin(v), "ufunc"),
-        (lambda v: v * np.ones(3), "ndarray"),
-        (lambda v: v // 2, "rounds"),
-        (lambda v: v * 1j, "complex"),
-        (lambda v: v * float("inf"), "inf"),
-        (lambda v: [v], "list"),
-        (lambda v: 1 / 0, "division by zero"),
-    ],
-)
-def test_what_is_not_arithmetic_is_refused(regressor, deed: str) -> None:
-    table = nw.PAPER.with_terms("bad", sway=[nw.Term("b_bad", "b", regressor, dim.NUMBER)])
-    with pytest.raises(nw.InputError, match=rf"term b_bad: .*{deed}.* arithmetic and abs\(\) alone"):
-        compiled(table).constants({})
+def test_the_rates_are_those_of_the_straight_canal_in_one_that_does_not_change() -> None:
+    """The step of a waterway, its section that of the canal, without bend and current."""
+    model = steered()
+    ship, length = SimulatedShip(model), 200.0
+    values, state = ship.values(0.1), (50.0, 0.7, np.cos(0.05), np.sin(0.05), 1.0, 0.02, -0.01)
+    way = nw.straight_waterway(model.configuration.canal, length)
+    stepped = []
+    for waterway, channel in (
+        (False, straight_channel(values, ship.shape)), (True, along_waterway(way, model, ship.shape)),
+    ):  # fmt: skip
+        system = ship.system(waterway)
+        inputs = {**values, **system.constants(values), **channel.inputs, "step_length": 0.3, "share": 1.0}
+        names = system.scalar.STEP_INPUTS
+        stepped.append(system.scalar.step(channel.water.table, *state, *(float(inputs[name]) for name in names))[:7])
+    np.testing.assert_allclose(stepped[0], stepped[1], rtol=1e-13, atol=1e-14)
 
 
 def test_accelerations_enter_linearly() -> None:
     table = nw.PAPER.with_terms("bad", yaw=[nw.Term("c_bad", "c", lambda vdot, rdot: vdot * rdot, dim.NUMBER)])
+    forces = {term.name: force for force, terms in table.forces.items() for term in terms}
     with pytest.raises(nw.InputError, match="term c_bad: an acceleration must enter linearly"):
-        trace(record(table), "held", coriolis=False)
+        trace(tape_of_terms(table), forces, "held", coriolis=False)
+
+
+def system_of(table: nw.TermTable, surge: str = "held") -> System:
+    return System(table, surge, False, Choices())
 
 
 def test_every_motion_has_an_inertia() -> None:
+    bare = nw.TermTable("bare", nw.PAPER.surge, nw.PAPER.sway[2:], nw.PAPER.yaw[1:])
     with pytest.raises(nw.InputError, match="no term resists vdot"):
-        compiled(nw.TermTable("bare", nw.PAPER.surge, nw.PAPER.sway[2:], nw.PAPER.yaw[1:])).constants({})
+        system_of(bare).constants({})
 
 
 @pytest.mark.parametrize("name", ["u", "width", "Y_in"])
 def test_a_coefficient_has_a_name_of_its_own(name: str) -> None:
     table = nw.PAPER.with_terms("bad", sway=[nw.Term(name, "b", cross_flow, dim.NUMBER)])
     with pytest.raises(nw.InputError, match=f"term {name}: the name already means something else"):
-        compiled(table).constants({})
+        system_of(table).constants({})
 
 
-@pytest.mark.parametrize("name", ["k0", "t1", "lambda", "v²", "E", "abs"])
+NAMES = (
+    "k0", "t1", "lambda", "v²", "E", "abs", "sqrt", "exp", "log", "sine", "power", "entry", "table", "h", "t", "dt",
+    "share", "step_length", "room", "lean", "law_angle", "push_end", "half_beam", "least_cos", "real", "block", "I",
+    "constants", "PARAMETERS", "__debug__",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_a_coefficient_may_be_called_anything_else(name: str) -> None:
     one, other = (
         nw.PAPER.with_terms("own", sway=[nw.Term(own, "b", cross_flow, dim.NUMBER)]) for own in (name, "b_uv")
     )
     values = values_of(model_of(nw.PAPER))
-    state = [float(column[0]) for column in states(1).values()]
+    state = {key: float(column[0]) for key, column in states(1).items()}
     found, expected = (
-        program.rhs(*state, 0.0, 0.0, 0.0, *CONTROLS, *program.constants({**values, own: 60.0}))
-        for program, own in ((compiled(one), name), (compiled(other), "b_uv"))
+        rates(system_of(table), {**values, own: 60.0}, state) for table, own in ((one, name), (other, "b_uv"))
     )
     assert found == expected
+
+
+def sailed_with(name: str) -> nw.Outcome:
+    """How a voyage ends under a law, where the model has a coefficient of this name."""
+    model, table = steered(), nw.STEERED.with_terms("own", sway=[nw.Term(name, "b", cross_flow, dim.NUMBER)])
+    named = nw.Model(model.configuration, table, {**model.coefficients, name: 0.1})
+    return nw.simulate(named, y=0.3, duration=3.0, dt=0.1, controller=nw.ConstantRudder(0.2)).outcome
+
+
+@pytest.mark.parametrize("name", [*NAMES, "x_first", "most_speed"])
+def test_a_voyage_does_not_ask_what_a_coefficient_is_called(name: str) -> None:
+    """Neither the numbers of hull and canal nor those of a law are taken for it."""
+    assert sailed_with(name) == sailed_with("b_own")
+
+
+@pytest.mark.parametrize("name", ["rudder_limit", "rudder_rate", "wall_port"])
+def test_what_else_goes_by_name_is_refused(name: str) -> None:
+    with pytest.raises(nw.InputError, match=f"term {name}: the name already means something else"):
+        sailed_with(name)
 
 
 @pytest.mark.parametrize(
@@ -273,13 +151,14 @@ def test_a_coefficient_may_be_called_anything_else(name: str) -> None:
 )
 def test_values_that_cannot_be_are_refused(change: dict, words: str) -> None:
     with pytest.raises(nw.InputError, match=words):
-        compiled(nw.PAPER).constants({**values_of(model_of(nw.PAPER)), **change})
+        system_of(nw.PAPER).constants({**values_of(model_of(nw.PAPER)), **change})
 
 
 def test_a_free_speed_needs_a_mass() -> None:
-    values = values_of(nw.published("mikkelsen2025_dtc")) | {"surge_inertia": 0.0}
+    dtc = nw.published("mikkelsen2025_dtc")
+    values = {**dtc.configuration.values(), **dtc.coefficients}
     with pytest.raises(nw.InputError, match="surge_inertia"):
-        compiled(nw.PAPER, "free").constants(values)
+        system_of(nw.PAPER, "free").constants(values)
 
 
 @pytest.mark.parametrize(
@@ -289,14 +168,25 @@ def test_a_free_speed_needs_a_mass() -> None:
         ({"contact": "corner"}, "did you mean 'corners'"),
         ({"contact": [(1.0, 0.0)]}, "needs 3 points"),
         ({"contact": [1.0, 2.0, 3.0]}, "list of points"),
+        ({"contact": [(1.0, 0.3), (1.0, -0.3), (np.inf, 0.0)]}, "finite numbers of metres"),
+        ({"contact": [(1.0, 0.0), (0.0, 0.0), (-1.0, 0.0)]}, "lie on one line"),
+        ({"contact": [(1.0, 0.2), (1.0, -0.2), (-1.0, 0.0)]}, "make it as wide as the beam"),
     ],
 )
-def test_unknown_choices_are_refused(choice: dict, words: str) -> None:
+def test_unknown_choices_are_refused(choice: dict, words: str, dtc: nw.Model) -> None:
     with pytest.raises(nw.InputError, match=words):
-        compiled(nw.PAPER, **choice)
+        nw.simulate(dtc, **choice)
 
 
-def test_a_program_goes_to_other_processes() -> None:
-    program = compiled(nw.PAPER, contact=[(1.0, 0.2), (1.0, -0.2), (-1.0, 0.0)])
-    program.constants(values_of(nw.published("mikkelsen2025_dtc")))
-    assert pickle.loads(pickle.dumps(program)) == program
+def test_a_system_goes_to_other_processes() -> None:
+    model = steered()
+    system = SimulatedShip(model, contact=[(1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)]).system()
+    state = {key: float(column[0]) for key, column in states(1).items()}
+    again = pickle.loads(pickle.dumps(system))
+    values = {**values_of(model_of(nw.PAPER)), **SimulatedShip(model).values(0.1)}
+    assert again.key == system.key
+    assert rates(again, values, state) == rates(system, values, state)
+
+
+def test_the_state_is_a_pose_and_three_velocities() -> None:
+    assert STATE == ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
