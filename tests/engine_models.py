@@ -1,7 +1,9 @@
 """Models for tests of the engine: shapes that published terms lack, a rudder, a propeller; rates without a compiler."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -109,3 +111,10 @@ def bent(length: float, width: float) -> Waterway:
     s = line.length * np.array([0.0, 0.2, 0.3, 0.55, 0.7, 1.0])
     starboard, port = width * np.array([[0.5, 0.5, 0.45, 0.5, 0.6, 0.5], [0.5, 0.45, 0.5, 0.55, 0.5, 0.5]])
     return Waterway(line, Bank("starboard", s, starboard), Bank("port", s, port), current=0.1)
+
+
+def function_of(text: str, name: str, functions: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
+    """Make a printed function of its text and the elementary functions that it calls."""
+    scope: dict[str, Any] = dict(functions)
+    exec(text, scope)
+    return scope[name]

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import sympy
 
-from engine_models import ACTUATED, bent
+from engine_models import ACTUATED, bent, function_of
 from narrows.codegen.choices import ROW
 from narrows.codegen.derivatives import SLOPES, slope, with_tangents
 from narrows.codegen.functions import scalar_functions
 from narrows.codegen.lines import FUNCTIONS, Lines, real
-from narrows.codegen.printers.python import function_of, function_text
+from narrows.codegen.printers.python import function_text
 from narrows.simulation.channel import along_waterway
 from narrows.simulation.controllers import Autopilot, Zigzag
 from narrows.simulation.ship import SimulatedShip
@@ -27,7 +27,6 @@ ARITHMETIC = {
     "power of a number": 2 ** (-A / 3) + sympy.exp(A * B / 4),
     "power of a variable": (A**2 + sympy.Rational(1, 2)) ** (B / 2),
     "root": sympy.sqrt(A**2 + B**2 + 1),
-    "log": sympy.log(A**2 + 1) * B,
 }
 FUNCTIONS_OF_LINES = {
     "abs": A * sympy.Abs(A * B - C),

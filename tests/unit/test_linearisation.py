@@ -73,7 +73,7 @@ def test_jacobians_are_differences(name: str, surge: str) -> None:
     expected = {
         "state": slopes(lambda own: at_state(**own), {n: at[n] for n in LINEARISED}),
         "controls": slopes(lambda own: at_state(**own), {n: at[n] for n in driven}),
-        "coefficients": slopes(with_coefficients, dict(model.coefficients)),
+        "coefficients": slopes(with_coefficients, {n: model.coefficients[n] for n in model.terms.names}),
     }
     for kind, matrix in expected.items():
         found = getattr(exact, kind)(at)
