@@ -7,6 +7,7 @@ integration, that shares nothing with the package's compiler, is in ``tests/engi
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -66,7 +67,7 @@ def integrated(
     room.terminal = True  # type: ignore[attr-defined]
     state, parts = [start.get(name, 1.0 if name == "u" else 0.0) for name in STATE], []
     ends = [0.0, *jumps, duration]
-    for begin, end in zip(ends, ends[1:], strict=False):
+    for begin, end in pairwise(ends):
         pushed = forces((begin + end) / 2)
         part = solve_ivp(
             lambda t, z, pushed=pushed: rates(z, pushed), (begin, end), state, "DOP853", events=room, rtol=1e-11,

@@ -16,9 +16,9 @@ import pytest
 import narrows as nw
 from narrows.quantities.names import MOTION, PARTICULARS, REGRESSOR_INPUTS
 
-NEVER_IMPORTED = ("narrows.compile.lanes", "narrows.compile.wheel")
+NEVER_IMPORTED = ("narrows.codegen.kernels.queue", "narrows.codegen.kernels.newton")
 """Source text that goes into compiled programs."""
-SPOKEN_OF_ELSEWHERE = ("narrows.cli", "narrows.compile")
+SPOKEN_OF_ELSEWHERE = ("narrows.cli", "narrows.codegen")
 """Options of the command line say what they are in --help; the compiler's inner parts speak to each other."""
 
 

@@ -1,6 +1,7 @@
 """Voyages against DOP853, against their mirror, against the order of the method; and how they end."""
 
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -191,18 +192,16 @@ def test_bad_ensembles_are_refused_before_anything_runs(dtc: nw.Model, vary: dic
 
 
 def test_an_interrupt_keeps_what_is_done(dtc: nw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    from narrows.simulation import ensemble
-
     done = []
     real = KernelRun.run
 
     def run(self, values, vessels, workers=None):
-        if done:
-            raise KeyboardInterrupt
         done.append(vessels)
+        if len(done) == 2:
+            raise KeyboardInterrupt
         return real(self, values, vessels, workers)
 
-    monkeypatch.setattr(ensemble, "BLOCK_VESSELS", 10)
+    monkeypatch.setattr(sys.modules["narrows.simulation.ensemble"], "BLOCK_VESSELS", 10)
     monkeypatch.setattr(KernelRun, "run", run)
     ends = nw.ensemble(dtc, y=np.linspace(0.1, 2.5, 40))
     assert ends.attrs["complete"] == 0

@@ -133,7 +133,7 @@ def map_(
     MODEL is a model file, or the name of a published model.
     """
     from narrows.model.model_file import model_named
-    from narrows.simulation.fleets import ensemble
+    from narrows.simulation.ensemble import ensemble
     from narrows.simulation.maps import map_summary
     from narrows.simulation.netcdf import save_netcdf
 

@@ -57,5 +57,5 @@ def _text(system: "System") -> str:
     tail = Path(__file__).with_name("kernels").joinpath("newton.py").read_text(encoding="utf-8")
     head = HEADER.format(version=version("narrows"), precision="float64")
     # The series of the kernels hold up to a quarter turn, and no further is looked: the C library's do as well here.
-    names = f"GIVEN = {given!r}\nNUMBERS_A_CELL = 0\nsine, cosine = sin, cos\n"
+    names = f"GIVEN = {given!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
     return "\n\n".join([head, names, elementary_text(text.replace("sine(", ""), "float64"), text, tail])

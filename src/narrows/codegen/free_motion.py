@@ -26,7 +26,9 @@ INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 """Force [N, N, N m] added from outside, by the component that it adds to."""
 SURGE_INERTIA = "surge_inertia"
 """The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
-RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA}
+LIMITS = {f"{actuator}_{of}" for actuator in ("rudder", "revolutions") for of in ("limit", "rate")}
+WALLS = {"wall_starboard", "wall_port"}
+RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
 """Names that the generated text has for itself."""
 MOST_BITS = 20

@@ -12,7 +12,7 @@ def _root(value: float) -> float:
 
 
 def _power(base: float, exponent: float) -> float:
-    return base**exponent if base >= 0 else math.nan
+    return base**exponent if base >= 0 or exponent.is_integer() else math.nan
 
 
 def _entries(row: int) -> Callable[[Any, int, float], float]:

@@ -84,7 +84,7 @@ def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
         "FIELDS": lanes.size,
         "KEPT": len(lanes.kept),
         "OLD": fields["old x"],
-        "NUMBERS_A_CELL": ROW,
+        "CELL_ENTRIES": ROW,
     }
     numbers |= {"FIRST_OWN": fields[own[0]] if own else 0, "EXACT": exact, "WATERWAY": choices.waterway}
     names = {"KEPT_NAMES": lanes.kept, "OWN": own, "SHARED": shared}

@@ -105,6 +105,8 @@ class PreparedRun:
 
     def __call__(self) -> int:
         """Sail every vessel, and return the lane-steps that it took."""
+        if not len(self.start):
+            return 0
         sail = self.kernel.sail
         if len(self._memories) == 1:
             memory = self._memories[0]

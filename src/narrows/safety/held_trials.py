@@ -116,6 +116,12 @@ class HeldCourse(Autopilot):
 
     Parameters
     ----------
+    y : float or DataArray [m]
+        Offset to hold.
+    gains : four floats or DataArrays [rad/m, 1, rad s/m, s]
+        As of ``Autopilot``.
+    rudder, psi, v : float or DataArray [rad, rad, m/s]
+        That hold it there.
     late_from : float [s]
         From when.
     """

@@ -50,6 +50,11 @@ class KernelRun:
         What steers; its numbers that vary are among the values of a run.
     waterway : Waterway, optional
         Where the ships sail instead of the model's own canal.
+
+    Raises
+    ------
+    InputError
+        Where the precision is unknown or too coarse for a waterway, or what steers is an object of Python.
     """
 
     ship: SimulatedShip

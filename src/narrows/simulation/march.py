@@ -24,9 +24,20 @@ WRONG = (ZeroDivisionError, OverflowError, ValueError)
 
 
 class Row(NamedTuple):
-    """A moment of a voyage: time [s], state, the step that begins here [s], the order for it [rad], whether whole.
+    """A moment of a voyage.
 
-    Within a step that was cut short, where a contact is located, moments are not whole.
+    Parameters
+    ----------
+    t : float [s]
+        When.
+    state : tuple of float
+        What is kept from step to step.
+    ahead : float [s]
+        Length of the step that begins here.
+    order : float [rad]
+        What a controller of Python asks for in it.
+    whole : bool
+        Not within a step that was cut short, where a contact is located.
     """
 
     t: float
@@ -37,7 +48,15 @@ class Row(NamedTuple):
 
 
 class End(NamedTuple):
-    """How a march ended: what ``event`` says, and how much more room there is to port than to starboard [m]."""
+    """How a march ended.
+
+    Parameters
+    ----------
+    fate : int
+        As ``event`` says.
+    lean : float [m]
+        How much more room there is to port than to starboard.
+    """
 
     fate: int
     lean: float

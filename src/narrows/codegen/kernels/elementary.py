@@ -5,8 +5,8 @@ from math import factorial, radians
 
 from narrows.codegen.kernels.exponential import exponential_text
 
-SINE_TERMS = 9
-"""Of the series of sine and cosine: 2e-16 up to a quarter turn, and no rudder turns further."""
+SINE_TERMS = 11
+"""Of the series of sine and cosine: to the last place up to a quarter turn, and no rudder turns further."""
 ANGLE_TERMS = 12
 """Of the polynomial for arctan t/t up to an eighth of half a turn."""
 
@@ -43,7 +43,7 @@ def power(base, exponent):
 
 @jit
 def entry(table, column, cell):
-    return table[np.uint64(NUMBERS_A_CELL * np.int64(cell) + column)]
+    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + column)]
 """
 ANGLE = """
 @jit

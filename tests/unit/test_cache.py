@@ -12,22 +12,28 @@ from pathlib import Path
 import pytest
 
 import narrows as nw
-from narrows.compile import cache, compiled
+from narrows.codegen import cache
+from narrows.codegen.choices import Choices
+from narrows.codegen.system import System
 
 SAIL = """
 import sys
 import narrows as nw
-from narrows.compile import compiled
+from narrows.simulation.ship import SimulatedShip
 model = nw.published("mikkelsen2025_dtc")
-values = {**model.configuration.values(), **model.coefficients}
-program = compiled(model.terms)
-program.rhs(0.0, 0.5, 1.0, 0.0, 1.0, *[0.0] * 5, 1.0, 0.0, 0.0, *program.constants(values))
+nw.simulate(model, y=0.5, duration=1.0)
 plain = not {"sympy", "numba"} & set(sys.modules)
-end = program.fleet(values, y=0.5, u=1.0, dt=0.02, duration=40.0)
-stats = program.kernel(False, "float64", "none").fleet.stats
-print(plain, "sympy" in sys.modules, sum(stats.cache_hits.values()), sum(stats.cache_misses.values()), end.x[0].hex())
+ends = nw.ensemble(model, y=0.5, duration=40.0)
+stats = SimulatedShip(model).system().kernel((), "float64").sail.stats
+hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
+print(plain, "sympy" in sys.modules, hits, misses, float(ends["distance"]).hex())
 """
 VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).configuration.values(), **DTC.coefficients}
+
+
+def system() -> System:
+    """One of its own, that has read nothing yet."""
+    return System(nw.PAPER, "held", False, Choices())
 
 
 def started(folder: Path, seed: str) -> subprocess.Popen[str]:
@@ -62,24 +68,24 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_new_fit_makes_no_new_file(folder: Path) -> None:
     for b_v in (100.0, 120.0):
-        compiled(nw.PAPER).constants({**VALUES, "b_v": b_v})
+        system().constants({**VALUES, "b_v": b_v})
     assert len(list(folder.glob("*.py"))) == 1
 
 
-@pytest.mark.parametrize("spoilt", ["", "def rhs(x, y", "\0\1\2"])
+@pytest.mark.parametrize("spoilt", ["", "def rates(x, y", "\0\1\2"])
 def test_a_spoilt_file_is_made_again(folder: Path, monkeypatch: pytest.MonkeyPatch, spoilt: str) -> None:
-    before = compiled(nw.PAPER).constants(VALUES)
+    before = system().constants(VALUES)
     (path,) = folder.glob("*.py")
     path.write_text(spoilt)
-    monkeypatch.setattr(cache, "_MODULES", {})
-    assert compiled(nw.PAPER).constants(VALUES) == before
+    monkeypatch.setattr(cache, "_TEXTS", {})
+    assert system().constants(VALUES) == before
     assert path.read_text().endswith(cache.LAST_LINE)
 
 
 def test_a_closed_folder_is_done_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("no folder can be made below a file")
     monkeypatch.setenv("NARROWS_CACHE_DIR", str(tmp_path / "file"))
-    assert compiled(nw.PAPER).constants(VALUES)
+    assert system().constants(VALUES)
     assert cache.cache_folder().parent != tmp_path / "file"
 
 
@@ -171,7 +177,7 @@ def test_a_folder_that_vanishes_before_the_function_compiles(folder: Path) -> No
 
 FULL = """
 import resource, sys
-from narrows.compile import cache
+from narrows.codegen import cache
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
 function = cache.generated("twice", ["part"], lambda: sys.argv[2]).twice
 print(function(21.0), function.__code__.co_filename)
