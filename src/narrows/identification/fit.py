@@ -218,21 +218,24 @@ class Fit:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the reader of the tests had to say, and what was taken as independent."""
-        few = [name for name, own in zip(self.terms.names, self.unbounded.few, strict=True) if own]
-        said = (f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",)
+        few = [name for name, short in zip(self.terms.names, self.unbounded.few, strict=True) if short]
+        scarce = (
+            f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",
+        )
         depths = ("Terms that do not ask for the depth have one coefficient for all conditions of these tests.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
         bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
-        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * several, *bank)
+        return (*self.tests.notes, self.clusters.sentence, *scarce * bool(few), *depths * several, *bank)
 
     def summary(self) -> str:
         """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""
         scores = [
-            f"{force}: R2 {own.r2:.3f}, RMSE {own.rmse:.3g}; on what was left out R2 {self.left_out[force].r2:.3f}, "
-            f"RMSE {self.left_out[force].rmse:.3g}."
-            for force, own in self.scores.items()
+            f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on what was left out R2 {checked.r2:.3f}, "
+            f"RMSE {checked.rmse:.3g}."
+            for force, fitted in self.scores.items()
+            if (checked := self.left_out[force])
         ]
-        doubts = [own.sentence(name) for name, own in self.verdicts.items() if own.status != IDENTIFIED]
+        doubts = [verdict.sentence(name) for name, verdict in self.verdicts.items() if verdict.status != IDENTIFIED]
         title = f"{len(self.terms.names)} coefficients of the terms {self.terms.name} on {self._size}."
         return "\n".join([title, *scores, *doubts])
 
@@ -240,13 +243,15 @@ class Fit:
         """Give everything by name: what ``identify --json`` prints."""
         return {
             "coefficients": {name: self._coefficient(name) for name in self.terms.names},
-            "fit": {force: _scores(own, self.left_out[force]) for force, own in self.scores.items()},
-            "diagnostics": {force: found.to_dict() for force, found in self.diagnostics().items()},
+            "fit": {force: _scores(fitted, self.left_out[force]) for force, fitted in self.scores.items()},
+            "diagnostics": {force: diagnosis.to_dict() for force, diagnosis in self.diagnostics().items()},
             "by_speed": [
-                {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in found.items()}}
-                for speed, found in self.by_speed().items()
+                {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in by_force.items()}}
+                for speed, by_force in self.by_speed().items()
             ],
-            "by_test": {test: {f: dict(d.vif) for f, d in found.items()} for test, found in self.by_test().items()},
+            "by_test": {
+                test: {f: dict(d.vif) for f, d in by_force.items()} for test, by_force in self.by_test().items()
+            },
             "shapley": {kind: self.shapley(kind) for kind in shapley.KINDS},
             "kkt": self.solution.kkt.to_dict(),
             "tradeoffs": [asdict(pair) for pair in self.correlations],

@@ -58,9 +58,9 @@ class Diagnosis:
         name : str
             A coefficient.
         """
-        own = self.names.index(name)
-        row = np.nan_to_num(self.alignment[own])
-        row[own] = 0.0
+        index = self.names.index(name)
+        row = np.nan_to_num(self.alignment[index])
+        row[index] = 0.0
         most = int(np.abs(row).argmax())
         return self.names[most], float(row[most])
 
@@ -72,11 +72,11 @@ class Diagnosis:
         name : str
             A coefficient.
         """
-        live = [i for i, own in enumerate(self.names) if own not in self.empty]
-        place = live.index(self.names.index(name))
+        live = [i for i, other in enumerate(self.names) if other not in self.empty]
+        index = live.index(self.names.index(name))
         inverse = np.linalg.pinv(self.alignment[np.ix_(live, live)], rcond=RANK_TOLERANCE**2, hermitian=True)
-        share = np.abs(inverse[place])
-        share[place] = 0.0
+        share = np.abs(inverse[index])
+        share[index] = 0.0
         order = [i for i in np.argsort(-share) if share[i] >= PARTNER_SHARE * share.max() > 0]
         return tuple(self.names[live[i]] for i in order[:MOST_PARTNERS])
 
@@ -191,7 +191,7 @@ def all_forces(equations: NormalEquations, sums: np.ndarray, terms: TermTable) -
     terms : TermTable
         The terms.
     """
-    return {force: diagnose(equations, sums, own) for force, own in terms.forces.items() if own}
+    return {force: diagnose(equations, sums, part) for force, part in terms.forces.items() if part}
 
 
 def determined(name: str, terms: TermTable, diagnoses: Mapping[str, Diagnosis]) -> bool:
@@ -207,4 +207,4 @@ def determined(name: str, terms: TermTable, diagnoses: Mapping[str, Diagnosis]) 
         Of each force over the rows.
     """
     tied = {name, *(other for tie in terms.ties if name in tie for other in tie)}
-    return any(np.isfinite(d.vif[own]) for d in diagnoses.values() for own in tied if own in d.names)
+    return any(np.isfinite(d.vif[other]) for d in diagnoses.values() for other in tied if other in d.names)

@@ -41,11 +41,11 @@ def verdicts(
         known = determined(term.name, terms, overall)
         pairs = zip(clusters.labels, rests, strict=True)
         pinned = tuple(label for label, rest in pairs if not determined(term.name, terms, rest)) if known else ()
-        speeds = {speed: found[force] for speed, found in by_speed.items()}
+        speeds = {speed: by_force[force] for speed, by_force in by_speed.items()}
         evidence = Evidence(overall[force], speeds, intervals[term.name], term.name in at_bound, pinned)
         return _with_ties(judge(term, evidence), known)
 
-    return {term.name: verdict(force, term) for force, own in terms.forces.items() for term in own}
+    return {term.name: verdict(force, term) for force, part in terms.forces.items() for term in part}
 
 
 def _with_ties(verdict: Verdict, known: bool) -> Verdict:
