@@ -10,7 +10,8 @@ import numpy as np
 from narrows.compile.emit import Constants, Emitted, function
 from narrows.compile.spell import PLAIN
 from narrows.compile.trace import ACCELERATIONS, ARGUMENTS, INPUTS, STATE, Expr, symbol
-from narrows.quantities.names import AMIDSHIPS, FORCES, Number
+from narrows.quantities.names import FORCES, Number
+from narrows.ship.actuators import RUDDER
 
 LINEARISED = ("x", "y", "psi", "u", "v", "r")
 """The state of a linearised model; the heading is one angle [rad] again."""
@@ -166,7 +167,7 @@ class Linearisation:
 
     def _matrix(self, name: str, state: Mapping[str, Number], inputs: Mapping[str, Number] | None) -> np.ndarray:
         values: list[Any] = [state.get(part, 0.0) for part in STATE]
-        values += [{**AMIDSHIPS, **(inputs or {})}.get(part, 0.0) for part in ARGUMENTS]
+        values += [{**RUDDER.at_rest(), **(inputs or {})}.get(part, 0.0) for part in ARGUMENTS]
         entries = getattr(self.module, name)(*values, *self.constants)
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *self.constants)))
         stacked = np.stack([np.broadcast_to(entry, shape) for entry in entries], axis=-1)

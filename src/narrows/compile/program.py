@@ -20,10 +20,11 @@ from narrows.compile.kernel import Precision, kernel_text
 from narrows.compile.record import Record, record
 from narrows.compile.trace import ARGUMENTS, INPUTS, STATE, SURGE_INERTIA, Surge, trace
 from narrows.errors import InputError
-from narrows.quantities.names import AMIDSHIPS, Number
+from narrows.quantities.names import Number
+from narrows.ship.actuators import RUDDER
 from narrows.terms.term import TermTable
 
-DEFAULTS = dict.fromkeys((*INPUTS.values(), "heave", SURGE_INERTIA), 0.0) | AMIDSHIPS
+DEFAULTS = dict.fromkeys((*INPUTS.values(), "heave", SURGE_INERTIA), 0.0) | RUDDER.at_rest()
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from numbers import Integral, Real
 from typing import Any, NoReturn
 
 from narrows.errors import InputError
-from narrows.quantities.names import REGRESSOR_INPUTS, Number
+from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
 Line = tuple[str, ...]
@@ -172,7 +172,7 @@ def record(table: TermTable) -> Record:
         Where a regressor does more than arithmetic and ``abs()``.
     """
     notes, results = Notes(), {}
-    inputs = {name: notes.note(("input", name)) for name in REGRESSOR_INPUTS if name in table.inputs}
+    inputs = {name: notes.note(("input", name)) for name in table.quantities}
     for force, terms in table.forces.items():
         for term in terms:
             try:

@@ -13,7 +13,8 @@ from typing import Any, Literal
 
 from narrows.compile.record import Record
 from narrows.errors import InputError
-from narrows.quantities.names import CONTROLS, FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.ship.actuators import STANDARD
 
 Expr = Any
 """A SymPy expression."""
@@ -24,11 +25,13 @@ STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
 ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 """Force [N, N, N m] added from outside, by the component that it adds to."""
+CONTROLS = tuple(name for own in STANDARD for name in own.controls)
+MACHINERY = tuple(name for own in STANDARD for name in own.particulars)
 ARGUMENTS = (*INPUTS.values(), *CONTROLS)
 """What may change within a voyage beside the state: forces from outside, then rudder and propeller."""
 SURGE_INERTIA = "surge_inertia"
 """The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
-RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA}
+RESERVED = {*REGRESSOR_INPUTS, *CONTROLS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA}
 TEMPORARY = re.compile(r"[kt]\d+|(coefficient|forward|starboard)_\d+|E|abs|larger|smaller|exp|sqrt|real|constants")
 """Names that the generated text has for itself."""
 MOST_BITS = 20
@@ -75,8 +78,7 @@ def symbol(name: str) -> Expr:
     """
     import sympy
 
-    signed = name == "x_g" or name.startswith(("propeller_", "rudder_"))
-    positive = True if name in PARTICULARS and not signed else None
+    positive = True if name in PARTICULARS and name != "x_g" else None
     return sympy.Symbol(name, real=True, positive=positive)
 
 
@@ -108,7 +110,9 @@ def trace(record: Record, surge: Surge, coriolis: bool) -> Traced:
         )
     inverse = mass.adjugate() / mass.det()
     gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(freedoms))]
-    others = (*PARTICULARS, *CONTROLS, "heave", SURGE_INERTIA, *INPUTS.values())
+    moved = {*STATE, *ACCELERATIONS.values()}
+    still = (name for name in record.inputs if name not in moved)
+    others = (*PARTICULARS, *MACHINERY, *CONTROLS, *still, "heave", SURGE_INERTIA, *INPUTS.values())
     return Traced(
         names=names | {name: symbol(name) for name in others},
         freedoms=freedoms,

@@ -6,11 +6,12 @@ import numpy as np
 
 from narrows.compile import LINEARISED
 from narrows.compile.jacobian import CONTROLLED
+from narrows.compile.trace import CONTROLS
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.quantities.names import CONTROLS
 from narrows.safety.equilibrium import check_inside, check_rudder, solved
 from narrows.safety.propulsion import self_propulsion
+from narrows.ship.actuators import PROPELLER
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Autopilot
 
@@ -45,7 +46,7 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     check_rudder(model)
     check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
     ship, limit = SimulatedShip(model), model.configuration.gear.limit
-    own = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
+    own = {"revolutions": self_propulsion(model, u)} if PROPELLER in model.terms.actuators else {}
     (v,), (rudder,) = solved(ship, {"y": y, "u": u, **own, **values}, 1, 1)
     if not abs(rudder) <= limit:
         raise InputError(

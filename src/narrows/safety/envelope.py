@@ -14,6 +14,7 @@ from narrows.safety.disturbance import Disturbance
 from narrows.safety.equilibrium import check_rudder
 from narrows.safety.keel import Keel, keel_at
 from narrows.safety.trials import Walls, trials
+from narrows.ship.actuators import PROPELLER
 
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""
@@ -170,7 +171,7 @@ def _notes(model: Model, under: Keel, least: float, offsets: np.ndarray, speeds:
     if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:
         notes.append("that gear is a ship's, and this is a model's size: scale the model, or give [steering] its rate")
     held = "the speed is held: what the propeller can give is not asked"
-    turning = "; it turns as the speed asks straight ahead" if "revolutions" in model.terms.inputs else ""
+    turning = "; it turns as the speed asks straight ahead" if PROPELLER in model.terms.actuators else ""
     return (*notes, held + turning)
 
 

@@ -11,6 +11,7 @@ from narrows.compile.fleet import on_all_cores
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.safety.propulsion import with_propulsion
+from narrows.ship.actuators import RUDDER
 from narrows.simulation.grid import INPUTS, grid_of
 from narrows.simulation.ship import SimulatedShip
 
@@ -89,7 +90,7 @@ def check_rudder(model: Model) -> None:
     InputError
         Where it has no terms of a rudder.
     """
-    if "sin_rudder" not in model.terms.inputs:
+    if RUDDER not in model.terms.actuators:
         raise InputError(
             "this model has no terms of a rudder; identify it with the terms steered, or borrow a rudder from one"
         )

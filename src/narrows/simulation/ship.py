@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
-import numpy as np
-
 from narrows.compile import Program, compiled
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
+from narrows.ship.actuators import PROPELLER, RUDDER
 from narrows.terms.term import TermTable
 
 OPEN = "none"
@@ -57,7 +56,7 @@ class SimulatedShip:
     def __post_init__(self) -> None:
         if self.contact == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
-        if "revolutions" in self.model.terms.inputs and self.model.configuration.propeller is None:
+        if PROPELLER in self.model.terms.actuators and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
         if self.surge == "free" and not self.values()["surge_inertia"] + self.model.surge_inertia > 0:
             raise InputError(
@@ -77,11 +76,12 @@ class SimulatedShip:
         """Every particular and coefficient by name."""
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
-        ship = {**self.model.configuration.values(), **self.model.coefficients}
+        rest = {name: at for own in self.model.terms.actuators for name, at in own.at_rest().items()}
+        ship = {**rest, **self.model.configuration.values(), **self.model.coefficients}
         return {**ship, **helm(self.rudder), "heave": 0.0, "surge_inertia": added}
 
     def controls(self, rudder: float) -> tuple[float, float, float]:
-        """Return rudder and propeller as the equations ask for them, in the order of ``CONTROLS``.
+        """Return rudder and propeller as the equations ask for them, cosine, sine and revolutions.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ def helm(rudder: Number) -> dict[str, Number]:
     rudder : number [rad]
         Positive where it turns the bow to starboard.
     """
-    return {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
+    return RUDDER.placed(rudder)
 
 
 @lru_cache(maxsize=32)

@@ -13,6 +13,7 @@ from narrows.compile import Limits
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
+from narrows.ship.actuators import RUDDER
 from narrows.simulation import outcome as end
 from narrows.simulation.course import Course, course_of
 from narrows.simulation.inputs import MOST_ROWS, Schedule, Stretch, check_steps, check_times, finite_numbers, stretches
@@ -243,7 +244,7 @@ def _sane(state: State) -> bool:
 
 
 def _check_helm(model: Model, helm: Helm | None, method: str) -> None:
-    if helm is not None and "sin_rudder" not in model.terms.inputs:
+    if helm is not None and RUDDER not in model.terms.actuators:
         raise InputError("this model has no terms of a rudder, so no helm steers her; add them as docs/rudder.md shows")
     if helm is not None and method != "rk4":
         raise InputError(f"method {method!r} takes no orders from a helm; leave it at rk4")
