@@ -11,6 +11,10 @@ from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
 
 STATIONS = 2000
+DEEPEST = 12_000.0
+"""More than any sea's depth [m]."""
+FASTEST = 100.0
+"""More than any current [m/s]."""
 
 
 class Section(NamedTuple):
@@ -72,8 +76,10 @@ class Waterway:
     origin: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.current) and np.isfinite(self.level)):
-            raise InputError(f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers")
+        if not (abs(self.current) < FASTEST and abs(self.level) < DEEPEST):
+            raise InputError(
+                f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers of a waterway"
+            )
         if self.depths is None and (self.starboard.profile or self.port.profile):
             raise InputError(f"{self.name}: a bank with a profile needs depths of the water; give them")
         s = np.linspace(0, self.line.length, STATIONS)
@@ -93,6 +99,8 @@ class Waterway:
                 place = float(np.asarray(self.depths[0])[int(hole.argmax())])
                 remedy = "fill the hole in the depths" if not self.level else f"raise the level of {self.level:g} m"
                 raise InputError(f"{self.name}: no depth of water at {place:.0f} m along it; {remedy}")
+            if wet.max() > DEEPEST:
+                raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is in no sea; give it in metres")
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.
