@@ -13,7 +13,7 @@ from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.regression.scores import Score, score
 from narrows.identification.shapley import KINDS
-from narrows.model.data_range import DataRange
+from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 
 UNLIKELY = 3.0
@@ -76,7 +76,8 @@ class Explanation:
     @property
     def notes(self) -> tuple[str, ...]:
         """Where the tests lie outside of what the model's data covered."""
-        return outside(self.model.data_range, self.fit.data_range)
+        covered = {name: pair for name, pair in vars(self.fit.data_range).items() if pair is not None}
+        return extrapolation(self.model.data_range, covered)
 
     def summary(self) -> str:
         """Say how far the model errs on these tests, where most, and which coefficients differ: a line each."""
@@ -113,25 +114,6 @@ class Explanation:
             "tables": self.comparison.rows(),
             "tables_left_out": dict(self.comparison.left_out),
         }
-
-
-def outside(known: DataRange, rows: DataRange) -> tuple[str, ...]:
-    """Say where tests lie outside of what a model's data covered (ours).
-
-    Parameters
-    ----------
-    known, rows : DataRange
-        Of the model, and of the tests.
-    """
-    sentences = []
-    for name, (low, high) in ((n, pair) for n, pair in vars(known).items() if pair is not None):
-        covered = getattr(rows, name)
-        if covered is not None and np.any(known.outside(name, np.array(covered))):
-            sentences.append(
-                f"Outside the model's data: {name.replace('_', ' ')} from {covered[0]:.3g} to {covered[1]:.3g}, "
-                f"its data {low:.3g} to {high:.3g}."
-            )
-    return tuple(sentences)
 
 
 def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanation:
