@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.model.data_range import DataRange, Range
+from narrows.model.data_range import MEASURES, DataRange, Range
 from narrows.model.model import Model
 from narrows.model.nondimensional import Units, nondimensional
 from narrows.quantities.constants import GRAVITY
-from narrows.quantities.dimensions import METRE, Dimension, dimension_of
+from narrows.quantities.dimensions import dimension_of
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
@@ -22,14 +22,6 @@ from narrows.terms.term import Term
 if TYPE_CHECKING:
     import pandas as pd
 
-ENVELOPE = {
-    "speed": Dimension(0, 1, -1),
-    "abs_y": METRE,
-    "abs_psi": Dimension(),
-    "abs_r": Dimension(0, 0, -1),
-    "depth_to_draft": Dimension(),
-    "width_to_beam": Dimension(),
-}
 LONGEST = 1e4
 """Length [m] that no ship has."""
 
@@ -206,7 +198,7 @@ def _scaled_ship(ship: Ship, units: Units) -> Ship:
 
 def _scaled_range(covered: DataRange, units: Units) -> DataRange:
     def moved(name: str) -> Range | None:
-        pair, factor = getattr(covered, name), units.factor(ENVELOPE[name])
+        pair, factor = getattr(covered, name), units.factor(dimension_of(MEASURES[name].unit))
         return pair and (pair[0] * factor, pair[1] * factor)
 
     return DataRange(**{own.name: moved(own.name) for own in fields(DataRange)})

@@ -34,7 +34,6 @@ def _power(name: str, exponent: int) -> str:
 
 
 NUMBER = Dimension()
-METRE = Dimension(0, 1)
 KG = Dimension(1)
 KG_M = Dimension(1, 1)
 KG_M2 = Dimension(1, 2)
