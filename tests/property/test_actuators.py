@@ -118,6 +118,8 @@ def test_forces_are_by_its_turns_and_at_rest_without(turns: float) -> None:
 def test_what_is_no_actuator_of_the_terms_is_refused(dtc: nw.Model, tug: nw.Model) -> None:
     with pytest.raises(nw.InputError, match="no actuator 'bow_thruster'"):
         dtc.forces(nw.Motion(u=1.0), bow_thruster=1.0)
+    with pytest.raises(nw.InputError, match="no actuator 'rudder'; leave it out"):
+        dtc.forces(nw.Motion(u=1.0), 0.1)
     with pytest.raises(nw.InputError, match="did you mean 'bow_thruster'"):
         tug.forces(nw.Motion(u=1.0), bow_thrustr=1.0)
     bare = nw.Model(dtc.configuration, TERMS, tug.coefficients)

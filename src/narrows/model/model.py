@@ -13,7 +13,6 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.model.data_range import DataRange
 from narrows.quantities.names import Number
-from narrows.ship.actuators import STANDARD
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.bank_forms import without_bank
@@ -100,7 +99,7 @@ class Model:
         return replace(self, coefficients={**self.coefficients, **values})
 
     def forces(
-        self, motion: Motion, rudder: Number = 0.0, revolutions: Number | None = None, **others: Number
+        self, motion: Motion, rudder: Number | None = None, revolutions: Number | None = None, **others: Number
     ) -> dict[str, Number]:
         """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
 
@@ -108,8 +107,8 @@ class Model:
         ----------
         motion : Motion
             Floats or columns.
-        rudder : number [rad]
-            Its angle, positive where it turns the bow to starboard; floats or columns.
+        rudder : number [rad], optional
+            Its angle, positive where it turns the bow to starboard, floats or columns; amidships unless given.
         revolutions : number [1/s], optional
             Of the propeller; those of the setting unless given.
         **others : number
@@ -120,8 +119,8 @@ class Model:
         InputError
             Where a term needs a particular that the setting does not give, or there is no such actuator.
         """
-        turning = {} if revolutions is None else {"revolutions": revolutions}
-        values = self._values(motion, {"rudder": rudder, **turning, **others})
+        asked = {"rudder": rudder, "revolutions": revolutions, **others}
+        values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
@@ -163,10 +162,11 @@ class Model:
 
     def _values(self, motion: Motion, positions: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
         values = {**self.configuration.values(), **motion.values()}
-        movers = {own.name: own for own in (*STANDARD, *self.terms.actuators)}
+        movers = {own.name: own for own in self.terms.actuators}
         for name in positions:
             if name not in movers:
-                raise InputError(f"the terms of this model have no actuator {name!r}{did_you_mean(name, movers)}")
+                hint = did_you_mean(name, movers) if movers else "; leave it out"
+                raise InputError(f"the terms of this model have no actuator {name!r}{hint}")
         for name, own in movers.items():
             position = positions.get(name, values.get(name, own.rest))
             values |= {} if position is None else own.placed(position)
