@@ -1,4 +1,4 @@
-"""Contact in waterways beside exact polygons on the smooth waterway: bends both ways, clothoids, a narrowing of 1:10."""
+"""Contact in waterways beside exact polygons on the smooth waterway: bends, clothoids, a narrowing of 1:10."""
 
 from dataclasses import dataclass
 from functools import cache
