@@ -85,9 +85,9 @@ class Waterway:
         s = np.linspace(0, self.line.length, STATIONS)
         bend = self.line.curvature(s)
         reach = np.where(bend > 0, self.starboard.at(s), self.port.at(s))
-        sharp = np.abs(bend) * reach >= 1
-        if sharp.any():
-            place, radius = s[int(sharp.argmax())], 1 / np.abs(bend).max()
+        sharpest = int((np.abs(bend) * reach).argmax())
+        if abs(bend[sharpest]) * reach[sharpest] >= 1:
+            place, radius = s[sharpest], 1 / abs(bend[sharpest])
             raise InputError(
                 f"{self.name}: at {place:.0f} m along it the centreline bends with a radius of {radius:.0f} m, inside "
                 "its own bank; give more points there, or smoother ones"
