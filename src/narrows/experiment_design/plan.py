@@ -79,7 +79,7 @@ class Plan:
         return "\n".join((*gains, *lost))
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: what ``design --json`` prints."""
+        """Give everything by name: what ``plan --json`` prints."""
         return {
             "runs": self.rows(),
             "targets": {
