@@ -1,11 +1,11 @@
 """What drives and steers a ship: propeller, rudder, steering gear, and the actuators that they make."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import ClassVar
 
-from narrows.quantities.names import Quantity
+from narrows.quantities.names import PARTICULARS, Quantity
 from narrows.ship.actuator import Actuator, Part
 from narrows.ship.checks import check_particulars, flat
 
@@ -177,3 +177,14 @@ RUDDER = Actuator(
 PROPELLER = Actuator("revolutions", "1/s", "propeller revolutions n", parts=(Propeller,))
 STANDARD = (RUDDER, PROPELLER)
 """The actuators that come with the package, in the order in which they are listed."""
+
+
+def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
+    """Return unit and meaning of every particular of ship, canal, water and actuators (ours).
+
+    Parameters
+    ----------
+    actuators : iterable of Actuator
+        Beside those of the package.
+    """
+    return {**PARTICULARS, **{name: said for own in (*STANDARD, *actuators) for name, said in own.particulars.items()}}
