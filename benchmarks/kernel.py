@@ -22,7 +22,6 @@ from rich.console import Console
 from rich.table import Table
 
 import narrows as nw
-from narrows.compile import Fleet, compiled
 
 MODEL = nw.published("mikkelsen2025_dtc")
 VALUES = {**MODEL.configuration.values(), **MODEL.coefficients}
