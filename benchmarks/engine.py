@@ -2,8 +2,9 @@
 
     python benchmarks/engine.py [VESSELS] [--small]
 
-``former_kernel.py`` is the text of that kernel: a straight canal, no rudder. Every row of a table is measured in the same
-run, rounds interleaved, medians of process time. No vessel grounds in the first table, so a vessel-step is a lane-step.
+``former_kernel.py`` is the text of that kernel: a straight canal, no rudder. Every row of a table is measured in the
+same run, rounds interleaved, medians of process time. No vessel grounds in the first table: a vessel-step is a
+lane-step.
 """
 
 import os
@@ -150,9 +151,7 @@ def calls(kcs: nw.Model) -> None:
         "the same with a pilot in a waterway": prepared(
             kcs, 4.5, 2.0, 1, 1, controller=pilot(kcs, 4.5), waterway=bent(kcs)
         ),
-        "1000 vessels x 60 steps, straight, with a pilot": prepared(
-            kcs, 4.5, 2.0, 1000, 60, controller=pilot(kcs, 4.5)
-        ),
+        "1000 vessels x 60 steps, a pilot": prepared(kcs, 4.5, 2.0, 1000, 60, controller=pilot(kcs, 4.5)),
         "the same in a waterway": prepared(kcs, 4.5, 2.0, 1000, 60, controller=pilot(kcs, 4.5), waterway=bent(kcs)),
     }
     cost: dict[str, list[float]] = {name: [] for name in cases}

@@ -87,9 +87,8 @@ class Linearisation:
         columns = len(arguments(self.actuators))
         size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
         constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
-        return JacobianBatch(
-            self.compiled(), constants, np.zeros((points, columns)), np.zeros((points, size)), self.actuators
-        )
+        values, out = np.zeros((points, columns)), np.zeros((points, size))
+        return JacobianBatch(self.compiled(), constants, values, out, self.actuators)
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6).

@@ -59,7 +59,7 @@ class Waterway:
     origin : pair of float [deg], optional
         Longitude and latitude of east 0, north 0.
     step : float [m], optional
-        Between the nodes of the table that simulation looks up, straight between them; a twentieth of the ship's length
+        Between the nodes of the table that simulation looks up, straight between them; a quarter of the ship's beam
         unless given, which finds a contact to less than a hundredth of the beam.
 
     Raises
