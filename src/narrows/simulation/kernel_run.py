@@ -143,7 +143,8 @@ class KernelRun:
 
     def _inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
         rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
-        ship = {**self.ship.values(values["rudder"]), **rest, **{INPUTS[name]: values[name] for name in PUSHED}}
+        positions = {own.name: values[own.name] for own in self.ship.actuators if own.name in values}
+        ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in PUSHED}}
         if self.waterway is None:
             channel = straight_channel(ship, self.ship.shape)
         else:

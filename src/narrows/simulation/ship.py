@@ -11,7 +11,7 @@ from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
-from narrows.ship.actuators import PROPELLER, RUDDER
+from narrows.ship.actuators import PROPELLER
 from narrows.simulation.channel import check_outline
 from narrows.terms.term import TermTable
 
@@ -96,19 +96,22 @@ class SimulatedShip:
         contact = self.shape if isinstance(self.shape, str) else len(self.shape)
         return _system(self.model.terms, self.surge, self.coriolis, Choices(contact, waterway, law, pushed))
 
-    def values(self, rudder: Number = 0.0) -> dict[str, Number]:
+    def values(self, **positions: Number) -> dict[str, Number]:
         """Return every particular and coefficient by name, with the limits of the gear.
 
         Parameters
         ----------
-        rudder : number [rad]
-            Its angle where nothing moves it.
+        **positions : number
+            Of actuators where nothing moves them, by name: rudder [rad]; at rest unless given.
         """
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for own in self.model.terms.actuators for name, at in own.at_rest().items()}
         ship = {**rest, **self.model.configuration.values(), **self.model.coefficients}
-        return {**ship, **RUDDER.placed(rudder), "heave": 0.0, "surge_inertia": added}
+        for own in self.model.terms.actuators:
+            if own.name in positions:
+                ship |= {own.name: positions[own.name], **own.placed(positions[own.name])}
+        return {**ship, "heave": 0.0, "surge_inertia": added}
 
     def with_model(self, model: Model) -> "SimulatedShip":
         """Return another model under the same choices.

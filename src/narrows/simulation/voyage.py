@@ -1,7 +1,7 @@
 """One voyage: where, when and on which side the ship grounds, and how it got there."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +10,7 @@ import numpy as np
 
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.kernels import event
-from narrows.errors import InputError
+from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.simulation import outcome as end
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from narrows.waterway.waterway import Waterway
 
+POSE = ("x", "y", "psi", "u", "v", "r")
 LONGEST = 60.0
 """Of a voyage [s] where nothing is said of it."""
 COARSE = 0.02
@@ -109,7 +110,7 @@ def simulate(
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: str | Points = "corners", at: Sequence[float] | None = None,
-    waterway: "Waterway | None" = None, controller: Any = None,
+    waterway: "Waterway | None" = None, controller: Any = None, **positions: float,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
@@ -158,6 +159,8 @@ def simulate(
         u and v through the water; the voyage ends where it ends.
     controller : ControlLaw or Controller, optional
         Gives orders each step, which the model's steering gear follows.
+    **positions : float
+        Of other actuators at the start, by their names: revolutions [1/s], or one of the model's own.
 
     Returns
     -------
@@ -170,23 +173,46 @@ def simulate(
         Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
         rudder.
     """
-    numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder)
+    numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     times = None if at is None else check_times(at, duration)
     longest = times[-1] if times else LONGEST
     duration, dt = check_steps(longest if duration is None else duration, dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     pushes = stretches(X, Y, N, duration)
+    check_positions(positions, ship)
     steering = steering_of(controller, ship.actuators)
     march, start = _march(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows, fate = _rows(march, start, pushes, dt)
     return _Log(ship, march, rows, fate, float(psi), float(rudder)).voyage(times, dt)
 
 
+def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
+    """Raise where a position is of no actuator of the model (ours).
+
+    Parameters
+    ----------
+    positions : mapping of str to float
+        By name.
+    ship : SimulatedShip
+        The ship.
+
+    Raises
+    ------
+    InputError
+        Names the first.
+    """
+    known = [own.name for own in ship.actuators]
+    for name in positions:
+        if name not in known:
+            hint = did_you_mean(name, known) if known else "; it has none"
+            raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
+
+
 def _march(
     ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
 ) -> tuple[March, tuple[float, ...]]:
     """The lines and every number that they ask for, and what is kept from step to step, at the start."""
-    values = ship.values(numbers["rudder"])
+    values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
     channel = _channel(ship, values, waterway, numbers["x"])
     system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
@@ -211,7 +237,8 @@ def _start(
 ) -> tuple[float, ...]:
     psi = numbers["psi"]
     state = {**numbers, "t": 0.0, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi)}
-    state |= {own.name: float(state.get(own.name) or ship.values().get(own.name) or 0.0) for own in ship.actuators}
+    at_rest = ship.values()
+    state |= {own.name: state.get(own.name, float(at_rest.get(own.name) or 0.0)) for own in ship.actuators}
     memory = steering.memory(state) if steering else {}
     return tuple(float({**state, **memory}[name]) for name in kept)
 
