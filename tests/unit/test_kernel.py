@@ -342,7 +342,9 @@ def test_an_empty_fleet_comes_back_empty(workers: int) -> None:
 def test_no_name_of_a_kernel_means_two_things(along: bool) -> None:
     """It is put together of several files, which know nothing of each other's constants."""
     way = bent(4.0, 7.0) if along else None
-    kernel = fleet(SimulatedShip(ACTUATED["steered"]()), x=50.0, controller=LAWS["zigzag"], waterway=way).prepared.kernel
+    kernel = fleet(
+        SimulatedShip(ACTUATED["steered"]()), x=50.0, controller=LAWS["zigzag"], waterway=way
+    ).prepared.kernel
     names: list[str] = []
     for node in ast.parse(Path(kernel.__file__).read_text()).body:
         if isinstance(node, ast.FunctionDef):

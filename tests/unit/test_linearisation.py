@@ -117,5 +117,3 @@ def test_heading_and_rudder_may_be_given_as_cosine_and_sine() -> None:
     told = {"cos_psi": np.cos(0.1), "sin_psi": np.sin(0.1), "cos_rudder": np.cos(0.2), "sin_rudder": np.sin(0.2)}
     one, other = (exact.state({"y": 0.4, "u": 1.0, **own}) for own in (told, {"psi": 0.1, "rudder": 0.2}))
     np.testing.assert_array_equal(one, other)
-
-
