@@ -22,10 +22,13 @@ from rich.console import Console
 from rich.table import Table
 
 import narrows as nw
-from narrows.compile import Fleet, compiled
+from narrows.codegen.run import PreparedRun
+from narrows.simulation.grid import INPUTS, START
+from narrows.simulation.kernel_run import KernelRun
+from narrows.simulation.ship import SimulatedShip
 
 MODEL = nw.published("mikkelsen2025_dtc")
-VALUES = {**MODEL.configuration.values(), **MODEL.coefficients}
+TAPERED = nw.Model(MODEL.configuration, nw.TAPERED, MODEL.coefficients)
 DT, DURATION, ROUNDS, BLOCK = 0.02, 40.0, 7, 64
 SHIP, WIDTH = MODEL.configuration.ship, MODEL.configuration.canal.width
 LENGTH, BEAM = SHIP.length, SHIP.beam
@@ -116,26 +119,27 @@ def fleets(vessels: int) -> None:
     draw = np.random.default_rng(0)
     y, psi = draw.uniform(-2.6, 2.6, vessels), draw.normal(0, 0.05, vessels)
     distance = np.zeros(vessels)
-    paper, tapered = compiled(nw.PAPER), compiled(nw.TAPERED)
 
-    def sail(program=paper, values=VALUES, workers=1, precision="float64") -> Fleet:
-        return program.fleet(
-            values, y=y, psi=psi, u=1.0, dt=DT, duration=DURATION, workers=workers, precision=precision
-        )  # fmt: skip
+    def sail(model=MODEL, workers=1, precision="float64", **varied: np.ndarray) -> PreparedRun:
+        run = KernelRun(SimulatedShip(model), DURATION, DT, precision)
+        start = {**dict.fromkeys((*START, *INPUTS), 0.0), "rudder": 0.0, "y": y, "psi": psi, "u": 1.0}
+        prepared = run.prepared({**start, **varied}, vessels, workers)
+        prepared()
+        return prepared
 
-    varied = VALUES | {"b_v": np.full(vessels, VALUES["b_v"])}
+    varied = {"b_v": np.full(vessels, MODEL.coefficients["b_v"])}
     times = rounds(
         {
             "by hand, one core": lambda: by_hand(y, psi, DT, round(DURATION / DT), distance),
             "compiled, one core": sail,
             "compiled, two cores": lambda: sail(workers=2),
             "compiled, single precision": lambda: sail(precision="float32"),
-            "compiled, constants of each vessel's own": lambda: sail(values=varied),
-            "compiled, tapered table (an exponential)": lambda: sail(program=tapered),
+            "compiled, constants of each vessel's own": lambda: sail(**varied),
+            "compiled, tapered table (an exponential)": lambda: sail(TAPERED),
         }
     )
     lane_steps = {"by hand, one core": by_hand(y, psi, DT, round(DURATION / DT), distance)}
-    ends = {"compiled, tapered table (an exponential)": sail(program=tapered)}
+    ends = {"compiled, tapered table (an exponential)": sail(TAPERED)}
     table = Table(title=f"{vessels} vessels to a grounding, Runge-Kutta, dt {DT} s", caption=machine())
     for header in ("work", "us/vessel", "ns/vessel-step", "ns/lane-step", "ratio"):
         table.add_column(header, justify="left" if header == "work" else "right")
@@ -144,12 +148,12 @@ def fleets(vessels: int) -> None:
         end = ends.get(name, paper_end)
         median, lanes = statistics.median(own), lane_steps.get(name, end.lane_steps)
         ratio = statistics.median(a / b for a, b in zip(own, times["by hand, one core"], strict=True))
-        figures = median / vessels * 1e6, median / end.steps.sum() * 1e9, median / lanes * 1e9
+        figures = median / vessels * 1e6, median / np.ceil(end.time / DT).sum() * 1e9, median / lanes * 1e9
         table.add_row(name, *(f"{figure:.2f}" for figure in figures), f"{ratio:.3f}")
     Console().print(table)
     pairs = zip(times["compiled, one core"], times["compiled, two cores"], strict=True)
     print(f"two cores are {statistics.median(one / two for one, two in pairs):.2f} times one")
-    print(f"mean distance by hand {distance.mean():.4f} m, located {paper_end.x.mean():.4f} m")
+    print(f"mean distance by hand {distance.mean():.4f} m, located {paper_end.end[:, 0].mean():.4f} m")
 
 
 START = """
@@ -157,22 +161,22 @@ import time
 clock = time.perf_counter
 t = [clock()]
 import narrows as nw
-from narrows.compile import compiled
+from narrows.simulation.ship import SimulatedShip
 model = nw.published("mikkelsen2025_dtc")
-values = {**model.configuration.values(), **model.coefficients}
+ship = SimulatedShip(model)
 t.append(clock())
 if FIRST:
     import sympy
 t.append(clock())
-program = compiled(model.terms)
-program.constants(values)
+system = ship.system()
+system.constants(ship.values())
 t.append(clock())
 import numba
 numba.njit(lambda x: x + 1)(1)
 t.append(clock())
-kernel = program.kernel(False, "float64", "none")
+kernel = system.kernel((), "float64")
 t.append(clock())
-program.fleet(values, y=0.5, u=1.0, dt=0.02, duration=1.0)
+nw.ensemble(model, y=0.5, duration=1.0)
 t.append(clock())
 print(*(b - a for a, b in zip(t, t[1:])))
 """

@@ -15,7 +15,7 @@ from narrows.captive.measured import measured_files
 from narrows.control.track_pilot import track_gains
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
-from narrows.safety.keel import keel_at
+from narrows.safety.underkeel import keel_at
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
 

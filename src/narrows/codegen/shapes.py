@@ -47,4 +47,4 @@ def point_names(count: int) -> list[tuple[str, str]]:
     count : int
         How many points.
     """
-    return [(f"forward_{number}", f"starboard_{number}") for number in range(count)]
+    return [(f"outline_forward_{number}", f"outline_starboard_{number}") for number in range(count)]

@@ -152,7 +152,7 @@ def _rate(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr],
     """The rates in the waterway, by those of the straight canal that the water is here."""
     if not choices.waterway:
         return rates.written(lines, tag, values)
-    now = _section(lines, values["x"], _felt_columns(rates), tag)
+    now = _section(lines, values["x"], _felt_columns(rates), f"stage{tag}")
     y = values["y"]
     values = {
         **values,

@@ -97,7 +97,7 @@ class System:
         def text() -> str:
             from narrows.codegen.printers.modules import plain_text
 
-            return plain_text(self)
+            return plain_text(self.choices, self.rates, self.step)
 
         scope: dict[str, Any] = dict(functions)
         exec(compile(source("plain", self.key, text), "<plain>", "exec"), scope)

@@ -13,7 +13,7 @@ from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import Walls, trials
-from narrows.safety.keel import Keel, keel_at
+from narrows.safety.underkeel import Keel, keel_at
 
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""

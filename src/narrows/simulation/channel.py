@@ -97,7 +97,7 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
 
     ship = model.configuration.ship
     waterway.check_fits(ship)
-    table = tabulate(waterway, ship.draft, ship.length / CELLS_A_LENGTH)
+    table = tabulate(waterway, ship.draft, waterway.step or ship.length / CELLS_A_LENGTH)
     outline = points_of(ship, contact)
     near = least_walls(table, np.array(outline))
     own_depth = model.configuration.canal.depth or math.nan
@@ -132,8 +132,8 @@ def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[st
     found = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
     if isinstance(contact, str):
         return found
-    points = {f"forward_{i}": forward for i, (forward, _) in enumerate(contact)}
-    return found | points | {f"starboard_{i}": starboard for i, (_, starboard) in enumerate(contact)}
+    points = {f"outline_forward_{i}": forward for i, (forward, _) in enumerate(contact)}
+    return found | points | {f"outline_starboard_{i}": starboard for i, (_, starboard) in enumerate(contact)}
 
 
 def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:

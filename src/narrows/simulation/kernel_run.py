@@ -179,7 +179,7 @@ def _own_names(system: System, inputs: Mapping[str, Any], steering: Steering | N
         tuple(system.scalar.CONSTANTS),
         tuple(steering.parameters) if steering else (),
         (*INPUTS.values(), PUSH_END),
-        tuple(n for n in inputs if n.startswith(("half_", "wall_", "forward_", "starboard_"))),
+        tuple(n for n in inputs if n.startswith(("half_", "wall_", "outline_"))),
         tuple(n for n in inputs if n.endswith(("_limit", "_rate"))),
     ]
     found: list[str] = []

@@ -54,6 +54,9 @@ class Waterway:
         What it is called.
     origin : pair of float [deg], optional
         Longitude and latitude of east 0, north 0.
+    step : float [m], optional
+        Between the nodes of the table that simulation looks up, straight between them; a twentieth of the ship's length
+        unless given, which finds a contact to less than a hundredth of the beam.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class Waterway:
     level: float = 0.0
     name: str = "waterway"
     origin: tuple[float, float] | None = None
+    step: float | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.current) and np.isfinite(self.level)):

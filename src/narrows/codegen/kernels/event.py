@@ -55,7 +55,7 @@ def judge(book: Book, left: float, room: float, before: float, sane: bool, toler
     if book[TRIES] > MOST_TRIES:
         return LOST
     share = 0.5
-    if sane and book[TRIES] % HALVE_EACH != 0.0:
+    if sane and before > 0.0 and book[TRIES] % HALVE_EACH != 0.0:
         share = max(before / (before - room), SHORTEST)
     book[NEXT], book[COUNT] = share * tried, 1.0
     return BACK

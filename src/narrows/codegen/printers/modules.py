@@ -1,42 +1,43 @@
 """The plain module of a system: constants, rates, step and room as functions of floats or columns."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from narrows.codegen.choices import Choices
 from narrows.codegen.free_motion import STATE, Expr
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.lowering import straight_lines
 from narrows.codegen.printers.python import function_text
-from narrows.codegen.step import room_left
-
-if TYPE_CHECKING:
-    from narrows.codegen.system import System
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step, room_left
 
 
-def plain_text(system: "System") -> str:
+def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
     """Write the plain module of a system.
 
     Parameters
     ----------
-    system : System
-        Traced.
+    choices : Choices
+        What a step holds.
+    rates : Rates
+        Of the state.
+    step : Step
+        One step, in lines.
     """
-    kept, lines = system.choices.kept, Lines()
-    room, lean = room_left(lines, system.choices, {name: real(name) for name in STATE})
-    rates, derivatives = system.rates.program()
-    step = system.step
+    kept, lines = choices.kept, Lines()
+    room, lean = room_left(lines, choices, {name: real(name) for name in STATE})
+    program, derivatives = rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
-        _constants(system),
-        _function("rates", rates, {name: derivatives[name] for name in STATE}, STATE, False),
+        _constants(rates),
+        _function("rates", program, {name: derivatives[name] for name in STATE}, STATE, False),
         _function("step", step.lines, {name: step.out[name] for name in (*kept, "room", "lean")}, kept, True),
         _function("room", lines, {"room": room, "lean": lean}, STATE[:4], True),
     ]
     return "\n\n".join(parts)
 
 
-def _constants(system: "System") -> str:
-    constants, names = system.rates.constants, system.rates.motion.names
+def _constants(rates: Rates) -> str:
+    constants, names = rates.constants, rates.motion.names
     assignments, results = straight_lines(list(constants.table))
     used = set().union(*(expression.free_symbols for expression in constants.table))
     asked = {name: symbol for name, symbol in names.items() if symbol in used}
