@@ -49,7 +49,7 @@ def text() -> str:
             (low, high), verdict = fit.intervals["b_bank"], fit.verdicts["b_bank"]
             word = verdict.status + (f" with {' and '.join(verdict.partners)}" if verdict.partners else "")
             power = 100 * sum(pool.map(partial(seen, name), range(TWINS), chunksize=10)) / TWINS
-            figures = (f"{fit.diagnostics()['Y'].vif['b_bank']:.3g}", f"{fit.coefficients['b_bank']:.3f}")
+            figures = (f"{fit.diagnostics.overall['Y'].vif['b_bank']:.3g}", f"{fit.coefficients['b_bank']:.3f}")
             rows.append((name, *figures, f"{low:.3f} to {high:.3f}", word, f"{power:.0f} %"))
     return markdown(("tests", "VIF", "b_bank", "95 % interval", "verdict", "power"), rows)
 

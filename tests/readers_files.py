@@ -9,7 +9,7 @@ import numpy as np
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.terms.tables import table_named
-from narrows.waterway.geojson import unprojected
+from narrows.waterway.projection import unprojected
 from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point
 from tables import frame_of
 

@@ -13,6 +13,7 @@ NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
 PAGES = {
     "bank_forms": "bank-forms.md",
     "term_tables": "uncertainty.md",
+    "separation": "uncertainty.md",
     "squat": "squat.md",
     "shallow": "squat.md",
     "rudder": "rudder.md",

@@ -34,8 +34,8 @@ def test_the_bank_is_confounded_with_the_yaw_rate(kcs_fits: dict[int, nw.Fit], c
 
 @pytest.mark.parametrize(("clearance", "vif"), [(100, 329), (50, 220), (20, 220)])
 def test_at_top_speed_the_banks_column_is_the_yaw_rates(kcs_fits: dict[int, nw.Fit], clearance: int, vif: int) -> None:
-    top = max(kcs_fits[clearance].by_speed())
-    assert kcs_fits[clearance].by_speed()[top]["Y"].vif["b_bank"] == pytest.approx(vif, rel=0.01)
+    top = max(kcs_fits[clearance].diagnostics.by_speed)
+    assert kcs_fits[clearance].diagnostics.by_speed[top]["Y"].vif["b_bank"] == pytest.approx(vif, rel=0.01)
 
 
 def test_depths_and_rows(kcs_tests: dict[int, nw.CaptiveTests]) -> None:

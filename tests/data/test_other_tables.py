@@ -125,7 +125,7 @@ def test_kcs_surge_inertia_is_not_excited(kcs_fits: dict[int, nw.Fit], clearance
     fit = kcs_fits[clearance]
     assert fit.verdicts["a_udot"].sentence("a_udot") == "a_udot is not identifiable: udot is 0 in every test."
     assert np.isnan(fit.std["a_udot"])
-    assert fit.diagnostics()["X"].empty == ("a_udot",)
+    assert fit.diagnostics.overall["X"].empty == ("a_udot",)
 
 
 @pytest.mark.parametrize("clearance", [100, 50, 20])

@@ -27,7 +27,8 @@ COURSES, SURGES = ("straight", "waterway"), ("held", "free")
 CONTACTS = ("corners", "midship", "outline", "none")
 OUTLINE = ((0.5, 0.0), (0.36, 0.5), (-0.45, 0.5), (-0.5, 0.2), (-0.5, -0.2), (-0.45, -0.5), (0.36, -0.5))
 """A hull with a pointed bow: (forward over length, starboard over beam)."""
-WITH_BANK = {"b_bank": 1.07, "c_bank": 0.13}
+SUCTION, CUSHION = 1.07, 0.13
+"""The paper's b_bank and c_bank."""
 HELM = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
 CROSSFLOW = {"a_vv": 40.0, "a_vr": -300.0, "a_rr": 30.0, "b_vr": 120.0, "b_rv": -60.0, "c_vr": -45.0, "c_rv": 80.0}
 
@@ -55,7 +56,10 @@ def mmg() -> nw.Model:
     """KVLCC2's published coefficients, and the paper's bank."""
     own = nw.published("yasukawa2015_kvlcc2")
     configuration = replace(own.configuration, canal=nw.Canal(14.0))
-    return nw.Model(configuration, mmg_with_bank(), {**own.coefficients, **WITH_BANK})
+    table = mmg_with_bank()
+    bank = {term.name: SUCTION for term in table.sway if term.from_bank}
+    bank |= {term.name: CUSHION for term in table.yaw if term.from_bank}
+    return nw.Model(configuration, table, {**own.coefficients, **bank})
 
 
 def mmg_with_bank() -> nw.TermTable:

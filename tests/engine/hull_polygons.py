@@ -140,9 +140,11 @@ class OnTheMap:
 
 
 def _signed(bank: shapely.LineString, hull: shapely.Polygon) -> float:
-    """Distance, negative where the bank cuts the hull."""
-    cut = shapely.length(shapely.intersection(bank, hull))
-    return -float(cut) if cut > 0 else float(shapely.distance(bank, hull))
+    """Distance; where the bank is in the hull how deep, below zero."""
+    inside = shapely.get_coordinates(shapely.intersection(bank, hull))
+    if not len(inside):
+        return float(shapely.distance(bank, hull))
+    return -float(shapely.distance(shapely.points(inside), hull.exterior).max())
 
 
 def room_of(model: nw.Model, contact: str | Sequence[Sequence[float]], waterway: nw.Waterway | None) -> Room | None:

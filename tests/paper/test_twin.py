@@ -94,7 +94,7 @@ def test_two_speeds_tell_the_two_apart(dtc: nw.Model) -> None:
 
 def test_full_rank_in_sway_and_yaw_short_in_surge(twin_fit: nw.Fit) -> None:
     """What the paper reads from fig. (corr)."""
-    found = twin_fit.diagnostics()
+    found = twin_fit.diagnostics.overall
     assert {force: (d.rank, len(d.names)) for force, d in found.items()} == {"X": (1, 3), "Y": (7, 7), "N": (7, 7)}
 
 

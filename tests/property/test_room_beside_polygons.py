@@ -176,6 +176,8 @@ def test_a_mirrored_waterway_has_the_same_room_to_the_bit(table: WaterwayTable, 
         for own, sign in ((table, 1), (mirrored, -1))
     )
     assert (here[STARBOARD_BANK], here[PORT_BANK]) == (there[PORT_BANK], there[STARBOARD_BANK])
+    bounds, across = (least_walls(own, OUTLINES[outline]) for own in (table, mirrored))
+    np.testing.assert_array_equal(bounds, across[::-1])
 
 
 @given(table=tables(), share=numbers(0.0, 1.0))

@@ -14,7 +14,7 @@ def columns(kcs_tests: dict[int, nw.CaptiveTests]) -> np.ndarray:
 
 
 def test_vif_is_that_of_each_column_on_the_others(kcs_fits: dict[int, nw.Fit], columns: np.ndarray) -> None:
-    found = kcs_fits[100].diagnostics()["Y"]
+    found = kcs_fits[100].diagnostics.overall["Y"]
     for j, name in enumerate(found.names):
         others = np.delete(columns, j, axis=1)
         residual = columns[:, j] - others @ np.linalg.lstsq(others, columns[:, j], rcond=None)[0]
@@ -22,21 +22,21 @@ def test_vif_is_that_of_each_column_on_the_others(kcs_fits: dict[int, nw.Fit], c
 
 
 def test_rank_and_condition_are_those_of_the_scaled_columns(kcs_fits: dict[int, nw.Fit], columns: np.ndarray) -> None:
-    found = kcs_fits[100].diagnostics()["Y"]
+    found = kcs_fits[100].diagnostics.overall["Y"]
     scaled = columns / np.linalg.norm(columns, axis=0)
     assert found.rank == np.linalg.matrix_rank(scaled) == 7
     assert found.condition == pytest.approx(np.linalg.cond(scaled), rel=1e-8)
 
 
 def test_correlation_is_pearsons(kcs_fits: dict[int, nw.Fit], columns: np.ndarray) -> None:
-    np.testing.assert_allclose(kcs_fits[100].diagnostics()["Y"].correlation, np.corrcoef(columns.T), atol=1e-10)
+    np.testing.assert_allclose(kcs_fits[100].diagnostics.overall["Y"].correlation, np.corrcoef(columns.T), atol=1e-10)
 
 
 def test_partner_is_the_most_aligned_column(kcs_fits: dict[int, nw.Fit], columns: np.ndarray) -> None:
     scaled = columns / np.linalg.norm(columns, axis=0)
     cosine = scaled.T @ scaled - np.eye(7)
-    for j, name in enumerate(kcs_fits[100].diagnostics()["Y"].names):
-        partner, alignment = kcs_fits[100].diagnostics()["Y"].partner(name)
+    for j, name in enumerate(kcs_fits[100].diagnostics.overall["Y"].names):
+        partner, alignment = kcs_fits[100].diagnostics.overall["Y"].partner(name)
         assert partner == nw.PAPER.sway[int(np.abs(cosine[j]).argmax())].name
         assert abs(alignment) == pytest.approx(np.abs(cosine[j]).max())
 
@@ -44,8 +44,8 @@ def test_partner_is_the_most_aligned_column(kcs_fits: dict[int, nw.Fit], columns
 def test_a_single_harmonic_yaw_test_does_not_separate_bank_and_yaw_rate(kcs_fits: dict[int, nw.Fit]) -> None:
     """y = -(U/w^2) r: full rank over all tests, almost one column within each."""
     fit = kcs_fits[100]
-    assert fit.diagnostics()["Y"].rank == 7
-    yaw = {test: found["Y"] for test, found in fit.by_test().items() if "_G" in test}
+    assert fit.diagnostics.overall["Y"].rank == 7
+    yaw = {test: found["Y"] for test, found in fit.diagnostics.by_test.items() if "_G" in test}
     assert len(yaw) == 23
     for found in yaw.values():
         own = found.alignment[found.names.index("b_bank"), found.names.index("b_r")]
@@ -53,7 +53,7 @@ def test_a_single_harmonic_yaw_test_does_not_separate_bank_and_yaw_rate(kcs_fits
 
 
 def test_an_empty_column_and_a_dependent_pair_are_told_apart(twin_fit: nw.Fit) -> None:
-    found = twin_fit.diagnostics()["X"]
+    found = twin_fit.diagnostics.overall["X"]
     assert found.empty == ("a_udot",)
     assert np.isnan(found.vif["a_udot"])
     assert np.isinf(found.vif["a_u"])
@@ -62,4 +62,4 @@ def test_an_empty_column_and_a_dependent_pair_are_told_apart(twin_fit: nw.Fit) -
 
 
 def test_by_speed_groups_tests_of_one_speed(kcs_fits: dict[int, nw.Fit]) -> None:
-    assert [round(speed, 1) for speed in kcs_fits[100].by_speed()] == [0.2, 0.5, 0.6]
+    assert [round(speed, 1) for speed in kcs_fits[100].diagnostics.by_speed] == [0.2, 0.5, 0.6]

@@ -15,7 +15,9 @@ import pytest
 
 import narrows as nw
 from narrows.quantities.names import MOTION, PARTICULARS, REGRESSOR_INPUTS
+from narrows.ship.actuators import STANDARD
 
+VOCABULARY = {**REGRESSOR_INPUTS, **{word: said for own in STANDARD for word, said in own.quantities.items()}}
 NEVER_IMPORTED = ("narrows.codegen.kernels.queue", "narrows.codegen.kernels.newton")
 """Source text that goes into compiled programs."""
 SPOKEN_OF_ELSEWHERE = ("narrows.cli", "narrows.codegen")
@@ -101,7 +103,7 @@ def test_physics_states_units_and_source(place: str) -> None:
     said = documented(SPOKEN[place])
     assert said
     assert all("[" in text for text in said.values())
-    units = {name: REGRESSOR_INPUTS[name].unit for name in said if name in REGRESSOR_INPUTS}
+    units = {name: VOCABULARY[name].unit for name in said if name in VOCABULARY}
     assert {name: said[name].partition("[")[2].partition("]")[0] for name in units} == units
     assert "Source:" in SPOKEN[place].__doc__
     assert "[" in SPOKEN[place].__doc__.split("Source:")[0], "the result states no unit"

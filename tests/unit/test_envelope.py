@@ -289,7 +289,7 @@ class TestEnvelope:
         assert "Safe from 3.9 to 9.7 knots between +0.0 and +20.0 m" in found.says
 
     def test_what_the_tests_did_not_cover_is_said(self, found: nw.SafeEnvelope) -> None:
-        said = [note for note in found.notes if note.startswith("beyond the tests")]
+        said = [note for note in found.notes if note.startswith("Beyond the data:")]
         assert [note.split()[3] for note in said] == ["speed", "offset", "W/B"]
 
     def test_a_models_gear_is_asked_for(self, kcs_tests: dict) -> None:

@@ -120,5 +120,5 @@ def test_explain_asks_for_a_condition_and_tells_the_depth(cli, tmp_path) -> None
     assert code == 0
     told = json.loads(out)
     assert not told["fitted_on_this_table"]
-    assert any("depth to draft" in said for said in told["notes"])
-    assert not any("abs r" in said for said in told["notes"])
+    assert any("h/T" in said for said in told["notes"])
+    assert not any("yaw rate" in said for said in told["notes"])

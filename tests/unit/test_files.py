@@ -202,7 +202,7 @@ def test_streams_are_told_from_files(tmp_path: Path) -> None:
     assert [is_stream(path) for path in (tmp_path, tmp_path / "file", tmp_path / "absent", "\0")] == [False] * 4
 
 
-ELSEWHERE = {"compile/cache.py", "simulation/store.py"}
+ELSEWHERE = {"codegen/cache.py", "simulation/store_folder.py"}
 """Writers of what no user names a file for: the cache, and the folders of stores."""
 WRITING = re.compile(
     r"\.write_(text|bytes)\(|\bto_(netcdf|csv|json|parquet|zarr|html)\([^)]*path|open\([^)]*[\"'][wax]b?[\"']"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.identifiability.diagnostics import diagnose
+from narrows.identification.identifiability.diagnosis import diagnose
 from narrows.identification.regression.accumulation import PART_ROWS, PARTS, accumulate, products
 from narrows.identification.regression.normal_equations import ONE, count
 from narrows.identification.uncertainty.clusters import clustered

@@ -65,8 +65,8 @@ def test_inflation_over_the_limits_is_weak(kcs_fits: dict[int, nw.Fit]) -> None:
                 if not fit.verdicts[term.name].determined:
                     continue
                 reasons = " ".join(fit.verdicts[term.name].reasons)
-                assert ("over all rows" in reasons) == (fit.diagnostics()[force].vif[term.name] > VIF_LIMIT)
-                single = [found[force].vif[term.name] for found in fit.by_speed().values()]
+                assert ("over all rows" in reasons) == (fit.diagnostics.overall[force].vif[term.name] > VIF_LIMIT)
+                single = [found[force].vif[term.name] for found in fit.diagnostics.by_speed.values()]
                 lost = np.nanmin(single) > CONFOUNDED_VIF
                 assert ("only mixing speeds" in reasons) == lost
 

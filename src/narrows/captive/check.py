@@ -2,12 +2,14 @@
 
 import math
 import re
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 
-from narrows.captive.columns import COLUMNS, Column
+from narrows.captive.columns import Column
 from narrows.errors import InputError, near_miss
+from narrows.quantities.names import Quantity
 from narrows.ship.particulars import Configuration
 
 LARGEST = 1e20
@@ -29,7 +31,7 @@ def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
     return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
 
 
-def check_present(columns: list[Column], headers: list[str], needed: list[str], place: str) -> None:
+def check_present(columns: list[Column], headers: list[str], needed: Mapping[str, Quantity], place: str) -> None:
     """Raise where a needed quantity has no column, or has two (ours).
 
     Parameters
@@ -38,8 +40,8 @@ def check_present(columns: list[Column], headers: list[str], needed: list[str], 
         What was recognised.
     headers : list of str
         Every header of the table.
-    needed : list of str
-        Quantities.
+    needed : mapping of str to Quantity
+        What must be there.
     place : str
         The file.
 
@@ -58,9 +60,8 @@ def check_present(columns: list[Column], headers: list[str], needed: list[str], 
         twin = re.sub(r"\.\d+$", "", header)
         if twin != header and any(column.header == twin for column in columns):
             raise InputError(f"{place}: columns {twin!r} and {header!r} are both {twin}; keep one")
-    for name in needed:
+    for name, (unit, meaning) in needed.items():
         if name not in found:
-            unit, meaning = COLUMNS[name]
             hint = near_miss(name, set(headers) - {column.header for column in columns})
             raise InputError(f"{place}: column {name!r} is missing ({meaning} [{unit}]); add it{hint}")
 

@@ -1,18 +1,20 @@
 """Headers: which column is which quantity, in which unit, and what one of it is in SI."""
 
 import re
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import NamedTuple
 
 from narrows.errors import InputError
-from narrows.quantities.names import CONTROLS, FORCES, MOTION, PARTICULARS, Quantity
+from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
+from narrows.ship.actuator import Actuator
+from narrows.ship.actuators import STANDARD
 
 COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},
     "t": Quantity("s", "time"),
     "psi": Quantity("rad", "heading, clockwise seen from above"),
-    "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
-    "revolutions": CONTROLS["revolutions"],
+    **{own.name: Quantity(own.unit, own.meaning) for own in STANDARD},
     **{name: PARTICULARS[name] for name in ("draft", "depth", "width")},
     **FORCES,
 }
@@ -68,13 +70,26 @@ class Column(NamedTuple):
     stated: bool
 
 
-def parse_header(header: str) -> Column | None:
+def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
+    """Return what a table may carry where there are actuators beside those of the package (ours).
+
+    Parameters
+    ----------
+    actuators : iterable of Actuator
+        The others.
+    """
+    return {**COLUMNS, **{own.name: Quantity(own.unit, own.meaning) for own in actuators}}
+
+
+def parse_header(header: str, known: Mapping[str, Quantity] = COLUMNS) -> Column | None:
     """Read one header: ``psi``, ``psi [deg]`` or ``psi_deg`` (ours).
 
     Parameters
     ----------
     header : str
         As in the table.
+    known : mapping of str to Quantity
+        What the table may carry.
 
     Returns
     -------
@@ -86,18 +101,18 @@ def parse_header(header: str) -> Column | None:
     InputError
         Where the unit is unknown or is of another kind than the quantity.
     """
-    name, unit = _split(header.strip())
-    if name not in COLUMNS:
+    name, unit = _split(header.strip(), known)
+    if name not in known:
         return None
-    si = COLUMNS[name].unit
+    si = known[name].unit
     return Column(header, name, 1.0 if unit is None else _scale(header, unit, si), unit is not None)
 
 
-def _split(header: str) -> tuple[str, str | None]:
+def _split(header: str, known: Mapping[str, Quantity]) -> tuple[str, str | None]:
     if match := re.fullmatch(r"(\w+)\s*\[(.*)\]", header):
         return match[1], match[2].strip()
     name, _, suffix = header.rpartition("_")
-    return (name, suffix) if name in COLUMNS and suffix in SUFFIXES else (header, None)
+    return (name, suffix) if name in known and suffix in SUFFIXES else (header, None)
 
 
 @cache

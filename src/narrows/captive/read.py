@@ -1,6 +1,7 @@
 """Tables of captive tests, in the documented columns, to CaptiveTests."""
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -8,13 +9,14 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import check
-from narrows.captive.columns import Column, parse_header
+from narrows.captive.columns import Column, columns_with, parse_header
 from narrows.captive.formats import layouts
 from narrows.captive.frames import read_frame
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.model.model import Source
-from narrows.quantities.names import CONTROLS, MOTION
+from narrows.quantities.names import MOTION, Quantity
+from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import read_ship
 from narrows.terms.canal_tables import PAPER
@@ -118,8 +120,11 @@ def checked(frame: pd.DataFrame, configuration: Configuration, terms: TermTable,
     InputError
         At the first thing that is wrong.
     """
-    found = _recognised(frame, place)
-    needed, assumed = _needed(terms, {c.quantity for c in found})
+    movers = {own.name: own for own in (*STANDARD, *terms.actuators)}
+    known = columns_with(movers.values())
+    found = _recognised(frame, known, place)
+    wanted, assumed = _needed(terms, {c.quantity for c in found})
+    needed = {name: known[name] for name in wanted}
     check.check_present(found, [str(h) for h in frame.columns], needed, place)
     columns = {c.quantity: check.numbers(frame, c.header, place) * c.scale for c in found}
     test = tests_of(frame, place)
@@ -131,8 +136,8 @@ def checked(frame: pd.DataFrame, configuration: Configuration, terms: TermTable,
         check.check_heading(frame, columns["psi"], by_name["psi"], place)
         check.check_rates(columns, test, by_name, place)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
-    if "rudder" in columns:
-        columns |= {"cos_rudder": np.cos(columns["rudder"]), "sin_rudder": np.sin(columns["rudder"])}
+    for name in movers.keys() & columns.keys():
+        columns |= movers[name].placed(columns[name])
     columns |= {name: np.zeros(len(frame)) for name in assumed}
     condition = _conditions(frame, columns, configuration, place)
     check.check_inside(frame, columns, configuration, place)
@@ -180,17 +185,19 @@ def tests_of(frame: pd.DataFrame, place: str) -> np.ndarray:
     return check.labels(frame, "test", place) if "test" in frame else np.full(len(frame), "all", dtype=object)
 
 
-def _recognised(frame: pd.DataFrame, place: str) -> list[Column]:
+def _recognised(frame: pd.DataFrame, known: Mapping[str, Quantity], place: str) -> list[Column]:
     try:
-        return [column for header in frame.columns if (column := parse_header(str(header)))]
+        return [column for header in frame.columns if (column := parse_header(str(header), known))]
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 
 
 def _needed(terms: TermTable, found: set[str]) -> tuple[list[str], list[str]]:
     """Columns that the terms need, and those of them that may be taken as zero."""
-    moved = [name for name in terms.inputs if name in MOTION | CONTROLS]
-    needed = [name.removeprefix("cos_").removeprefix("sin_") for name in moved]
+    columns = {"cos_psi": "psi", "sin_psi": "psi"} | {
+        word: own.name for own in terms.actuators for word in own.controls
+    }
+    needed = [columns.get(name, name) for name in terms.inputs if name in MOTION or name in columns]
     forces = [force for force, own in terms.forces.items() if own]
     assumed = [name for name in ("heave",) if name in needed and name not in found]
     return [name for name in [*needed, *forces] if name not in assumed], assumed

@@ -45,9 +45,9 @@ def identify(
     publish(fits, table.stem, output, report, json)
 
 
-@app.command(epilog="Example: narrows demo --out out")
+@app.command(epilog="Example: narrows demo -o out")
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for the report and the models.")] = Path("out"),
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
     """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""

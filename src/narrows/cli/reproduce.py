@@ -10,9 +10,9 @@ from narrows.cli.options import AsJson
 from narrows.cli.output import folder, print_json
 
 
-@app.command(epilog="Example: narrows reproduce --out paper")
+@app.command(epilog="Example: narrows reproduce -o paper")
 def reproduce(
-    out: Annotated[Path, typer.Option(help="Folder for report.html.")] = Path("out"),
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
     """Make every table and figure of the paper again, ours beside its own numbers."""

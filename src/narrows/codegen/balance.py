@@ -31,8 +31,7 @@ def _text(system: "System") -> str:
 
     from narrows.codegen.derivatives import with_tangents
     from narrows.codegen.free_motion import STATE
-    from narrows.codegen.kernel import HEADER
-    from narrows.codegen.kernels.elementary import elementary_text
+    from narrows.codegen.kernels.elementary import HEADER, elementary_text
     from narrows.codegen.lines import FUNCTIONS, Lines, real
     from narrows.codegen.printers.python import Arithmetic
 

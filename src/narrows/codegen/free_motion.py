@@ -14,6 +14,7 @@ from typing import Any, Literal
 from narrows.codegen.tape import Tape
 from narrows.errors import InputError
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.ship.actuators import STANDARD
 
 Expr = Any
 """A SymPy expression."""
@@ -26,9 +27,10 @@ INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 """Force [N, N, N m] added from outside, by the component that it adds to."""
 SURGE_INERTIA = "surge_inertia"
 """The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
-LIMITS = {f"{actuator}_{of}" for actuator in ("rudder", "revolutions") for of in ("limit", "rate")}
+MACHINERY = {name for own in STANDARD for name in (*own.controls, *own.particulars)}
+LIMITS = {f"{own.name}_{of}" for own in STANDARD for of in ("limit", "rate")}
 WALLS = {"wall_starboard", "wall_port"}
-RESERVED = {*REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
+RESERVED = {*REGRESSOR_INPUTS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
 """Names that the generated text has for itself."""
 MOST_BITS = 20

@@ -2,13 +2,16 @@
 
 from collections.abc import Sequence
 
+from sympy import Integer, sympify
+
 from narrows.codegen.choices import Actuated
 from narrows.codegen.derivatives import with_tangents
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
+from narrows.codegen.kernels.elementary import HEADER, elementary_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.lowering import straight_lines
-from narrows.codegen.printers.python import function_text
+from narrows.codegen.printers.python import Arithmetic, function_text
 from narrows.codegen.rates import Rates
 from narrows.quantities.names import FORCES
 
@@ -49,6 +52,39 @@ def _directions(actuators: Sequence[Actuated]) -> tuple[str, ...]:
     return (*LINEARISED, *controlled(actuators))
 
 
+BATCH = """
+@cached
+def batch(values, constants, out):
+    for row in range(len(values)):
+        found = linear(values[row], constants)
+        for entry in range(len(found)):
+            out[row, entry] = found[entry]
+"""
+
+
+def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str) -> str:
+    """Write the module of derivatives by state and control, to be compiled.
+
+    Parameters
+    ----------
+    motion : FreeMotion
+        The equations of motion.
+    actuators : sequence of Actuated
+        Of the model.
+    version : str
+        Of narrows.
+    """
+    rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
+    (lines, results), printer = _linear(rates, actuators), Arithmetic("real({})".format)
+    body = [f"{name} = values[{place}]" for place, name in enumerate(arguments(actuators))]
+    body += [f"{name} = constants[{place}]" for place, name in enumerate(rates.constants.names)]
+    body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
+    body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
+    text = "\n    ".join(["@called\ndef linear(values, constants):", *body]) + "\n"
+    head = HEADER.format(version=version, precision="float64")
+    return "\n\n".join([head, "CELL_ENTRIES = 0", elementary_text(text, "float64"), text, BATCH])
+
+
 def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
     """The rates of ``LINEARISED`` by state and by control, row by row."""
     lines, found = rates.program()
@@ -71,17 +107,15 @@ def _angle_slopes(name: str) -> dict[str, Expr]:
 
 def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Expr]]:
     """With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor."""
-    import sympy
-
     motion, lines = rates.motion, Lines()
     solved = rates.written(lines, "", {name: real(name) for name in (*STATE, *rates.moving)})
     known = list(motion.regressors)
-    columns = [rates.constants.lift(sympy.sympify(motion.regressors[name][1])) for name in known]
+    columns = [rates.constants.lift(sympify(motion.regressors[name][1])) for name in known]
     where = {symbol(name): solved[state] for name, state in zip(ACCELERATIONS.values(), ("u", "v", "r"), strict=True)}
     where |= {symbol(name): real(name) for name in (*STATE, *rates.moving)}
     values = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
     rows = dict(zip(motion.freedoms, motion.pushes, strict=True))
-    zero = sympy.Integer(0)
+    zero = Integer(0)
     entries = []
     for force in FORCES:
         for name in names:

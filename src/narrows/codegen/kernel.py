@@ -5,7 +5,7 @@ from pathlib import Path
 
 from narrows.codegen.choices import ROW, Choices
 from narrows.codegen.free_motion import STATE
-from narrows.codegen.kernels.elementary import elementary_text
+from narrows.codegen.kernels.elementary import HEADER, elementary_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import Lanes
 from narrows.codegen.printers.python import Arithmetic
@@ -19,21 +19,6 @@ FIELDS = {
     "X": "x", "Y": "y", "COS": "cos_psi", "SIN": "sin_psi", "U": "u", "V": "v", "R": "r", "STEP_LENGTH": "step_length",
     "LEFT": "left", "FLAG": "flag", "ROOM": "room", "LEAN": "lean", "ROOM_BEFORE": "room_before",
 }  # fmt: skip
-HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
-from math import cos, hypot, inf, nan, sin, sqrt
-
-from collections.abc import Sequence
-from typing import Any
-
-import numba
-import numpy as np
-from numpy import {precision} as real
-
-FAST = {{"nsz", "contract"}}  # fused multiply-add, nothing that reorders: the mirrored voyage is the mirror to the bit
-jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, forceinline=True)
-called = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
-cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
-'''
 
 
 def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) -> str:

@@ -1,7 +1,8 @@
 """Derivatives of the motion as matrices: by state, by control, by coefficient."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -50,17 +51,44 @@ class Linearisation:
         The coefficients, in the order of the columns of ``coefficients``.
     actuators : tuple of Actuated
         Of the model.
+    compiled : callable
+        Gives the module of the same functions, compiled.
     """
 
     functions: Mapping[str, Any]
     constants: tuple[Number, ...]
     names: tuple[str, ...]
     actuators: tuple[Actuated, ...]
+    compiled: Callable[[], ModuleType]
 
     @property
     def controlled(self) -> tuple[str, ...]:
         """The columns of ``controls``."""
         return controlled(self.actuators)
+
+    def linear(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the rates of x, y, psi, u, v, r by the same six and by ``controlled``: (..., 6, 6 + n).
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            As for ``state``.
+        """
+        return self._matrix("linear", at, len(LINEARISED))
+
+    def batch(self, points: int) -> "JacobianBatch":
+        """Return the same, compiled, for many points of one ship, its arrays kept.
+
+        Parameters
+        ----------
+        points : int
+            How many.
+        """
+        columns = len(arguments(self.actuators))
+        size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
+        constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
+        values, out = np.zeros((points, columns)), np.zeros((points, size))
+        return JacobianBatch(self.compiled(), constants, values, out, self.actuators)
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6).
@@ -71,7 +99,7 @@ class Linearisation:
             State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in,
             Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given.
         """
-        return self._linear(at)[..., : len(LINEARISED)]
+        return self.linear(at)[..., : len(LINEARISED)]
 
     def controls(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the same rates by ``controlled``: (..., 6, n).
@@ -81,7 +109,7 @@ class Linearisation:
         at : mapping of str to number
             As for ``state``.
         """
-        return self._linear(at)[..., len(LINEARISED) :]
+        return self.linear(at)[..., len(LINEARISED) :]
 
     def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the same rates by every coefficient of the table: (..., 6, n).
@@ -93,9 +121,6 @@ class Linearisation:
         """
         found = self._matrix("coefficients", at, len(FORCES))
         return np.concatenate([np.zeros_like(found), found], axis=-2)
-
-    def _linear(self, at: Mapping[str, Number]) -> np.ndarray:
-        return self._matrix("linear", at, len(LINEARISED))
 
     def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
         values = [*argument_values(at, self.actuators), *self.constants]
@@ -121,3 +146,51 @@ def argument_values(at: Mapping[str, Number], actuators: Sequence[Actuated]) -> 
             position = given.get(name, 0.0)
             given |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
     return [given.get(name, 0.0) for name in arguments(actuators)]
+
+
+@dataclass(frozen=True)
+class JacobianBatch:
+    """Derivatives by state and control at many points of one ship, compiled.
+
+    Parameters
+    ----------
+    module : module
+        The generated functions.
+    constants : array
+        Of the ship.
+    values : array (points, arguments)
+        What the functions are given at each point; ``points`` fills it.
+    out : array (points, entries)
+        The derivatives, row by row.
+    actuators : tuple of Actuated
+        Of the model.
+    """
+
+    module: ModuleType
+    constants: np.ndarray
+    values: np.ndarray
+    out: np.ndarray
+    actuators: tuple[Actuated, ...]
+
+    def points(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Return what the functions are given at points, (points, arguments).
+
+        Parameters
+        ----------
+        at : mapping of str to number or array (points,)
+            As for ``Linearisation.state``.
+        """
+        for place, value in enumerate(argument_values(at, self.actuators)):
+            self.values[:, place] = value
+        return self.values
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites.
+
+        Parameters
+        ----------
+        values : array (points, arguments)
+            As ``points`` gives them.
+        """
+        self.module.batch(values, self.constants, self.out)
+        return self.out.reshape(len(self.out), len(LINEARISED), -1)

@@ -155,7 +155,15 @@ class System:
         scope: dict[str, Any] = dict(column_functions())
         exec(compile(source("jacobian", (*self.key, tuple(actuators)), text), "<jacobian>", "exec"), scope)
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
-        return Linearisation(scope, constants, self.table.names, tuple(actuators))
+        return Linearisation(scope, constants, self.table.names, tuple(actuators), self._batch(tuple(actuators)))
+
+    def _batch(self, actuators: tuple["Actuated", ...]) -> Callable[[], ModuleType]:
+        def text() -> str:
+            from narrows.codegen.jacobian import batch_text
+
+            return batch_text(self.rates.motion, actuators, version("narrows"))
+
+        return lambda: generated("jacobian_batch", (*self.key, actuators), text)
 
     def kernel(self, own: tuple[str, ...], precision: str) -> ModuleType:
         """Return the module that sails a fleet; its ``sail`` compiles when first called.

@@ -194,7 +194,7 @@ def tape_of_terms(table: TermTable) -> Tape:
         Where a regressor does more than arithmetic and ``abs()``.
     """
     notes, results = Notes(), {}
-    inputs = {name: notes.note(("input", name)) for name in sorted(table.inputs)}
+    inputs = {name: notes.note(("input", name)) for name in sorted(table.quantities)}
     for term in table.terms:
         try:
             results[term.name] = notes.of(term.column(inputs)).line

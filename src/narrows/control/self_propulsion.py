@@ -5,6 +5,7 @@ import xarray as xr
 
 from narrows.errors import InputError
 from narrows.model.model import Model
+from narrows.ship.actuators import PROPELLER
 from narrows.ship.motion import Motion
 
 DOUBLINGS = 30
@@ -27,7 +28,7 @@ def self_propulsion(model: Model, u: float) -> float:
     """
     from scipy.optimize import brentq
 
-    if "revolutions" not in model.terms.inputs:
+    if PROPELLER not in model.terms.actuators:
         raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
     straight = Motion.at(u=u)
 
@@ -50,7 +51,7 @@ def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
     vary : dict of str to number, sequence or DataArray
         With u [m/s].
     """
-    if "revolutions" not in model.terms.inputs or "revolutions" in vary:
+    if PROPELLER not in model.terms.actuators or "revolutions" in vary:
         return vary
     speed = vary["u"]
     u = speed if isinstance(speed, xr.DataArray) else np.asarray(speed, float)

@@ -48,14 +48,14 @@ def run_information(
     for name in terms.inputs:
         if name not in values:
             raise InputError(f"the terms need {name}, which the ship file does not give; add it")
-    place = slots(terms)
-    information = np.zeros((max(place.values()) + 1,) * 2)
+    slot = slots(terms)
+    information = np.zeros((max(slot.values()) + 1,) * 2)
     rows_of_its_own = 1 / max(1.0, 2 * correlation_time * RATE)
-    for force, own in terms.forces.items():
-        if not own:
+    for force, part in terms.forces.items():
+        if not part:
             continue
-        design = np.array([np.broadcast_to(term.column(values), len(columns["t"])) for term in own])
-        part = design @ design.T * rows_of_its_own / noise[force] ** 2
-        index = [place[term.name] for term in own]
-        np.add.at(information, np.ix_(index, index), part)
+        design = np.array([np.broadcast_to(term.column(values), len(columns["t"])) for term in part])
+        products = design @ design.T * rows_of_its_own / noise[force] ** 2
+        index = [slot[term.name] for term in part]
+        np.add.at(information, np.ix_(index, index), products)
     return information

@@ -68,7 +68,7 @@ class Plan:
     def summary(self) -> str:
         """Say what is gained, for each target: a line each."""
         unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
-        said = tuple(
+        gains = tuple(
             f"{name}: standard error {self.std[name][-1]:.2g} (VIF {self.inflation[name]:.3g}) with these runs, "
             f"{self.usual[name]:.2g} (VIF {self.usual_inflation[name]:.3g}) with as many of the best harmonic runs "
             "about the centreline."
@@ -76,10 +76,10 @@ class Plan:
             if name not in unknown
         )
         lost = (f"No such runs determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(unknown)
-        return "\n".join((*said, *lost))
+        return "\n".join((*gains, *lost))
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: what ``design --json`` prints."""
+        """Give everything by name: what ``plan --json`` prints."""
         return {
             "runs": self.rows(),
             "targets": {
@@ -109,9 +109,9 @@ class Plan:
 
 
 def _row(run: Run) -> dict[str, Any]:
-    given = asdict(run) if isinstance(run, HarmonicRun | StraightRun) else {"name": run.name}
-    drift = {"drift_deg": float(np.degrees(given.pop("drift")))} if "drift" in given else {}
-    return {"kind": "straight", **given, **drift, "duration": run.duration}
+    values = asdict(run) if isinstance(run, HarmonicRun | StraightRun) else {"name": run.name}
+    drift = {"drift_deg": float(np.degrees(values.pop("drift")))} if "drift" in values else {}
+    return {"kind": "straight", **values, **drift, "duration": run.duration}
 
 
 def plan_tests(
@@ -153,38 +153,41 @@ def plan_tests(
     InputError
         Where there is no run to choose, a target is unknown, or the terms ask for what the ship file lacks.
     """
+    tank = tank or Tank()
+    _check(runs, criterion, terms, noise, tank)
+    names = _targets(terms, targets)
+    offered = candidates(configuration, tank)
+    adds = np.array([run_information(run, configuration, terms, noise, correlation_time) for run in offered])
+    known = _known(after, terms, noise, correlation_time) if after is not None else np.zeros(adds.shape[1:])
+    index = [slots(terms)[name] for name in names]
+    parameters = sorted(set(index))  # tied coefficients are one
+    best = choose(adds, known, runs, parameters, criterion)
+    centred = adds[[isinstance(run, HarmonicRun) and run.offset == 0 for run in offered]]
+    usual = choose(centred, known, len(best), parameters, criterion)
+    std, inflation = _predicted(known + np.cumsum(adds[best], axis=0), index)
+    usual_std, usual_inflation = _predicted((known + centred[usual].sum(axis=0))[None], index)
+    return Plan(
+        tuple(offered[i] for i in best),
+        names,
+        dict(zip(names, std.T, strict=True)),
+        dict(zip(names, inflation[-1].tolist(), strict=True)),
+        dict(zip(names, usual_std[0].tolist(), strict=True)),
+        dict(zip(names, usual_inflation[0].tolist(), strict=True)),
+        len(offered),
+        (_assumed(noise, correlation_time, tank, configuration),),
+    )
+
+
+def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
     if runs < 1:
         raise InputError(f"{runs} runs are no plan; ask for one or more")
     if criterion not in CRITERIA:
         raise InputError(f"criterion {criterion!r} is unknown; choose {' or '.join(CRITERIA)}")
-    targets = _targets(terms, targets)
-    for force, own in terms.forces.items():
-        if own and not noise.get(force, 0.0) > 0:
+    for force, part in terms.forces.items():
+        if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
-    tank = tank or Tank()
     if tank.depths and not terms.feels_depth:
         raise InputError("these terms do not know the depth of the water; leave the depths out, or take terms that do")
-    offered = candidates(configuration, tank)
-    told = np.array([run_information(run, configuration, terms, noise, correlation_time) for run in offered])
-    known = _known(after, terms, noise, correlation_time) if after is not None else np.zeros(told.shape[1:])
-    index = [slots(terms)[name] for name in targets]
-    wanted = sorted(set(index))  # tied coefficients are one parameter
-    best = choose(told, known, runs, wanted, criterion)
-    usual = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
-    ours = _said(known + np.cumsum(told[best], axis=0), index)
-    theirs = _said(
-        known + told[usual][choose(told[usual], known, len(best), wanted, criterion)].sum(axis=0)[None], index
-    )
-    return Plan(
-        tuple(offered[i] for i in best),
-        targets,
-        {name: ours[0][:, j] for j, name in enumerate(targets)},
-        {name: float(ours[1][-1, j]) for j, name in enumerate(targets)},
-        {name: float(theirs[0][-1, j]) for j, name in enumerate(targets)},
-        {name: float(theirs[1][-1, j]) for j, name in enumerate(targets)},
-        len(offered),
-        (_assumed(noise, correlation_time, tank, configuration),),
-    )
 
 
 def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, configuration: Configuration) -> str:
@@ -195,8 +198,8 @@ def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, co
     )
 
 
-def _targets(terms: TermTable, given: Sequence[str]) -> tuple[str, ...]:
-    names = (given,) if isinstance(given, str) else tuple(given)
+def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
+    names = (targets,) if isinstance(targets, str) else tuple(targets)
     names = names or tuple(term.name for term in terms.terms if term.from_bank)
     for name in names:
         if name not in terms.names:
@@ -206,7 +209,7 @@ def _targets(terms: TermTable, given: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def _said(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def _predicted(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Standard errors and variance inflations of some parameters, (steps, targets); infinite while unknown."""
     diagonal = np.diagonal(information, axis1=1, axis2=2)
     size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
@@ -221,7 +224,7 @@ def _known(tests: Tests, terms: TermTable, noise: Mapping[str, float], correlati
     check_one_condition(tests, terms)
     equations, _ = accumulate(tests, terms)
     problem = reduced(equations, terms)
-    weighed = replace(problem, weights={force: 1 / noise[force] ** 2 for force, own in terms.forces.items() if own})
+    weighed = replace(problem, weights={force: 1 / noise[force] ** 2 for force, part in terms.forces.items() if part})
     share = np.array([1 / max(1.0, 2 * correlation_time * _rate(tests, name)) for name in equations.names])
     h, _ = weighed.normal(np.tensordot(share, equations.by_test(), axes=1))
     return np.asarray(h * np.outer(problem.scale, problem.scale))

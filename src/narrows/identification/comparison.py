@@ -60,15 +60,15 @@ class Comparison:
         """Say for each force which table errs least on tests left out, against the first table: a line each."""
         first = next(iter(self.fits))
         unit = {"X": "N", "Y": "N", "N": "N m"}
-        said = []
+        sentences = []
         for force in self.forces:
             best = self.best(force)
             errors = {n: fit.left_out[force].rmse for n, fit in self.fits.items() if force in fit.left_out}
             against = f", {first} by {errors[first]:.3g}" if best != first and first in errors else ""
-            said.append(
+            sentences.append(
                 f"{force}: {best} errs least on what was left out, by {errors[best]:.3g} {unit[force]}{against}."
             )
-        return "\n".join(said)
+        return "\n".join(sentences)
 
     def rows(self) -> list[dict[str, Any]]:
         """One row for each table and force, as plain numbers and words."""
@@ -91,14 +91,14 @@ class Comparison:
 
 
 def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
-    own = [term.name for term in fit.terms.forces[force]]
+    names = [term.name for term in fit.terms.forces[force]]
     bank = [term.name for term in fit.terms.forces[force] if term.from_bank]
     speeds = fit.left_out_speeds.get(force)
     return {
         "table": name,
         "force": force,
-        "coefficients": len(own),
-        "confounded": sum(fit.verdicts[own_name].status == CONFOUNDED for own_name in own),
+        "coefficients": len(names),
+        "confounded": sum(fit.verdicts[name].status == CONFOUNDED for name in names),
         "rmse": fit.scores[force].rmse,
         "rmse_left_out": fit.left_out[force].rmse,
         "rmse_other_speeds": speeds.rmse if speeds else float("nan"),

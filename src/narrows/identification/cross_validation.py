@@ -38,14 +38,14 @@ def left_out_score(
     without : array (clusters, n)
         Coefficients fitted without it.
     """
-    place = {name: i for i, name in enumerate(terms.names)}
+    index = {name: i for i, name in enumerate(terms.names)}
     errors = {
         force: sum(
-            squared_error(equations, sums, own, values[[place[term.name] for term in own]], force)
+            squared_error(equations, sums, part, values[[index[term.name] for term in part]], force)
             for sums, values in zip(clusters, without, strict=True)
         )
-        for force, own in terms.forces.items()
-        if own
+        for force, part in terms.forces.items()
+        if part
     }
     return scores_of(equations, clusters.sum(axis=0), errors)
 

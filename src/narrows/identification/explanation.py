@@ -13,7 +13,7 @@ from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.regression.scores import Score, score
 from narrows.identification.shapley import KINDS
-from narrows.model.data_range import DataRange
+from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 
 UNLIKELY = 3.0
@@ -56,10 +56,10 @@ class Explanation:
     def distance(self) -> dict[str, float]:
         """How far the model's coefficients are from those of these tests, in joint standard errors; NaN if unknown."""
         covariance = self.model.covariance
-        own = np.zeros(len(self.fit.terms.names)) if covariance is None else np.diag(covariance)
+        variances = np.zeros(len(self.fit.terms.names)) if covariance is None else np.diag(covariance)
         return {
             name: self._distance(name, float(variance))
-            for name, variance in zip(self.fit.terms.names, own, strict=True)
+            for name, variance in zip(self.fit.terms.names, variances, strict=True)
         }
 
     def _distance(self, name: str, variance: float) -> float:
@@ -69,28 +69,29 @@ class Explanation:
     @property
     def fitted_on_these(self) -> bool:
         """Whether the model came of this very table, at this depth."""
-        own, tests = self.model, self.fit.tests
-        same_canal = own.configuration.canal == tests.configuration.canal
-        return bool(own.source.sha256) and own.source.sha256 == tests.source.sha256 and same_canal
+        model, tests = self.model, self.fit.tests
+        same_canal = model.configuration.canal == tests.configuration.canal
+        return bool(model.source.sha256) and model.source.sha256 == tests.source.sha256 and same_canal
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Where the tests lie outside of what the model's data covered."""
-        return outside(self.model.data_range, self.fit.data_range)
+        covered = {name: pair for name, pair in vars(self.fit.data_range).items() if pair is not None}
+        return extrapolation(self.model.data_range, covered)
 
     def summary(self) -> str:
         """Say how far the model errs on these tests, where most, and which coefficients differ: a line each."""
-        said = ["The model was fitted on this table."] if self.fitted_on_these else []
-        for force, own in self.scores.items():
+        sentences = ["The model was fitted on this table."] if self.fitted_on_these else []
+        for force, fitted in self.scores.items():
             worst = max(self.by_test, key=lambda test: self.by_test[test][force].rmse)
-            said.append(
-                f"{force}: the model errs by {own.rmse:.3g} (R2 {own.r2:.3f}), a fit to these tests by "
+            sentences.append(
+                f"{force}: the model errs by {fitted.rmse:.3g} (R2 {fitted.r2:.3f}), a fit to these tests by "
                 f"{self.fit.scores[force].rmse:.3g}; it errs most on {worst}, by {self.by_test[worst][force].rmse:.3g}."
             )
         apart = [name for name, far in self.distance.items() if abs(far) > UNLIKELY]
         if apart and not self.fitted_on_these:
-            said.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
-        return "\n".join(said)
+            sentences.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
+        return "\n".join(sentences)
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: what ``explain --json`` prints."""
@@ -98,40 +99,21 @@ class Explanation:
             "fitted_on_this_table": self.fitted_on_these,
             "summary": self.summary(),
             "notes": list(self.notes),
-            "model": {force: own._asdict() for force, own in self.scores.items()},
+            "model": {force: errors._asdict() for force, errors in self.scores.items()},
             "by_test": {
-                test: {force: own.rmse for force, own in found.items()} for test, found in self.by_test.items()
+                test: {force: errors.rmse for force, errors in scores.items()} for test, scores in self.by_test.items()
             },
             "distance": dict(self.distance),
             "shapley": self.shares,
             "these_tests": self.fit.to_dict(),
             "profiles": {
-                name: {"value": found.values.tolist(), "deviance": found.deviance.tolist()}
+                name: {"value": profile.values.tolist(), "deviance": profile.deviance.tolist()}
                 for name in self.fit.terms.names
-                if (found := self.fit.profile(name))
+                if (profile := self.fit.profile(name))
             },
             "tables": self.comparison.rows(),
             "tables_left_out": dict(self.comparison.left_out),
         }
-
-
-def outside(known: DataRange, rows: DataRange) -> tuple[str, ...]:
-    """Say where tests lie outside of what a model's data covered (ours).
-
-    Parameters
-    ----------
-    known, rows : DataRange
-        Of the model, and of the tests.
-    """
-    said = []
-    for name, (low, high) in ((n, pair) for n, pair in vars(known).items() if pair is not None):
-        covered = getattr(rows, name)
-        if covered is not None and np.any(known.outside(name, np.array(covered))):
-            said.append(
-                f"Outside the model's data: {name.replace('_', ' ')} from {covered[0]:.3g} to {covered[1]:.3g}, "
-                f"its data {low:.3g} to {high:.3g}."
-            )
-    return tuple(said)
 
 
 def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanation:

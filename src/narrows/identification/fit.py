@@ -11,9 +11,8 @@ from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
 from narrows.identification import shapley
 from narrows.identification.cross_validation import left_out_by_speed
-from narrows.identification.identifiability import diagnostics
 from narrows.identification.identifiability.correlation import CorrelatedPair, correlated_pairs
-from narrows.identification.identifiability.diagnostics import Diagnosis, determined
+from narrows.identification.identifiability.diagnostics import Diagnostics
 from narrows.identification.identifiability.evidence import verdicts
 from narrows.identification.identifiability.influence import Influence, influence
 from narrows.identification.identifiability.verdict import IDENTIFIED, Verdict
@@ -116,7 +115,7 @@ class Fit:
     def std(self) -> dict[str, float]:
         """Cluster-robust standard error of each coefficient; NaN where the tests do not determine it."""
         sizes = zip(self.terms.names, self.unbounded.std, strict=True)
-        return {name: float(size) if self._determined(name) else float("nan") for name, size in sizes}
+        return {name: float(size) if self.diagnostics.determined(name) else float("nan") for name, size in sizes}
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
@@ -128,11 +127,14 @@ class Fit:
         }
 
     @cached_property
+    def diagnostics(self) -> Diagnostics:
+        """Rank, condition, VIF and correlations of each force's columns: ``overall``, ``by_test`` and ``by_speed``."""
+        return Diagnostics(self.normal_equations, self.terms)
+
+    @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """How far each coefficient can be trusted."""
-        return verdicts(
-            self.terms, self.normal_equations, self.clusters, self.by_speed(), self.intervals, self.at_bound
-        )
+        return verdicts(self.diagnostics, self.clusters, self.intervals, self.at_bound)
 
     @cached_property
     def correlations(self) -> tuple[CorrelatedPair, ...]:
@@ -179,21 +181,9 @@ class Fit:
         """
         if name not in self.terms.names:
             raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
-        if not self._determined(name):
+        if not self.diagnostics.determined(name):
             return None
         return profile(self.problem, self.normal_equations.total, self.unbounded, name)
-
-    def diagnostics(self) -> dict[str, Diagnosis]:
-        """Rank, condition, VIF and correlations of each force's columns over all rows."""
-        return self._overall
-
-    def by_test(self) -> dict[str, dict[str, Diagnosis]]:
-        """The same within each test: test -> force -> diagnosis."""
-        return diagnostics.by_test(self.normal_equations, self.terms)
-
-    def by_speed(self) -> dict[float, dict[str, Diagnosis]]:
-        """The same at each speed [m/s]: speed -> force -> diagnosis."""
-        return self._by_speed
 
     def shapley(
         self, kind: str = "mse", coefficients: Mapping[str, float] | None = None
@@ -218,21 +208,24 @@ class Fit:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the reader of the tests had to say, and what was taken as independent."""
-        few = [name for name, own in zip(self.terms.names, self.unbounded.few, strict=True) if own]
-        said = (f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",)
+        few = [name for name, short in zip(self.terms.names, self.unbounded.few, strict=True) if short]
+        scarce = (
+            f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",
+        )
         depths = ("Terms that do not ask for the depth have one coefficient for all conditions of these tests.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
         bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
-        return (*self.tests.notes, self.clusters.sentence, *said * bool(few), *depths * several, *bank)
+        return (*self.tests.notes, self.clusters.sentence, *scarce * bool(few), *depths * several, *bank)
 
     def summary(self) -> str:
         """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""
         scores = [
-            f"{force}: R2 {own.r2:.3f}, RMSE {own.rmse:.3g}; on what was left out R2 {self.left_out[force].r2:.3f}, "
-            f"RMSE {self.left_out[force].rmse:.3g}."
-            for force, own in self.scores.items()
+            f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on what was left out R2 {checked.r2:.3f}, "
+            f"RMSE {checked.rmse:.3g}."
+            for force, fitted in self.scores.items()
+            if (checked := self.left_out[force])
         ]
-        doubts = [own.sentence(name) for name, own in self.verdicts.items() if own.status != IDENTIFIED]
+        doubts = [verdict.sentence(name) for name, verdict in self.verdicts.items() if verdict.status != IDENTIFIED]
         title = f"{len(self.terms.names)} coefficients of the terms {self.terms.name} on {self._size}."
         return "\n".join([title, *scores, *doubts])
 
@@ -240,13 +233,16 @@ class Fit:
         """Give everything by name: what ``identify --json`` prints."""
         return {
             "coefficients": {name: self._coefficient(name) for name in self.terms.names},
-            "fit": {force: _scores(own, self.left_out[force]) for force, own in self.scores.items()},
-            "diagnostics": {force: found.to_dict() for force, found in self.diagnostics().items()},
+            "fit": {force: _scores(fitted, self.left_out[force]) for force, fitted in self.scores.items()},
+            "diagnostics": {force: diagnosis.to_dict() for force, diagnosis in self.diagnostics.overall.items()},
             "by_speed": [
-                {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in found.items()}}
-                for speed, found in self.by_speed().items()
+                {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in by_force.items()}}
+                for speed, by_force in self.diagnostics.by_speed.items()
             ],
-            "by_test": {test: {f: dict(d.vif) for f, d in found.items()} for test, found in self.by_test().items()},
+            "by_test": {
+                test: {f: dict(d.vif) for f, d in by_force.items()}
+                for test, by_force in self.diagnostics.by_test.items()
+            },
             "shapley": {kind: self.shapley(kind) for kind in shapley.KINDS},
             "kkt": self.solution.kkt.to_dict(),
             "tradeoffs": [asdict(pair) for pair in self.correlations],
@@ -284,17 +280,6 @@ class Fit:
     def _size(self) -> str:
         rows = count(self.normal_equations.total, self.normal_equations.columns)
         return f"{len(self.normal_equations.names)} tests of {rows} rows"
-
-    def _determined(self, name: str) -> bool:
-        return determined(name, self.terms, self._overall)
-
-    @cached_property
-    def _overall(self) -> dict[str, Diagnosis]:
-        return diagnostics.all_forces(self.normal_equations, self.normal_equations.total, self.terms)
-
-    @cached_property
-    def _by_speed(self) -> dict[float, dict[str, Diagnosis]]:
-        return diagnostics.by_speed(self.normal_equations, self.terms)
 
     @cached_property
     def _deviations(self) -> dict[str, float]:

@@ -127,18 +127,18 @@ def shares(
     """
     if kind not in KINDS:
         raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
-    found, total = {}, equations.total
-    for force, own in terms.forces.items():
-        names = [term.name for term in own]
+    shared, total = {}, equations.total
+    for force, part in terms.forces.items():
+        names = [term.name for term in part]
         values = np.array([coefficients[name] for name in names])
         if not names:
             continue
         gram, cross = equations.pick(total, names), equations.pick(total, names, [force])[:, 0]
         if kind == "mse":
-            part = mse_shares(gram, cross, values)
+            share = mse_shares(gram, cross, values)
         elif kind == "lmg":
-            part = lmg_shares(gram, cross)
+            share = lmg_shares(gram, cross)
         else:
-            part = mean_abs_shares(np.array([deviations()[name] for name in names]), values)
-        found[force] = dict(zip(names, part.tolist(), strict=True))
-    return found
+            share = mean_abs_shares(np.array([deviations()[name] for name in names]), values)
+        shared[force] = dict(zip(names, share.tolist(), strict=True))
+    return shared

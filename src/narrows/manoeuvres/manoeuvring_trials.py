@@ -58,7 +58,7 @@ class Trials:
         return "\n".join(circles + zigzags)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the results by name, as ``manoeuvre --json`` prints them: lengths over the ship's, degrees."""
+        """Give the results by name, as ``trials --json`` prints them: lengths over the ship's, degrees."""
         return {
             "speed": self.speed,
             "turning": self._circles(),

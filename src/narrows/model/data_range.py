@@ -1,6 +1,9 @@
 """What the data behind a model covered, and the one rule of what lies outside of it."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +13,46 @@ Range = tuple[float, float]
 SLACK = 0.01
 """Of the larger end of a range, by which a value may leave it and still count as covered: a depth or a speed is no
 better known."""
+
+
+class Measure(NamedTuple):
+    """How a range is spoken of.
+
+    Parameters
+    ----------
+    words : str
+        What it is.
+    unit : str
+        To print it in; nothing where it has none.
+    scale : float [1]
+        How many of that unit one of its own is.
+    """
+
+    words: str
+    unit: str
+    scale: float = 1.0
+
+    def shown(self, low: float, high: float) -> str:
+        """Return a range in words.
+
+        Parameters
+        ----------
+        low, high : float
+            In its own unit.
+        """
+        ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
+        return " ".join([" to ".join(ends), self.unit]).rstrip()
+
+
+MEASURES = {
+    "speed": Measure("surge velocity", "m/s"),
+    "abs_y": Measure("offset from the centreline", "m"),
+    "abs_psi": Measure("heading", "deg", math.degrees(1.0)),
+    "abs_r": Measure("yaw rate", "deg/s", math.degrees(1.0)),
+    "depth_to_draft": Measure("h/T", ""),
+    "width_to_beam": Measure("W/B", ""),
+}
+"""Every range, as sentences speak of it."""
 
 
 @dataclass(frozen=True)
@@ -52,3 +95,30 @@ class DataRange:
         low, high = getattr(self, name) or (-np.inf, np.inf)
         slack = SLACK * max(abs(low), abs(high))
         return np.logical_or(values < low - slack, values > high + slack)
+
+
+def extrapolation(
+    known: DataRange, asked: Mapping[str, Number], measures: Mapping[str, Measure] = MEASURES, unknown: bool = False
+) -> tuple[str, ...]:
+    """Say in what a question goes beyond the data, a sentence each (ours).
+
+    Parameters
+    ----------
+    known : DataRange
+        What the data covered.
+    asked : mapping of str to number or array
+        What is asked about, by the names of the ranges and in their units.
+    measures : mapping of str to Measure
+        How to speak of them.
+    unknown : bool
+        Whether to name what the data did not say.
+    """
+    sentences = []
+    for name, values in ((name, np.asarray(own, float)) for name, own in asked.items()):
+        covered, own = getattr(known, name), measures[name]
+        if covered is None and unknown:
+            sentences.append(f"Beyond the data, or not: they do not say what {own.words} they covered.")
+        elif np.any(known.outside(name, values)):
+            there = own.shown(float(np.min(values)), float(np.max(values)))
+            sentences.append(f"Beyond the data: {own.words} {there}; they covered {own.shown(*covered)}.")
+    return tuple(sentences)

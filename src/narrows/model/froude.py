@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.model.data_range import DataRange, Range
+from narrows.model.data_range import MEASURES, DataRange, Range
 from narrows.model.model import Model
 from narrows.model.nondimensional import Units, nondimensional
 from narrows.quantities.constants import GRAVITY
-from narrows.quantities.dimensions import KG, KG_M2, METRE, Dimension
+from narrows.quantities.dimensions import dimension_of
+from narrows.quantities.names import PARTICULARS
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 from narrows.terms.about import ScaleEffect
@@ -21,15 +22,6 @@ from narrows.terms.term import Term
 if TYPE_CHECKING:
     import pandas as pd
 
-SHIP = {"length": METRE, "beam": METRE, "draft": METRE, "mass": KG, "inertia": KG_M2, "x_g": METRE}
-ENVELOPE = {
-    "speed": Dimension(0, 1, -1),
-    "abs_y": METRE,
-    "abs_psi": Dimension(),
-    "abs_r": Dimension(0, 0, -1),
-    "depth_to_draft": Dimension(),
-    "width_to_beam": Dimension(),
-}
 LONGEST = 1e4
 """Length [m] that no ship has."""
 
@@ -181,7 +173,8 @@ def scale_model(
     units = Units(ratio**3 * water.density / old.water.density, ratio, ratio**0.5)
     deep = None if old.canal.depth is None else old.canal.depth * ratio
     canal = Canal(old.canal.width * ratio if width is None else width, deep if depth is None else depth)
-    configuration = Configuration(_scaled_ship(old.ship, units), canal, water, **_scaled_actuators(old, ratio))
+    hull = Configuration(_scaled_ship(old.ship, units), canal, water)
+    configuration = hull.with_parts(part.scaled(units.factor) for part in old.parts.values())
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
     notes = (*_scale_notes(model, friction), *_place_notes(model, configuration))
@@ -199,25 +192,13 @@ def scale_model(
 
 
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
-    given = {n: getattr(ship, n) * units.factor(d) for n, d in SHIP.items() if getattr(ship, n) is not None}
-    return replace(ship, **given)
-
-
-def _scaled_actuators(old: Configuration, ratio: float) -> dict[str, Any]:
-    """Gear, propeller and rudder at another size; their fractions stay."""
-    gear, propeller, rudder = old.steering, old.propeller, old.rudder
-    pace = ratio**-0.5
-    return {
-        "steering": gear and replace(gear, rate_deg=gear.rate_deg * pace),
-        "propeller": propeller
-        and replace(propeller, diameter=propeller.diameter * ratio, revolutions=propeller.revolutions * pace),
-        "rudder": rudder and replace(rudder, area=rudder.area * ratio**2),
-    }
+    given = {name: value for name, value in vars(ship).items() if name in PARTICULARS and value is not None}
+    return replace(ship, **{n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in given.items()})
 
 
 def _scaled_range(covered: DataRange, units: Units) -> DataRange:
     def moved(name: str) -> Range | None:
-        pair, factor = getattr(covered, name), units.factor(ENVELOPE[name])
+        pair, factor = getattr(covered, name), units.factor(dimension_of(MEASURES[name].unit))
         return pair and (pair[0] * factor, pair[1] * factor)
 
     return DataRange(**{own.name: moved(own.name) for own in fields(DataRange)})

@@ -12,7 +12,7 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.model.data_range import DataRange
-from narrows.quantities.names import AMIDSHIPS, Number
+from narrows.quantities.names import Number
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.bank_forms import without_bank
@@ -98,25 +98,29 @@ class Model:
         """
         return replace(self, coefficients={**self.coefficients, **values})
 
-    def forces(self, motion: Motion, rudder: Number = 0.0, revolutions: Number | None = None) -> dict[str, Number]:
+    def forces(
+        self, motion: Motion, rudder: Number | None = None, revolutions: Number | None = None, **others: Number
+    ) -> dict[str, Number]:
         """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
 
         Parameters
         ----------
         motion : Motion
             Floats or columns.
-        rudder : number [rad]
-            Its angle, positive where it turns the bow to starboard; floats or columns.
+        rudder : number [rad], optional
+            Its angle, positive where it turns the bow to starboard, floats or columns; amidships unless given.
         revolutions : number [1/s], optional
             Of the propeller; those of the setting unless given.
+        **others : number
+            Positions of other actuators that the terms ask for, by name and in their units; at rest unless given.
 
         Raises
         ------
         InputError
-            Where a term needs a particular that the setting does not give.
+            Where a term needs a particular that the setting does not give, or there is no such actuator.
         """
-        turning = {} if revolutions is None else {"revolutions": revolutions}
-        values = self._values(motion, turning) | {"cos_rudder": np.cos(rudder), "sin_rudder": np.sin(rudder)}
+        asked = {"rudder": rudder, "revolutions": revolutions, **others}
+        values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
@@ -156,8 +160,16 @@ class Model:
             covariance=None if self.covariance is None else self.covariance[np.ix_(place, place)],
         )
 
-    def _values(self, motion: Motion, more: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
-        values = self.configuration.values() | motion.values() | AMIDSHIPS | dict(more)
+    def _values(self, motion: Motion, positions: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
+        values = {**self.configuration.values(), **motion.values()}
+        movers = {own.name: own for own in self.terms.actuators}
+        for name in positions:
+            if name not in movers:
+                hint = did_you_mean(name, movers) if movers else "; leave it out"
+                raise InputError(f"the terms of this model have no actuator {name!r}{hint}")
+        for name, own in movers.items():
+            position = positions.get(name, values.get(name, own.rest))
+            values |= {} if position is None else own.placed(position)
         for name in self.terms.inputs:
             if name not in values:
                 raise InputError(f"the terms of this model need {name}; give it in the ship file")
@@ -166,7 +178,7 @@ class Model:
     @property
     def surge_inertia(self) -> float:
         """What the terms resist a surge acceleration with [kg]."""
-        values = self._values(Motion.at(u=1.0, udot=1.0)) | {"revolutions": 0.0}
+        values = self._values(Motion.at(u=1.0, udot=1.0), {own.name: 0.0 for own in self.terms.actuators})
         still = {**values, "udot": 0.0}
         slopes = ((term.name, term.column(values) - term.column(still)) for term in self.terms.surge)
         return -float(sum(self.coefficients[name] * slope for name, slope in slopes))

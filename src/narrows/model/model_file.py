@@ -12,14 +12,13 @@ from narrows.errors import InputError, did_you_mean
 from narrows.files import write_whole
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model, Source
-from narrows.ship.ship_file import check_table, configuration_from, load_toml
+from narrows.ship.ship_file import actuator_sections, check_table, configuration_from, load_toml
 from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable
 
 PARTS = ("ship", "canal", "water")
-MORE_PARTS = ("steering", "propeller", "rudder")
 REQUIRED = (*PARTS, "terms", "coefficients")
-OPTIONAL = (*MORE_PARTS, "covariance", "data_range", "source")
+OPTIONAL = ("covariance", "data_range", "source")
 
 
 def save_model(model: Model, path: str | Path) -> None:
@@ -112,8 +111,8 @@ def model_named(name: str) -> Model:
 
 def _as_tables(model: Model) -> dict[str, Any]:
     configuration = model.configuration
-    parts = {part: getattr(configuration, part) for part in (*PARTS, *MORE_PARTS)}
-    tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items() if part is not None}
+    parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
+    tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
     lists = {force: [term.name for term in terms] for force, terms in model.terms.forces.items()}
     tables["terms"] = {"table": model.terms.name, **lists}
     tables["coefficients"] = {name: float(model.coefficients[name]) for name in model.terms.names}
@@ -129,16 +128,20 @@ def _without_none(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
+    actuators = terms.actuators if terms else ()
+    parts = (*PARTS, *actuator_sections(actuators))
+    known = (*REQUIRED, *OPTIONAL, *parts)
     for name, table in tables.items():
-        if name not in REQUIRED + OPTIONAL:
-            raise InputError(f"unknown section [{name}]{did_you_mean(name, REQUIRED + OPTIONAL)}")
+        if name not in known:
+            raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")
         check_table(name, table, "its tables")
     for name in REQUIRED:
         if name not in tables:
             raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
     terms = terms or _known_table(str(tables["terms"].get("table", "")))
+    own = {name: table for name, table in tables.items() if name in parts}
     return Model(
-        configuration=configuration_from({p: tables[p] for p in (*PARTS, *MORE_PARTS) if p in tables}, "its setting"),
+        configuration=configuration_from(own, "its setting", actuators),
         terms=terms,
         coefficients=tables["coefficients"],
         covariance=_covariance(tables.get("covariance"), terms),

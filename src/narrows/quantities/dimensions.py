@@ -1,6 +1,10 @@
 """Physical dimensions as exponents of mass, length and time."""
 
+import re
+from functools import cache
 from typing import NamedTuple
+
+from narrows.errors import InputError
 
 
 class Dimension(NamedTuple):
@@ -30,7 +34,6 @@ def _power(name: str, exponent: int) -> str:
 
 
 NUMBER = Dimension()
-METRE = Dimension(0, 1)
 KG = Dimension(1)
 KG_M = Dimension(1, 1)
 KG_M2 = Dimension(1, 2)
@@ -38,3 +41,34 @@ KG_PER_M = Dimension(1, -1)
 KG_PER_S = Dimension(1, 0, -1)
 KG_M_PER_S = Dimension(1, 1, -1)
 KG_M2_PER_S = Dimension(1, 2, -1)
+BASE = {
+    "1": (0, 0, 0), "rad": (0, 0, 0), "deg": (0, 0, 0), "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1),
+    "N": (1, 1, -2),
+}  # fmt: skip
+"""Exponents of what units are written with."""
+
+
+@cache
+def dimension_of(unit: str) -> Dimension:
+    """Return the dimension of a unit as the vocabulary writes it: ``kg m2``, ``rad/s``, ``1`` (ours).
+
+    Parameters
+    ----------
+    unit : str
+        In SI.
+
+    Raises
+    ------
+    InputError
+        Where it is not written so.
+    """
+    above, _, below = unit.partition("/")
+    parts = [(word, 1) for word in above.split()] + [(word, -1) for word in below.split()]
+    total = NUMBER
+    for word, sign in parts:
+        match = re.fullmatch(r"(1|[A-Za-z]+)(\d?)", word)
+        if not match or match[1] not in BASE:
+            raise InputError(f"{unit!r} is no unit here; write one of {', '.join(BASE)}, as in 'kg m2/s'")
+        power = sign * int(match[2] or 1)
+        total = Dimension(*(a + power * b for a, b in zip(total, BASE[match[1]], strict=True)))
+    return total

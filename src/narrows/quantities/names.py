@@ -36,13 +36,6 @@ MOTION = {
     "rdot": Quantity("rad/s2", "yaw acceleration"),
     "heave": Quantity("m", "midship sinkage z, positive down"),
 }
-CONTROLS = {
-    "cos_rudder": Quantity("1", "cosine of the rudder angle"),
-    "sin_rudder": Quantity("1", "sine of the rudder angle, positive where it turns the bow to starboard"),
-    "revolutions": Quantity("1/s", "propeller revolutions n"),
-}
-AMIDSHIPS = {"cos_rudder": 1.0, "sin_rudder": 0.0}
-"""The rudder where nothing is said of it."""
 PARTICULARS = {
     "length": Quantity("m", "length between perpendiculars L"),
     "beam": Quantity("m", "beam B"),
@@ -54,23 +47,6 @@ PARTICULARS = {
     "flow_straightening": Quantity(
         "1", "flow across the rudder over that across the stern, over its flow along, gamma_R"
     ),
-    "propeller_diameter": Quantity("m", "propeller diameter D_P"),
-    "propeller_wake": Quantity("1", "wake fraction at the propeller straight ahead w_P0"),
-    "propeller_thrust_0": Quantity("1", "K_T at no advance k_0"),
-    "propeller_thrust_1": Quantity("1", "slope of K_T by the advance k_1"),
-    "propeller_thrust_2": Quantity("1", "curvature of K_T by the advance k_2"),
-    "propeller_position": Quantity("1", "propeller forward of midship over L, x_P'"),
-    "propeller_wake_rate": Quantity("1", "how soon the wake thins as she turns C_1"),
-    "propeller_wake_starboard": Quantity("1", "inflow turning to starboard over inflow straight C_2"),
-    "propeller_wake_port": Quantity("1", "inflow turning to port over inflow straight C_2"),
-    "rudder_area": Quantity("m2", "rudder area A_R"),
-    "rudder_lift": Quantity("1", "slope of the rudder's lift f_alpha"),
-    "rudder_wake_ratio": Quantity("1", "inflow at the rudder over that at the propeller epsilon"),
-    "rudder_slipstream": Quantity("1", "how far the slipstream is sped up at the rudder kappa"),
-    "rudder_in_slipstream": Quantity("1", "propeller diameter over rudder height eta"),
-    "rudder_position": Quantity("1", "effective place of the rudder over L, l_R'"),
-    "rudder_straightening_starboard": Quantity("1", "flow straightening in a turn to starboard gamma_R"),
-    "rudder_straightening_port": Quantity("1", "flow straightening in a turn to port gamma_R"),
     "width": Quantity("m", "canal width W"),
     "depth": Quantity("m", "water depth h"),
     "density": Quantity("kg/m3", "mass density of the water rho"),
@@ -80,8 +56,8 @@ FORCES = {
     "Y": Quantity("N", "sway force, positive to starboard"),
     "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
 }
-REGRESSOR_INPUTS = MOTION | CONTROLS | PARTICULARS
-"""What the function of a term may ask for."""
+REGRESSOR_INPUTS = MOTION | PARTICULARS
+"""What the function of any term may ask for; actuators bring what is theirs."""
 
 
 def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from narrows.identification import Fit
-from narrows.identification.identifiability.diagnostics import Diagnosis
+from narrows.identification.identifiability.diagnosis import Diagnosis
 from narrows.identification.identifiability.verdict import CONFOUNDED_VIF, VIF_LIMIT
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 from narrows.terms.term import TermTable
@@ -34,7 +34,7 @@ def correlation_figure(fit: Fit) -> Figure:
     fit : Fit
         Whose columns.
     """
-    found = fit.diagnostics()
+    found = fit.diagnostics.overall
     figure, axes = panels(1, len(found), 3.3, width_ratios=[max(4, len(d.names)) for d in found.values()])
     image = None
     for panel, (force, diagnosis) in zip(axes[0], found.items(), strict=True):
@@ -75,9 +75,9 @@ def inflation_figure(fit: Fit) -> Figure:
     names = tuple(term.name for term in (*fit.terms.sway, *fit.terms.yaw))
     figure, axes = panels(1, 1, 3.2)
     panel = axes[0, 0]
-    everywhere = {n: d.vif[n] for d in fit.diagnostics().values() for n in d.names}
+    everywhere = {n: d.vif[n] for d in fit.diagnostics.overall.values() for n in d.names}
     panel.plot(range(len(names)), [_finite(everywhere[n]) for n in names], "k_", markersize=14, label="all rows")
-    for i, (speed, found) in enumerate(fit.by_speed().items()):
+    for i, (speed, found) in enumerate(fit.diagnostics.by_speed.items()):
         own = {n: d.vif[n] for d in found.values() for n in d.names}
         style = {"color": COLOURS[i % 6], "marker": MARKERS[i % 6], "linestyle": "none", "markersize": 5}
         panel.plot(range(len(names)), [_finite(own[n]) for n in names], label=f"{speed:.2f} m/s alone", **style)

@@ -175,7 +175,7 @@ def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
     """Within each test: how the bank's column lies to the column that is most like it."""
     banks_ = [(force, term.name) for force, own in fit.terms.forces.items() for term in own if term.from_bank]
     rows = []
-    for test, found in fit.by_test().items():
+    for test, found in fit.diagnostics.by_test.items():
         for force, name in banks_[:1]:
             partner, alignment = found[force].partner(name)
             vif = found[force].vif[name]

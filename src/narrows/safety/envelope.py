@@ -1,19 +1,21 @@
 """The safe envelope: how fast, and how far off the middle of a canal, a ship is still in hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError
-from narrows.model.data_range import Range
+from narrows.model.data_range import MEASURES, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import Walls, trials
 from narrows.safety.underkeel import Keel, keel_at
+from narrows.ship.actuators import PROPELLER
 
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""
@@ -22,8 +24,8 @@ KEEL_SHARE = 0.05
 OFFSETS, SPEEDS = 25, 15
 SLOWEST, FASTEST = 0.3, 1.05
 """Of the speed that chokes the canal: the range where none is given."""
-SLACK = 1.02
-"""Beyond a range of the data by which a place is outside it."""
+IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
+"""How ranges of the data are spoken of on a bridge."""
 SHIP_LENGTH = 30.0
 """Below this [m] a hull is taken for a model's."""
 SQUARED = (
@@ -170,28 +172,18 @@ def _notes(model: Model, under: Keel, least: float, offsets: np.ndarray, speeds:
     if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:
         notes.append("that gear is a ship's, and this is a model's size: scale the model, or give [steering] its rate")
     held = "the speed is held: what the propeller can give is not asked"
-    turning = "; it turns as the speed asks straight ahead" if "revolutions" in model.terms.inputs else ""
+    turning = "; it turns as the speed asks straight ahead" if PROPELLER in model.terms.actuators else ""
     return (*notes, held + turning)
 
 
-def _beyond(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> list[str]:
-    """Where the question leaves what the tests covered."""
+def _beyond(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
+    """Where the question leaves what the tests covered; a place nearer to the middle than they were is inside."""
     known, configuration = model.data_range, model.configuration
-    deep = configuration.canal.depth and configuration.canal.depth / configuration.ship.draft
-    return [
-        *_outside("speed", known.speed, speeds.min() / KNOT, speeds.max() / KNOT, "knots", 1 / KNOT),
-        *_outside("offset", known.abs_y and (0.0, known.abs_y[1]), 0.0, float(np.abs(offsets).max()), "m", 1.0),
-        *(_outside("h/T", known.depth_to_draft, deep, deep, "", 1.0) if deep else ()),
-        *_outside("W/B", known.width_to_beam, *(2 * (configuration.canal.width / configuration.ship.beam,)), "", 1.0),
-    ]
-
-
-def _outside(name: str, known: Range | None, low: float, high: float, unit: str, scale: float) -> list[str]:
-    if known is None:
-        return [f"beyond the tests, or not: they do not say what {name} they covered"]
-    first, last = (end * scale for end in known)
-    if low * SLACK >= first and high <= last * SLACK:
-        return []
-    asked = f"{high:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
-    covered = f"{first:.3g}" if first == last else f"{first:.3g} to {last:.3g}"
-    return [f"beyond the tests: {name} {asked} {unit}".rstrip() + f", and they covered {covered}"]
+    middle = replace(known, abs_y=known.abs_y and (0.0, known.abs_y[1]))
+    asked = {
+        "speed": speeds,
+        "abs_y": np.abs(offsets).max(),
+        "depth_to_draft": configuration.canal.depth and configuration.canal.depth / configuration.ship.draft,
+        "width_to_beam": configuration.canal.width / configuration.ship.beam,
+    }
+    return extrapolation(middle, {n: own for n, own in asked.items() if own is not None}, IN_KNOTS, unknown=True)

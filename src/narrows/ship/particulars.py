@@ -1,9 +1,12 @@
 """The ship, the canal and the water: frozen, in SI, checked when made."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any
 
-from narrows.ship.actuators import Propeller, Rudder, SteeringGear
+from narrows.errors import InputError
+from narrows.ship.actuator import Part, free
+from narrows.ship.actuators import STANDARD, Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_particulars, flat
 
 
@@ -117,11 +120,13 @@ class Configuration:
         For terms of the MMG standard method.
     rudder : Rudder, optional
         Likewise.
+    others : tuple of Part
+        The sections of actuators of one's own.
 
     Raises
     ------
     InputError
-        Where the ship is wider than the canal or draws more than the depth.
+        Where the ship is wider than the canal or draws more than the depth, or a section is given twice.
     """
 
     ship: Ship
@@ -131,8 +136,13 @@ class Configuration:
     steering: SteeringGear | None = None
     propeller: Propeller | None = None
     rudder: Rudder | None = None
+    others: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
+        sections = [part.SECTION for part in self._given]
+        for name in sections:
+            if sections.count(name) > 1:
+                raise InputError(f"[{name}] is given twice; keep one")
         draft, beam = self.ship.draft, self.ship.beam
         check_particulars({"beam": beam, "draft": draft, "width": self.canal.width, "depth": self.canal.depth})
         for label, depth in self.depths.items():
@@ -143,12 +153,38 @@ class Configuration:
         """What turns the rudder: as given, or as slow as the rules allow."""
         return self.steering or SteeringGear()
 
+    @property
+    def parts(self) -> dict[str, Part]:
+        """What is given of actuators, by its section."""
+        return {part.SECTION: part for part in self._given}
+
+    @property
+    def _given(self) -> tuple[Part, ...]:
+        own = (self.steering, self.propeller, self.rudder, *self.others)
+        return tuple(part for part in own if part is not None)
+
+    def with_parts(self, parts: Iterable[Part]) -> "Configuration":
+        """Return the configuration with some sections of actuators changed.
+
+        Parameters
+        ----------
+        parts : iterable of Part
+            The new sections; those of other names stay.
+        """
+        new = {**self.parts, **{part.SECTION: part for part in parts}}
+        fixed: dict[str, Any] = {own.SECTION: new.pop(own.SECTION, None) for own in (SteeringGear, Propeller, Rudder)}
+        return replace(self, **fixed, others=tuple(new.values()))
+
     def values(self) -> dict[str, float]:
-        """Every particular by its name, as the arguments that terms ask for."""
+        """Every particular by its name, as the arguments that terms ask for.
+
+        Of every actuator also ``<name>_limit`` and ``<name>_rate``, without end where nothing is said of them, and the
+        position that its section gives.
+        """
         plain = (self.ship, self.canal, self.water)
         named = {name: value for part in plain for name, value in asdict(part).items()}
-        for prefix, part in (("propeller", self.propeller), ("rudder", self.rudder)):
-            named |= {f"{prefix}_{name}": value for name, value in (asdict(part) if part else {}).items()}
-        if self.propeller:
-            named["revolutions"] = named.pop("propeller_revolutions")
+        actuated = (self.gear, *self._given)
+        named |= free(own.name for own in STANDARD) | free(part.POSITION for part in actuated)
+        for part in actuated:
+            named |= part.values()
         return {name: value for name, value in named.items() if value is not None}

@@ -1,31 +1,31 @@
 """Ship files: TOML with a section for each part of a configuration."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
 from narrows.errors import InputError, did_you_mean
-from narrows.ship.actuators import Propeller, Rudder, SteeringGear
+from narrows.ship.actuator import Actuator, Part
+from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 
-SECTIONS = {
-    "ship": Ship, "canal": Canal, "water": Water, "steering": SteeringGear, "propeller": Propeller, "rudder": Rudder,
-}  # fmt: skip
-NEEDED = ("ship", "canal", "water")
-"""Sections that are made of their defaults where they are absent."""
+NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
+"""Sections that every file is read for; made of their defaults where they are absent."""
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
 """Keys as earlier files spell them."""
 
 
-def read_ship(path: str | Path) -> Configuration:
-    """Read a ship file: TOML with [ship], [canal], and optionally [water] and [depths].
+def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configuration:
+    """Read a ship file: TOML with [ship], [canal], and optionally [water], [depths] and sections of actuators.
 
     Parameters
     ----------
     path : str or Path
         The file.
+    actuators : iterable of Actuator
+        Of one's own, whose sections the file may have.
 
     Returns
     -------
@@ -37,7 +37,18 @@ def read_ship(path: str | Path) -> Configuration:
     InputError
         Where the file is absent, is not TOML, or a key is missing, unknown or out of range.
     """
-    return configuration_from(load_toml(path), str(path))
+    return configuration_from(load_toml(path), str(path), actuators)
+
+
+def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part]]:
+    """Return what makes each section of a file that belongs to an actuator (ours).
+
+    Parameters
+    ----------
+    actuators : iterable of Actuator
+        Beside those of the package.
+    """
+    return {part.SECTION: part for own in (*STANDARD, *actuators) for part in own.parts}
 
 
 def load_toml(path: str | Path) -> dict[str, Any]:
@@ -61,8 +72,8 @@ def load_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path}: is not valid TOML ({error}); mend it there") from None
 
 
-def configuration_from(tables: Mapping[str, Any], place: str) -> Configuration:
-    """Make a Configuration of the [ship], [canal], [water] and [depths] tables of a file (ours).
+def configuration_from(tables: Mapping[str, Any], place: str, actuators: Iterable[Actuator] = ()) -> Configuration:
+    """Make a Configuration of the [ship], [canal], [water], [depths] and actuators' tables of a file (ours).
 
     Parameters
     ----------
@@ -70,24 +81,24 @@ def configuration_from(tables: Mapping[str, Any], place: str) -> Configuration:
         The parsed file.
     place : str
         The file's name, for messages.
+    actuators : iterable of Actuator
+        Of one's own, whose sections the file may have.
 
     Raises
     ------
     InputError
         Where a key is missing, unknown or out of range.
     """
-    known = {*SECTIONS, "depths"}
+    sections = actuator_sections(actuators)
+    known = {*NEEDED, *sections, "depths"}
     for name, table in tables.items():
         if name not in known:
             raise InputError(f"{place}: unknown section [{name}]{did_you_mean(name, known)}")
         check_table(name, table, place)
     try:
-        parts = {
-            name: _section(cls, name, tables.get(name, {}))
-            for name, cls in SECTIONS.items()
-            if name in {*tables, *NEEDED}
-        }
-        return Configuration(**parts, depths=dict(tables.get("depths", {})))
+        main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
+        parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
+        return Configuration(**main, depths=dict(tables.get("depths", {}))).with_parts(parts)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 

@@ -24,8 +24,6 @@ SPEED_LIMIT, RATE_LIMIT = 100.0, 10.0
 """Surge or sway velocity [m/s] and yaw rate [rad/s] that no ship has."""
 NO_LIMIT = -2.0
 """Cosine that no heading has: in open water none lies across."""
-CELLS_A_LENGTH = 20
-"""Cells of a waterway's table over the length of the ship."""
 
 
 @dataclass(frozen=True)
@@ -93,11 +91,11 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
         Where the ship does not fit it.
     """
     from narrows.waterway.nearest import least_walls
-    from narrows.waterway.table import tabulate
+    from narrows.waterway.table import STEPS_A_BEAM, tabulate
 
     ship = model.configuration.ship
     waterway.check_fits(ship)
-    table = tabulate(waterway, ship.draft, waterway.step or ship.length / CELLS_A_LENGTH)
+    table = tabulate(waterway, ship.draft, waterway.step or ship.beam / STEPS_A_BEAM)
     outline = points_of(ship, contact)
     near = least_walls(table, np.array(outline))
     own_depth = model.configuration.canal.depth or math.nan

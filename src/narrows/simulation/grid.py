@@ -10,7 +10,7 @@ import xarray as xr
 
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
-from narrows.quantities.names import PARTICULARS
+from narrows.ship.actuators import STANDARD, particulars_with
 from narrows.simulation.samples import check_samples, sampled
 from narrows.simulation.variation import check_columns, labelled, sizes_of, tied
 
@@ -129,12 +129,14 @@ def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> 
     InputError
         Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
     """
-    names = {*PARTICULARS, "revolutions"}
+    movers, machinery = model.terms.actuators, particulars_with(model.terms.actuators)
+    names = {*machinery, *(own.name for own in (*STANDARD, *movers))}
     particulars = {name: value for name, value in model.configuration.values().items() if name in names}
     known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
+    words = {*known, *machinery, *(own.name for own in movers)}
     for name in given:
-        if name not in {*known, *PARTICULARS}:
-            raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, {*known, *PARTICULARS})}")
+        if name not in words:
+            raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
     check_samples(samples, seed)
     columns = tied(model.terms, {name: labelled(name, value) for name, value in given.items()})
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}

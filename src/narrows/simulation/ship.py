@@ -5,14 +5,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
-import numpy as np
-
 from narrows.codegen.choices import Actuated, Choices, Law, Pushed
 from narrows.codegen.shapes import OPEN, Outline, checked_shape
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
+from narrows.ship.actuators import PROPELLER, RUDDER
 from narrows.simulation.channel import check_outline
 from narrows.terms.term import TermTable
 
@@ -56,7 +55,7 @@ class SimulatedShip:
             raise InputError(f"surge {self.surge!r} is unknown; it is 'held' or 'free'")
         if self.shape == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
-        if "revolutions" in self.model.terms.inputs and self.model.configuration.propeller is None:
+        if PROPELLER in self.model.terms.actuators and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
         if self.surge == "free" and not self.values()["surge_inertia"] + self.model.surge_inertia > 0:
             raise InputError(
@@ -80,9 +79,7 @@ class SimulatedShip:
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:
         """What the terms ask for that can be moved."""
-        asked = self.model.terms.inputs
-        known = (Actuated("rudder", True), Actuated("revolutions", False))
-        return tuple(own for own in known if (f"sin_{own.name}" if own.angle else own.name) in asked)
+        return tuple(Actuated(own.name, own.angle) for own in self.model.terms.actuators)
 
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
         """Return the traced system, shared by all ships with the same terms.
@@ -109,13 +106,9 @@ class SimulatedShip:
         """
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
-        gear = self.model.configuration.gear
-        limits = {
-            "rudder_limit": gear.limit, "rudder_rate": gear.rate, "revolutions_limit": np.inf,
-            "revolutions_rate": np.inf,
-        }  # fmt: skip
-        ship = {**self.model.configuration.values(), **self.model.coefficients}
-        return {**limits, **ship, **angle_controls("rudder", rudder), "heave": 0.0, "surge_inertia": added}
+        rest = {name: at for own in self.model.terms.actuators for name, at in own.at_rest().items()}
+        ship = {**rest, **self.model.configuration.values(), **self.model.coefficients}
+        return {**ship, **RUDDER.placed(rudder), "heave": 0.0, "surge_inertia": added}
 
     def with_model(self, model: Model) -> "SimulatedShip":
         """Return another model under the same choices.
@@ -130,19 +123,6 @@ class SimulatedShip:
     def __getstate__(self) -> Mapping[str, Any]:
         # Workers trace for themselves, or find it in the cache.
         return {name: value for name, value in self.__dict__.items() if name not in ("shape", "actuators")}
-
-
-def angle_controls(name: str, position: Number) -> dict[str, Number]:
-    """Return the angle of an actuator as the equations ask for it (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the actuator.
-    position : number [rad]
-        Its angle.
-    """
-    return {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
 
 
 @lru_cache(maxsize=64)

@@ -2,14 +2,7 @@
 
 import numpy as np
 
-from narrows.model.data_range import DataRange, Range
-
-WORDS = {
-    "speed": ("surge velocity", "m/s", 1.0),
-    "abs_y": ("offset from the centreline", "m", 1.0),
-    "abs_psi": ("heading", "deg", 180 / np.pi),
-    "abs_r": ("yaw rate", "deg/s", 180 / np.pi),
-}
+from narrows.model.data_range import MEASURES, DataRange
 
 
 def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
@@ -28,22 +21,14 @@ def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[s
         "abs_psi": np.abs(columns["psi"]),
         "abs_r": np.abs(columns["r"]),
     }
-    found = [_sentence(name, getattr(known, name), seen[name], columns["t"]) for name in seen]
+    found = [_sentence(name, known, seen[name], columns["t"]) for name in seen]
     return tuple(sentence for sentence in found if sentence)
 
 
-def _sentence(name: str, covered: Range | None, values: np.ndarray, t: np.ndarray) -> str:
-    if covered is None:
-        return ""
-    # A voyage at the very speed of the tests is inside, whatever rounding makes of it.
-    slack = 1e-6 * max(abs(covered[0]), abs(covered[1]))
-    outside = (values < covered[0] - slack) | (values > covered[1] + slack)
+def _sentence(name: str, known: DataRange, values: np.ndarray, t: np.ndarray) -> str:
+    outside = known.outside(name, values)
     if not outside.any():
         return ""
-    word, unit, scale = WORDS[name]
-    first = int(np.argmax(outside))
-    low, high = (scale * end for end in covered)
-    return (
-        f"From {t[first]:.2f} s her {word} of {scale * values[first]:.3g} {unit} is outside the data "
-        f"({low:.3g} to {high:.3g} {unit})."
-    )
+    own, first = MEASURES[name], int(np.argmax(outside))
+    there, covered = own.shown(values[first], values[first]), own.shown(*getattr(known, name))
+    return f"From {t[first]:.2f} s its {own.words} of {there} is outside the data ({covered})."

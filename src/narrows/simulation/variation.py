@@ -8,13 +8,15 @@ import xarray as xr
 
 from narrows.errors import InputError, reason, shown
 from narrows.model.model import Model
-from narrows.quantities.names import PARTICULARS
+from narrows.ship.actuators import PROPELLER, particulars_with
 from narrows.ship.checks import Rule, check_number, check_particulars, check_rule, place_of
 from narrows.terms.term import Term, TermTable
 
 Columns = Mapping[str, xr.DataArray]
 TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
 """Names of what comes out."""
+CHECKED = {*particulars_with(), PROPELLER.name}
+"""What a ship file gives and the rules of ship files hold."""
 
 
 def labelled(name: str, value: Any) -> xr.DataArray:
@@ -41,7 +43,7 @@ def labelled(name: str, value: Any) -> xr.DataArray:
         if not isinstance(dimension, str) or dimension in TAKEN or array.dims.count(dimension) > 1:
             raise InputError(f"{name} has a dimension {shown(dimension)}, which cannot be one; name it otherwise")
     array = array.astype(float)
-    check_number(place_of(name) if name in (*PARTICULARS, "revolutions") else name, array)
+    check_number(place_of(name) if name in CHECKED else name, array)
     return array
 
 
@@ -133,7 +135,8 @@ def check_columns(model: Model, values: Columns, given: Columns) -> None:
     InputError
         Names the first value that is wrong, and where it is.
     """
-    check_particulars({name: value for name, value in values.items() if name in (*PARTICULARS, "revolutions")})
+    checked = {*CHECKED, *particulars_with(model.terms.actuators)}
+    check_particulars({name: value for name, value in values.items() if name in checked})
     for term in model.terms.terms:
         if term.name in given:
             _check_bound(term, given[term.name])

@@ -6,7 +6,9 @@ from functools import cached_property
 
 from narrows.errors import InputError, did_you_mean
 from narrows.quantities.dimensions import Dimension
-from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, asked_by
+from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
+from narrows.ship.actuator import Actuator
+from narrows.ship.actuators import STANDARD
 from narrows.terms.about import DepthLaw, ScaleEffect, TermKind
 
 Bound = tuple[float, float]
@@ -43,6 +45,8 @@ class Term:
         How the coefficient grows over deep water, where a law for it is known.
     scale_effect : ScaleEffect, optional
         What of the coefficient does not follow Froude's law.
+    actuator : Actuator, optional
+        One of your own, whose quantities the regressor asks for beside those of the vocabulary.
 
     Raises
     ------
@@ -60,11 +64,12 @@ class Term:
     source: str = ""
     depth_law: DepthLaw | None = None
     scale_effect: ScaleEffect | None = None
+    actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
         for word in self.inputs:
-            if word not in REGRESSOR_INPUTS:
-                hint = did_you_mean(word, REGRESSOR_INPUTS)
+            if word not in self._vocabulary:
+                hint = did_you_mean(word, self._vocabulary)
                 raise InputError(f"term {self.name}: its regressor asks for an unknown {word!r}{hint}")
         if BANKS in self.inputs and not self.from_bank:
             raise InputError(f"term {self.name}: it asks for the canal's {BANKS}; give it kind=TermKind.BANK")
@@ -73,6 +78,24 @@ class Term:
     def inputs(self) -> tuple[str, ...]:
         """The quantities that the regressor asks for."""
         return asked_by(self.regressor)
+
+    @property
+    def _known(self) -> tuple[Actuator, ...]:
+        return STANDARD if self.actuator is None else (*STANDARD, self.actuator)
+
+    @property
+    def _vocabulary(self) -> dict[str, Quantity]:
+        return {**REGRESSOR_INPUTS, **{word: own for one in self._known for word, own in one.quantities.items()}}
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """Unit and meaning of what the regressor asks for."""
+        return {word: self._vocabulary[word] for word in self.inputs}
+
+    @cached_property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """The actuators whose quantities the regressor asks for."""
+        return tuple(one for one in self._known if not set(self.inputs).isdisjoint(one.quantities))
 
     @property
     def from_bank(self) -> bool:
@@ -113,7 +136,8 @@ class TermTable:
     Raises
     ------
     InputError
-        Where there are no terms, two share a name, one is called as a force is, or a tie names no term.
+        Where there are no terms, two terms or two actuators share a name, a term is called as a force is, or a tie
+        names no term.
     """
 
     name: str
@@ -132,6 +156,10 @@ class TermTable:
                 raise InputError(f"table {self.name}: {name!r} is a force; call the coefficient otherwise")
             if names.count(name) > 1:
                 raise InputError(f"table {self.name}: two terms are called {name!r}; rename one")
+        movers = [own.name for own in self.actuators]
+        for name in movers:
+            if movers.count(name) > 1:
+                raise InputError(f"table {self.name}: two actuators are called {name!r}; rename one")
         for name in (name for tie in self.ties for name in tie):
             if name not in names:
                 raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")
@@ -155,6 +183,19 @@ class TermTable:
     def inputs(self) -> tuple[str, ...]:
         """The quantities that the terms ask for between them."""
         return tuple(dict.fromkeys(word for term in self.terms for word in term.inputs))
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """Unit and meaning of what the terms ask for between them, in the order of the vocabulary."""
+        asked = {word: own for term in self.terms for word, own in term.quantities.items()}
+        movers = [word for own in self.actuators for word in own.quantities]
+        return {word: asked[word] for word in (*REGRESSOR_INPUTS, *movers) if word in asked}
+
+    @cached_property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """The actuators that the terms ask for: those of the package first, then others as the terms name them."""
+        asked = dict.fromkeys(own for term in self.terms for own in term.actuators)
+        return (*(own for own in STANDARD if own in asked), *(own for own in asked if own not in STANDARD))
 
     @property
     def feels_bank(self) -> bool:

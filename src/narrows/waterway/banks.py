@@ -8,7 +8,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.ship.cross_section import Point, equivalent_wall, keel_wall
 from narrows.waterway.bank_line import BankLine
-from narrows.waterway.centreline import Centreline
+from narrows.waterway.centreline import FARTHEST, Centreline
 
 Wall = Callable[[Sequence[Point], float], float]
 FAR = 1e4
@@ -37,7 +37,7 @@ class Bank:
     Raises
     ------
     InputError
-        Where the bank crosses the line or its places do not rise, with the place.
+        Where the bank crosses the line, is farther off than any, or its places do not rise; where its profile is none.
     """
 
     side: str
@@ -51,10 +51,14 @@ class Bank:
         if wrong.any():
             place = float(self.s[int(wrong.argmax())])
             raise InputError(f"the {self.side} bank crosses the centreline at {place:.0f} m along it; mend it there")
+        if not np.max(self.distance) < FARTHEST:
+            raise InputError(f"the {self.side} bank is {np.max(self.distance):g} m off, farther than any; give metres")
         back = np.diff(self.s) <= 0
         if back.any():
             place = float(self.s[int(back.argmax())])
             raise InputError(f"the {self.side} bank doubles back at {place:.0f} m along the centreline; mend it there")
+        if self.profile:
+            _check_profile(self.profile, self.side)
 
     def wall(self, s: np.ndarray | float, depth: np.ndarray | float) -> np.ndarray:
         """Return how far off a vertical wall is that leaves the same section of water [m].
@@ -101,6 +105,29 @@ class Bank:
         if self.drawn is not None:
             return self.drawn.distance(s)
         return np.asarray(np.interp(s, self.s, self.distance))
+
+
+def _check_profile(profile: tuple[Point, ...], side: str) -> None:
+    try:
+        points = np.array(profile, float)
+    except (TypeError, ValueError, OverflowError):
+        points = np.empty(0)
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it")
+    if len(points) < 2:
+        raise InputError(f"the profile of the {side} bank has one point; give it two points or more")
+    wrong = ~((np.abs(points[:, 0]) < FAR) & (points[:, 1] >= 0) & (points[:, 1] < FAR))
+    if wrong.any():
+        out, up = points[int(wrong.argmax())]
+        raise InputError(
+            f"the profile of the {side} bank has the point {out:g}, {up:g}: give metres, none below the bottom"
+        )
+    back = np.diff(points[:, 0]) < 0
+    if back.any():
+        place = points[int(back.argmax()), 0]
+        raise InputError(
+            f"the profile of the {side} bank turns back at {place:g} m; give its points outward from the toe"
+        )
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:

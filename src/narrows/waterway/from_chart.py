@@ -6,7 +6,7 @@ from narrows.errors import InputError
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.chart import Chart
-from narrows.waterway.geojson import projected
+from narrows.waterway.projection import origin_of, projected
 from narrows.waterway.waterway import Waterway
 
 STATIONS = 400
@@ -44,7 +44,7 @@ def waterway_from_chart(
 
     if not (0 < reach < MOST and (spacing is None or 0 < spacing < MOST)):
         raise InputError(f"a reach of {reach} m and a spacing of {spacing} m: give lengths over 0")
-    origin = np.mean(centreline, axis=0)
+    origin = origin_of(centreline)
     line = Centreline(projected(centreline, origin))
     count = STATIONS if spacing is None else max(2, round(line.length / spacing))
     s = np.linspace(0, line.length, count + 1)

@@ -11,6 +11,10 @@ from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
 
 STATIONS = 2000
+DEEPEST = 12_000.0
+"""More than any sea's depth [m]."""
+FASTEST = 100.0
+"""More than any current [m/s]."""
 
 
 class Section(NamedTuple):
@@ -55,7 +59,7 @@ class Waterway:
     origin : pair of float [deg], optional
         Longitude and latitude of east 0, north 0.
     step : float [m], optional
-        Between the nodes of the table that simulation looks up, straight between them; a twentieth of the ship's length
+        Between the nodes of the table that simulation looks up, straight between them; a quarter of the ship's beam
         unless given, which finds a contact to less than a hundredth of the beam.
 
     Raises
@@ -76,16 +80,18 @@ class Waterway:
     step: float | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.current) and np.isfinite(self.level)):
-            raise InputError(f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers")
+        if not (abs(self.current) < FASTEST and abs(self.level) < DEEPEST):
+            raise InputError(
+                f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers of a waterway"
+            )
         if self.depths is None and (self.starboard.profile or self.port.profile):
             raise InputError(f"{self.name}: a bank with a profile needs depths of the water; give them")
         s = np.linspace(0, self.line.length, STATIONS)
         bend = self.line.curvature(s)
         reach = np.where(bend > 0, self.starboard.at(s), self.port.at(s))
-        sharp = np.abs(bend) * reach >= 1
-        if sharp.any():
-            place, radius = s[int(sharp.argmax())], 1 / np.abs(bend).max()
+        sharpest = int((np.abs(bend) * reach).argmax())
+        if abs(bend[sharpest]) * reach[sharpest] >= 1:
+            place, radius = s[sharpest], 1 / abs(bend[sharpest])
             raise InputError(
                 f"{self.name}: at {place:.0f} m along it the centreline bends with a radius of {radius:.0f} m, inside "
                 "its own bank; give more points there, or smoother ones"
@@ -97,6 +103,8 @@ class Waterway:
                 place = float(np.asarray(self.depths[0])[int(hole.argmax())])
                 remedy = "fill the hole in the depths" if not self.level else f"raise the level of {self.level:g} m"
                 raise InputError(f"{self.name}: no depth of water at {place:.0f} m along it; {remedy}")
+            if wet.max() > DEEPEST:
+                raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is in no sea; give it in metres")
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.

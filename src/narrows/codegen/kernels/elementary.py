@@ -10,6 +10,22 @@ SINE_TERMS = 11
 ANGLE_TERMS = 12
 """Of the polynomial for arctan t/t up to an eighth of half a turn."""
 
+HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
+from math import cos, hypot, inf, nan, sin, sqrt
+
+from collections.abc import Sequence
+from typing import Any
+
+import numba
+import numpy as np
+from numpy import {precision} as real
+
+FAST = {{"nsz", "contract"}}  # fused multiply-add, nothing that reorders: the mirrored voyage is the mirror to the bit
+jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, forceinline=True)
+called = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
+cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
+'''
+
 SIMPLE = """
 @jit
 def minimum(a, b):

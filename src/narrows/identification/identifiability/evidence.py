@@ -2,18 +2,15 @@
 
 from collections.abc import Collection, Mapping
 
-from narrows.identification.identifiability.diagnostics import Diagnosis, all_forces, determined
+from narrows.identification.identifiability.diagnostics import Diagnostics
 from narrows.identification.identifiability.verdict import WEAK, Evidence, Verdict, judge
-from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.uncertainty.clusters import Clusters
-from narrows.terms.term import Term, TermTable
+from narrows.terms.term import Term
 
 
 def verdicts(
-    terms: TermTable,
-    equations: NormalEquations,
+    diagnostics: Diagnostics,
     clusters: Clusters,
-    by_speed: Mapping[float, Mapping[str, Diagnosis]],
     intervals: Mapping[str, tuple[float, float]],
     at_bound: Collection[str],
 ) -> dict[str, Verdict]:
@@ -21,31 +18,26 @@ def verdicts(
 
     Parameters
     ----------
-    terms : TermTable
-        The terms.
-    equations : NormalEquations
-        The sums.
+    diagnostics : Diagnostics
+        Of the columns.
     clusters : Clusters
         Rows that are left out together.
-    by_speed : mapping of float [m/s] to mapping of str to Diagnosis
-        Of each force's columns at each speed.
     intervals : mapping of str to pair of float
         95 % confidence interval of each coefficient.
     at_bound : collection of str
         Coefficients that the fit pressed against a bound.
     """
-    overall = all_forces(equations, equations.total, terms)
-    rests = [all_forces(equations, rest, terms) for rest in clusters.without]
+    rests = {label: diagnostics.over(rest) for label, rest in zip(clusters.labels, clusters.without, strict=True)}
 
     def verdict(force: str, term: Term) -> Verdict:
-        known = determined(term.name, terms, overall)
-        pairs = zip(clusters.labels, rests, strict=True)
-        pinned = tuple(label for label, rest in pairs if not determined(term.name, terms, rest)) if known else ()
-        speeds = {speed: found[force] for speed, found in by_speed.items()}
-        evidence = Evidence(overall[force], speeds, intervals[term.name], term.name in at_bound, pinned)
+        known = diagnostics.determined(term.name)
+        pinned = [label for label, rest in rests.items() if known and not diagnostics.determined(term.name, rest)]
+        speeds = {speed: by_force[force] for speed, by_force in diagnostics.by_speed.items()}
+        overall, pressed = diagnostics.overall[force], term.name in at_bound
+        evidence = Evidence(overall, speeds, intervals[term.name], pressed, tuple(pinned))
         return _with_ties(judge(term, evidence), known)
 
-    return {term.name: verdict(force, term) for force, own in terms.forces.items() for term in own}
+    return {term.name: verdict(force, term) for force, part in diagnostics.terms.forces.items() for term in part}
 
 
 def _with_ties(verdict: Verdict, known: bool) -> Verdict:

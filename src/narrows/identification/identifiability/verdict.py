@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.identifiability.diagnostics import INVOLVED, Diagnosis
+from narrows.identification.identifiability.diagnosis import INVOLVED, Diagnosis
 from narrows.terms.term import Term
 
 VIF_LIMIT = 10.0

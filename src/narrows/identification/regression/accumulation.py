@@ -82,8 +82,8 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalE
             way[test, piece] += float(speed[start:stop].sum())
         data_range = _joined(data_range, _covered(block))
     if not sums:
-        place = tests.source.table or tests.source.text
-        raise InputError(f"{place}: no rows are left; give more, or another selection")
+        source = tests.source.table or tests.source.text
+        raise InputError(f"{source}: no rows are left; give more, or another selection")
     speeds = [way[key] / total[-1, -1] for key, total in sums.items()]
     stacked = np.stack(list(sums.values()))
     equations = NormalEquations(matrix.columns, stacked, tuple(test for test, _ in sums), np.array(speeds))

@@ -40,10 +40,10 @@ def _chunk(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -
     z = np.empty_like(g)
     left = np.arange(len(g))
     for _ in range(ROUNDS):
-        own = _with_held(h[left], g[left], held[left], lower, upper)
-        z[left] = own
-        push = g[left] - np.einsum("nij,nj->ni", h[left], own)
-        after = _held(own, push, held[left], lower, upper)
+        best = _with_held(h[left], g[left], held[left], lower, upper)
+        z[left] = best
+        push = g[left] - np.einsum("nij,nj->ni", h[left], best)
+        after = _held(best, push, held[left], lower, upper)
         changed = (after != held[left]).any(axis=1)
         held[left] = after
         left = left[changed]

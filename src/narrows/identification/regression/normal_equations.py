@@ -62,7 +62,7 @@ class NormalEquations:
         name : str
             The test.
         """
-        return np.asarray(self.sums[[own == name for own in self.tests]].sum(axis=0))
+        return np.asarray(self.sums[[test == name for test in self.tests]].sum(axis=0))
 
     def by_test(self) -> np.ndarray:
         """Return the sums over each test, (tests, m, m)."""

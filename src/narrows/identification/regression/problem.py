@@ -54,13 +54,13 @@ class Problem:
             if not terms:
                 continue
             columns = np.array([self.columns[term.name] for term in terms])
-            place = np.array([self.slot[term.name] for term in terms])
-            weight = self.weights[force] / self.scale[place]
+            slots = np.array([self.slot[term.name] for term in terms])
+            weight = self.weights[force] / self.scale[slots]
             part = sums[..., columns[:, None], columns[None, :]]
             # Two coefficients of one force may share a parameter, so add entry by entry.
-            for i, row in enumerate(place):
+            for i, row in enumerate(slots):
                 g[..., row] += sums[..., columns[i], self.columns[force]] * weight[i]
-                for j, column in enumerate(place):
+                for j, column in enumerate(slots):
                     h[..., row, column] += part[..., i, j] * weight[i] / self.scale[column]
         return h, g
 
@@ -109,8 +109,8 @@ def reduced(equations: NormalEquations, terms: TermTable, weights: str = "paper"
     by_force = {f: _weight(equations, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
     size = max(slot.values()) + 1
     square, lower, upper = np.zeros(size), np.full(size, -np.inf), np.full(size, np.inf)
-    for force, own in terms.forces.items():
-        for term in own:
+    for force, part in terms.forces.items():
+        for term in part:
             i, j = slot[term.name], equations.columns[term.name]
             square[i] += by_force[force] * total[j, j]
             lower[i], upper[i] = max(lower[i], term.bound[0]), min(upper[i], term.bound[1])
@@ -132,13 +132,13 @@ def slots(terms: TermTable) -> dict[str, int]:
     leader = {name: name for name in terms.names}
     for first, second in terms.ties:
         old, new = leader[second], leader[first]
-        leader = {name: new if own == old else own for name, own in leader.items()}
+        leader = {name: new if head == old else head for name, head in leader.items()}
     order = list(dict.fromkeys(leader.values()))
-    return {name: order.index(own) for name, own in leader.items()}
+    return {name: order.index(head) for name, head in leader.items()}
 
 
 def _weight(equations: NormalEquations, total: np.ndarray, force: str) -> float:
-    one, own = equations.columns[ONE], equations.columns[force]
+    one, column = equations.columns[ONE], equations.columns[force]
     rows = total[one, one]
-    variance = total[own, own] / rows - (total[one, own] / rows) ** 2
+    variance = total[column, column] / rows - (total[one, column] / rows) ** 2
     return float(1 / variance) if variance > 0 else 1.0

@@ -44,8 +44,8 @@ def squared_error(
     """
     names = [term.name for term in terms]
     gram, cross = equations.pick(sums, names), equations.pick(sums, names, [force])[:, 0]
-    own = equations.pick(sums, [force])[0, 0]
-    return max(float(own - 2 * values @ cross + values @ gram @ values), 0.0)
+    square = equations.pick(sums, [force])[0, 0]
+    return max(float(square - 2 * values @ cross + values @ gram @ values), 0.0)
 
 
 def score(
@@ -65,9 +65,9 @@ def score(
         Their values.
     """
     errors = {
-        force: squared_error(equations, sums, own, np.array([coefficients[t.name] for t in own]), force)
-        for force, own in terms.forces.items()
-        if own
+        force: squared_error(equations, sums, part, np.array([coefficients[t.name] for t in part]), force)
+        for force, part in terms.forces.items()
+        if part
     }
     return scores_of(equations, sums, errors)
 
@@ -88,7 +88,7 @@ def scores_of(equations: NormalEquations, sums: np.ndarray, errors: Mapping[str,
     rows = sums[one, one]
     scores = {}
     for force, error in errors.items():
-        own = equations.columns[force]
-        spread = sums[own, own] - sums[one, own] ** 2 / rows
+        column = equations.columns[force]
+        spread = sums[column, column] - sums[one, column] ** 2 / rows
         scores[force] = Score(float(1 - error / spread) if spread > 0 else float("nan"), float(np.sqrt(error / rows)))
     return scores

@@ -79,9 +79,9 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
         z = np.linalg.lstsq(factor, target, rcond=None)[0]
     else:
         with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked below.
-            found = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14)
+            optimum = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14)
         # Its last step to a bound may stop a rounding short of it: what it holds there is put there.
-        z = np.select([found.active_mask < 0, found.active_mask > 0], [lower, upper], found.x)
+        z = np.select([optimum.active_mask < 0, optimum.active_mask > 0], [lower, upper], optimum.x)
     at_bound = (z <= lower) | (z >= upper)
     z = _polished(h, g, np.clip(z, lower, upper), at_bound, lower, upper)
     z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))

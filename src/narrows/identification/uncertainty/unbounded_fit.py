@@ -93,16 +93,16 @@ def clustered_fit(problem: Problem, clusters: Clusters, held: np.ndarray | None 
     h, g = problem.normal(np.concatenate([clusters.sums.sum(axis=0)[None], clusters.without]))
     counts, excess = leverage(h, problem.normal(clusters.sums)[0])
     slots = [problem.slot[name] for name in problem.terms.names]
-    wanted = None if held is None else np.isin(np.arange(len(problem.scale)), np.array(slots)[held])
+    chosen = None if held is None else np.isin(np.arange(len(problem.scale)), np.array(slots)[held])
     lower, upper = np.full(len(problem.scale), -np.inf), np.full(len(problem.scale), np.inf)
     values, std = np.zeros(len(lower)), np.zeros(len(lower))
     now = np.zeros(len(lower), bool)
     while True:
         z = solve_many(h, g, lower, upper)
         covariance = jackknife(z[0], z[1:]) / np.sqrt(np.outer(excess, excess))
-        own = np.sqrt(np.diag(covariance))
-        values[~now], std[~now] = z[0][~now], own[~now]
-        more = _rejected(problem, z[0], own * t_quantile(counts), now, h[0]) if wanted is None else wanted & ~now
+        error = np.sqrt(np.diag(covariance))
+        values[~now], std[~now] = z[0][~now], error[~now]
+        more = _rejected(problem, z[0], error * t_quantile(counts), now, h[0]) if chosen is None else chosen & ~now
         if not more.any():
             break
         now |= more

@@ -1,0 +1,150 @@
+"""What the columns themselves say, before any force is looked at: rank, condition, VIF, correlation."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from narrows.identification.regression.normal_equations import ONE, NormalEquations
+from narrows.identification.regression.solve import RANK_TOLERANCE
+from narrows.terms.term import Term
+
+INVOLVED = 1e-3
+"""A column takes part in a direction of unit length where its share is larger than this."""
+PARTNER_SHARE, MOST_PARTNERS = 0.5, 2
+"""Of the columns that stand in for another: those with at least this part of the largest share, and how many."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The columns of one force over some rows.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The coefficients.
+    rank : int
+        Number of directions with data.
+    condition : float [1]
+        Of the matrix with columns scaled to one; infinite where the rank is short.
+    vif : mapping of str to float [1]
+        Variance inflation, 1/(1 - R2) of a column on the others, without intercept as the model has none;
+        infinite where the column is a combination of others, NaN where it is zero.
+    correlation : array (n, n)
+        Of the columns; NaN where one does not vary.
+    alignment : array (n, n)
+        Cosine between the columns, which is what a model without intercept feels; NaN where one is zero.
+    empty : tuple of str
+        Coefficients whose column is zero.
+    missing : array (k, n)
+        Directions without data, of unit length, among the columns that are not zero, each scaled to one.
+    """
+
+    names: tuple[str, ...]
+    rank: int
+    condition: float
+    vif: Mapping[str, float]
+    correlation: np.ndarray
+    alignment: np.ndarray
+    empty: tuple[str, ...]
+    missing: np.ndarray
+
+    def partner(self, name: str) -> tuple[str, float]:
+        """Return the coefficient whose column is most like this one's, and their alignment [1].
+
+        Parameters
+        ----------
+        name : str
+            A coefficient.
+        """
+        index = self.names.index(name)
+        row = np.nan_to_num(self.alignment[index])
+        row[index] = 0.0
+        most = int(np.abs(row).argmax())
+        return self.names[most], float(row[most])
+
+    def partners(self, name: str) -> tuple[str, ...]:
+        """Return the coefficients whose columns between them stand in for this one's, the largest share first.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient.
+        """
+        live = [i for i, other in enumerate(self.names) if other not in self.empty]
+        index = live.index(self.names.index(name))
+        inverse = np.linalg.pinv(self.alignment[np.ix_(live, live)], rcond=RANK_TOLERANCE**2, hermitian=True)
+        share = np.abs(inverse[index])
+        share[index] = 0.0
+        order = [i for i in np.argsort(-share) if share[i] >= PARTNER_SHARE * share.max() > 0]
+        return tuple(self.names[live[i]] for i in order[:MOST_PARTNERS])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give rank, number of columns, condition and variance inflations."""
+        return {
+            "rank": self.rank,
+            "columns": len(self.names),
+            "condition": self.condition,
+            "vif": dict(self.vif),
+        }
+
+
+def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
+    """Diagnose the columns of one force over the rows behind some sums.
+
+    Parameters
+    ----------
+    equations : NormalEquations
+        For its columns.
+    sums : array (m, m)
+        The rows.
+    terms : tuple of Term
+        The force's terms.
+    """
+    names = tuple(term.name for term in terms)
+    gram = equations.pick(sums, list(names))
+    norm = np.sqrt(np.diag(gram))
+    live = norm > 0
+    lengths = np.where(live, norm, np.nan)
+    alignment = gram / np.outer(lengths, lengths)
+    values, vectors = np.linalg.eigh(alignment[np.ix_(live, live)])
+    singular = np.sqrt(np.maximum(values, 0.0))
+    kept = singular > RANK_TOLERANCE * singular.max(initial=1e-300)
+    rank = int(kept.sum())
+    full = rank == len(names)
+    return Diagnosis(
+        names,
+        rank,
+        float(singular[-1] / singular[0]) if full else float("inf"),
+        dict(zip(names, _vif(values, vectors, kept, live).tolist(), strict=True)),
+        _correlation(equations, sums, names),
+        alignment,
+        tuple(name for name, alive in zip(names, live, strict=True) if not alive),
+        _spread(vectors[:, ~kept].T, live),
+    )
+
+
+def _vif(values: np.ndarray, vectors: np.ndarray, kept: np.ndarray, live: np.ndarray) -> np.ndarray:
+    inflation = (vectors[:, kept] ** 2 / values[kept]).sum(axis=1)
+    inflation[(np.abs(vectors[:, ~kept]) > INVOLVED).any(axis=1)] = np.inf
+    result = np.full(len(live), np.nan)
+    result[live] = np.maximum(inflation, 1.0)
+    return result
+
+
+def _spread(directions: np.ndarray, live: np.ndarray) -> np.ndarray:
+    wide = np.zeros((len(directions), len(live)))
+    wide[:, live] = directions
+    return wide
+
+
+def _correlation(equations: NormalEquations, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    rows = equations.pick(sums, [ONE])[0, 0]
+    mean = equations.pick(sums, list(names), [ONE])[:, 0] / rows
+    gram = equations.pick(sums, list(names)) / rows
+    covariance = gram - np.outer(mean, mean)
+    variance = np.diag(covariance)
+    # What is left of a constant column is rounding.
+    spread = np.sqrt(np.where(variance > 1e-12 * np.diag(gram), variance, np.nan))
+    return np.asarray(np.clip(covariance / np.outer(spread, spread), -1.0, 1.0))

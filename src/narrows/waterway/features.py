@@ -1,0 +1,187 @@
+"""What a GeoJSON file of a waterway has: its lines with their roles and properties, or one sentence why not."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from narrows.errors import InputError, shown
+from narrows.files import reading
+from narrows.ship.cross_section import Point
+
+KNOWN_CRS = ("CRS84", "4326")
+
+
+class Feature(NamedTuple):
+    """A feature of a collection.
+
+    Parameters
+    ----------
+    properties : mapping
+        As given.
+    geometry : mapping
+        As given.
+    """
+
+    properties: Mapping[str, Any]
+    geometry: Mapping[str, Any]
+
+    @property
+    def role(self) -> str | None:
+        """What it says that it is."""
+        role = self.properties.get("role")
+        return role if isinstance(role, str) else None
+
+
+def read_features(path: Path) -> list[Feature]:
+    """Return the features of a collection in WGS84.
+
+    Parameters
+    ----------
+    path : Path
+        GeoJSON.
+
+    Raises
+    ------
+    InputError
+        Where the file is no such collection.
+    """
+    with reading(path, "JSON"):
+        found = json.loads(path.read_text(encoding="utf-8"))
+        crs = json.dumps(found.get("crs")) if isinstance(found, Mapping) and found.get("crs") else ""
+    if not isinstance(found, Mapping) or found.get("type") != "FeatureCollection":
+        raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
+    if crs and not any(known in crs for known in KNOWN_CRS):
+        raise InputError(f"{path}: its coordinates are in {crs[:80]}; convert them to WGS84 (CRS84)")
+    features = found.get("features")
+    if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
+        raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
+    return [
+        Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
+        for number, feature in enumerate(features)
+    ]
+
+
+def coordinates(feature: Feature, place: str) -> np.ndarray:
+    """Return the points of a LineString, (n, 2): longitude and latitude [deg].
+
+    Parameters
+    ----------
+    feature : Feature
+        Its geometry.
+    place : str
+        What it is, for a sentence.
+
+    Raises
+    ------
+    InputError
+        Where it is no LineString of two points or more on earth.
+    """
+    if feature.geometry.get("type") != "LineString":
+        raise InputError(f"{place} is a {shown(feature.geometry.get('type'))}; make it a LineString")
+    points = pairs(feature.geometry.get("coordinates"))
+    if points is None:
+        raise InputError(f"{place} has a coordinate that is not two numbers; mend it")
+    if len(points) < 2:
+        raise InputError(f"{place} has fewer than two points; add some")
+    wrong = ~((np.abs(points[:, 0]) <= 180) & (np.abs(points[:, 1]) <= 90))
+    if wrong.any():
+        first = points[int(wrong.argmax())]
+        hint = "; latitude seems to come first" if abs(first[0]) <= 90 < abs(first[1]) <= 180 else ""
+        raise InputError(f"{place} has the point {first[0]:g}, {first[1]:g}, which is no longitude and latitude{hint}")
+    return points
+
+
+def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
+    """Return the profile of a bank, empty where it has none: pairs of distance and height [m].
+
+    Parameters
+    ----------
+    feature : Feature
+        Its properties.
+    side : str
+        Of the bank.
+
+    Raises
+    ------
+    InputError
+        Where it is not pairs of numbers.
+    """
+    given = feature.properties.get("profile")
+    if given is None:
+        return ()
+    points = pairs(given, exactly=True)
+    if points is None:
+        raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it")
+    if not len(points):
+        raise InputError(f"the profile of the {side} bank is empty; give it two points or more, or leave it out")
+    return tuple((float(out), float(up)) for out, up in points)
+
+
+def depths_of(feature: Feature, count: int) -> np.ndarray | None:
+    """Return the depths of a centreline, (1,) or (count,) [m]: NaN where there is none, None without any.
+
+    Parameters
+    ----------
+    feature : Feature
+        Its properties.
+    count : int
+        Of its points.
+
+    Raises
+    ------
+    InputError
+        Where they are not numbers, or neither one nor as many as points.
+    """
+    given = feature.properties.get("depth")
+    if given is None:
+        return None
+    values = [np.nan if value is None else number(value) for value in (given if isinstance(given, list) else [given])]
+    if any(value is None for value in values):
+        raise InputError(f"the depth of the centreline, {shown(given)}, is not a number or one for each point; mend it")
+    if len(values) not in (1, count):
+        raise InputError(f"the centreline has {count} points and {len(values)} depths; give one for each")
+    return np.array(values, float)
+
+
+def pairs(given: Any, exactly: bool = False) -> np.ndarray | None:
+    """Return lists of two numbers, or of more that are left out, as an array (n, 2); None where they are not.
+
+    Parameters
+    ----------
+    given : anything
+        As a file has it.
+    exactly : bool
+        Whether two numbers are all that may be.
+    """
+    if not isinstance(given, list) or not all(isinstance(own, list) and len(own) >= 2 for own in given):
+        return None
+    if exactly and any(len(own) > 2 for own in given):
+        return None
+    values = [[number(own[0]), number(own[1])] for own in given]
+    return None if any(None in own for own in values) else np.array(values, float).reshape(-1, 2)
+
+
+def number(value: Any) -> float | None:
+    """Return a number as a float, None where it is none or too large for one.
+
+    Parameters
+    ----------
+    value : anything
+        As a file has it.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return None
+
+
+def _object(feature: Mapping[str, Any], name: str, place: str) -> Mapping[str, Any]:
+    found = feature.get(name)
+    if found is not None and not isinstance(found, Mapping):
+        raise InputError(f"{place}: its {name} are {shown(found)}, no object; mend them")
+    return found or {}

@@ -1,0 +1,66 @@
+"""Longitude and latitude to metres about an origin of their own, and back."""
+
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError
+
+NORTHMOST = 89.0
+"""Latitude [deg] beyond which the mean of longitudes is no place near the line."""
+
+
+def origin_of(points: np.ndarray) -> np.ndarray:
+    """Return the middle of a line, (2,): longitude and latitude [deg], across the antimeridian too (ours).
+
+    Parameters
+    ----------
+    points : array (n, 2) [deg]
+        Longitude and latitude.
+
+    Raises
+    ------
+    InputError
+        Where the line comes near a pole.
+    """
+    if np.abs(points[:, 1]).max() > NORTHMOST:
+        raise InputError("the centreline comes within a degree of a pole, where there is no east; draw it elsewhere")
+    longitude = np.unwrap(points[:, 0], period=360).mean()
+    return np.array([(longitude + 180) % 360 - 180, points[:, 1].mean()])
+
+
+def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Project longitude and latitude to metres east and north of an origin, true to scale near it (ours).
+
+    Parameters
+    ----------
+    points : array (n, 2) [deg]
+        Longitude and latitude, WGS84.
+    origin : array (2,) [deg]
+        Likewise.
+    """
+    east, north = _projection(origin).transform(points[:, 0], points[:, 1])
+    return np.stack([east, north], axis=1)
+
+
+def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Return longitude and latitude of metres east and north of an origin, longitude from -180 to 180 (ours).
+
+    Parameters
+    ----------
+    points : array (n, 2) [m]
+        East and north.
+    origin : array (2,) [deg]
+        Longitude and latitude, WGS84.
+    """
+    longitude, latitude = _projection(origin).transform(points[:, 0], points[:, 1], direction="INVERSE")
+    return np.stack([longitude, latitude], axis=1)
+
+
+def _projection(origin: np.ndarray) -> Any:
+    try:
+        from pyproj import Transformer
+    except ImportError:
+        raise InputError("maps need pyproj: install narrows with its extra, pip install 'narrows[canals]'") from None
+    local = f"+proj=tmerc +lon_0={origin[0]} +lat_0={origin[1]} +k=1 +datum=WGS84 +units=m"
+    return Transformer.from_crs("OGC:CRS84", local, always_xy=True)

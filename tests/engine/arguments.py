@@ -1,0 +1,356 @@
+"""For each argument of each public function another value: the answer must differ, or the value is refused."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+from cases import mmg, paper, steered, waterway_for
+
+import narrows as nw
+from narrows.quantities.names import Quantity
+from narrows.ship.actuator import Actuator, Part
+from tables import DTC_SHIP, frame_of, short_twin, written
+
+
+@dataclass(frozen=True)
+class Other:
+    """Another value of an argument; it counts under some other arguments than the usual."""
+
+    value: Any
+    under: Mapping[str, Any] = field(default_factory=dict)
+    refused: bool = False
+    shown: bool = False
+
+
+def under(value: Any, **others: Any) -> Other:
+    """A value that counts where others are so."""
+    return Other(value, others)
+
+
+def refused(value: Any, **others: Any) -> Other:
+    """A value that must be refused."""
+    return Other(value, others, refused=True)
+
+
+def shown(value: Any) -> Other:
+    """A value that changes no answer, but what is shown on stderr."""
+    return Other(value, shown=True)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A public function, the arguments of a usual call, and another value of each."""
+
+    usual: Mapping[str, Any]
+    others: Mapping[str, Any]
+    answer: Callable[..., Any] | None = None
+    """What to compare where the function returns nothing."""
+
+
+@cache
+def uncertain() -> nw.Model:
+    """With a covariance, to draw from."""
+    values = np.array([steered().coefficients[name] for name in steered().terms.names])
+    return replace(steered(), covariance=np.diag((0.05 * values) ** 2))
+
+
+@cache
+def shallow() -> nw.Model:
+    """With a depth that its bank feels."""
+    configuration = replace(paper().configuration, canal=nw.Canal(7.0, 0.3))
+    return replace(paper(), configuration=configuration, terms=nw.with_bank(nw.PAPER, "keel_gap"))
+
+
+@cache
+def by_depth() -> nw.Model:
+    """A steered ship by weak banks, uncertain, in a canal whose depth is known."""
+    model = replace(uncertain(), configuration=replace(uncertain().configuration, canal=nw.Canal(7.0, 0.3)))
+    return model.with_coefficients(b_bank=0.05, c_bank=0.02)
+
+
+@cache
+def other_tests() -> nw.CaptiveTests:
+    return short_twin(seed=1)
+
+
+@cache
+def zigzagging(rudder: float = 0.17) -> nw.Voyage:
+    told = {"duration": 60.0, "dt": 0.1, "contact": "none"}
+    law = nw.Zigzag(rudder, 0.17)
+    model = steered().in_open_water()
+    try:
+        return nw.simulate(model, **told, controller=law)
+    except TypeError:
+        return nw.simulate(model, **told, helm=law)
+
+
+@cache
+def circling(rudder: float = 0.3) -> nw.Voyage:
+    return nw.simulate(steered().in_open_water(), duration=200.0, dt=0.1, contact="none", rudder=rudder)
+
+
+@cache
+def fleet(x: float = 0.0) -> xr.Dataset:
+    return nw.ensemble(uncertain(), y=[0.5, 1.5], psi=x, samples=6, duration=30.0)
+
+
+@dataclass(frozen=True)
+class Thruster(Part):
+    """A bow thruster of the test's own."""
+
+    SECTION: ClassVar[str] = "thruster"
+    POSITION: ClassVar[str] = "thrust"
+    NUMBERS: ClassVar[Mapping[str, Quantity]] = {"power": Quantity("N", "largest thrust")}
+    power: float
+
+
+BOW = Actuator("thrust", "1", "share of the thrust", rest=0.0, parts=(Thruster,))
+STATE = {"x": under(2.0, waterway=waterway_for("paper")), "psi": 0.1, "v": 0.05, "r": 0.02}
+FORCES = {"X": under(20.0, surge="free", surge_inertia=300.0), "Y": 5.0, "N": 5.0}
+CHOICES = {
+    "surge": under("free", X=5.0, surge_inertia=300.0), "surge_inertia": under(400.0, surge="free", X=5.0, base=300.0),
+    "coriolis": under(True, model=steered()), "contact": "midship",
+}  # fmt: skip
+VARIED = {
+    "x": refused(np.nan), "y": 0.7, "psi": 0.1, "u": 1.1, "v": 0.05, "r": 0.02, "Y": 5.0, "N": 5.0, "width": 6.0,
+    "length": 3.0, "beam": 0.7, "draft": 0.2, "density": 900.0, "b_bank": 1.5, "c_vv": 600.0, "depth": 0.4,
+    "block_coefficient": refused(1.5), "heave": refused(np.nan),
+    "rudder": under(0.2, model=steered()), "X": under(20.0, surge="free", surge_inertia=300.0),
+    "revolutions": under(8.0, model=mmg()), "flow_straightening": under(0.9, model=steered(), rudder=0.2),
+}  # fmt: skip
+
+
+class Table:
+    """The table; files that it needs are in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @cached_property
+    def ship(self) -> Path:
+        path = self.folder / "ship.toml"
+        path.write_text(DTC_SHIP)
+        return path
+
+    @cached_property
+    def wider(self) -> Path:
+        path = self.folder / "wider.toml"
+        path.write_text(DTC_SHIP.replace("7.0", "8.0"))
+        return path
+
+    @cached_property
+    def thrusting(self) -> Path:
+        path = self.folder / "thruster.toml"
+        path.write_text(DTC_SHIP + "\n[thruster]\npower = 3.0\n")
+        return path
+
+    def captive(self, seed: int) -> Path:
+        return written(frame_of(short_twin(seed=seed)), self.folder / f"tests{seed}.csv")
+
+    def model(self, model: nw.Model, name: str) -> Path:
+        nw.save_model(model, self.folder / name)
+        return self.folder / name
+
+    def waterway(self, ship: str, name: str) -> Path:
+        nw.write_waterway(replace(waterway_for(ship), origin=(5.0, 52.0)), self.folder / name)
+        return self.folder / name
+
+    @cached_property
+    def entries(self) -> dict[str, Entry]:
+        """By the name of the function."""
+        return {**self.simulation, **self.safety, **self.models, **self.identification, **self.files}
+
+    @property
+    def simulation(self) -> dict[str, Entry]:
+        start = {"model": paper(), "y": 0.5, "u": 1.0, "duration": 30.0, "dt": 0.05}
+        law = nw.Zigzag(0.2, 0.1)
+        voyage = {
+            "model": steered(), "y": 0.6, "u": 1.1, "duration": 5.0, "dt": 0.5, **STATE, **FORCES, **CHOICES,
+            "rudder": under(0.1, model=steered()), "at": [1.0, 2.0], "waterway": under(waterway_for("paper"), x=3.0),
+            "controller": under(law, model=steered()), "helm": under(law, model=steered()), "method": "dop853",
+        }  # fmt: skip
+        run = {
+            "model": steered(), "duration": 5.0, "dt": 0.5, "samples": under(3, model=uncertain()),
+            "seed": under(1, model=uncertain(), samples=3), **CHOICES, "precision": "float32", "workers": refused(-1),
+            "progress": shown(True), "store": refused(self.ship), "client": refused(object()),
+            "waterway": under(waterway_for("paper"), x=3.0), "controller": under(law, model=steered()), **VARIED,
+        }  # fmt: skip
+        modes = {"bank": False, "y": 0.7, "u": 1.2, "psi": 0.1, "v": 0.1, "r": 0.1, "width": 6.0, "b_bank": 2.0}
+        return {
+            "simulate": Entry(start, voyage),
+            "ensemble": Entry({**start, "model": shallow(), "y": [0.5, -1.0]}, {**run, "y": [0.5, -1.1]}),
+            "stability": Entry({"model": paper(), "y": 0.5, "u": 1.0}, {"model": steered(), **modes}),
+            "eigenvalues": Entry({"model": paper(), "y": 0.5, "u": 1.0}, {"model": steered(), **modes}),
+            "grounding_distance": Entry({"voyages": fleet()}, {"voyages": fleet(0.05)}),
+            "grounding_probability": Entry(
+                {"voyages": fleet(), "distance": 8.0, "over": "sample"},
+                {"voyages": fleet(-0.1), "distance": 8.3, "over": "y"},
+            ),
+            "bank_stiffness": Entry(
+                {"configuration": paper().configuration}, {"configuration": mmg().configuration}
+            ),
+            "turning_circle": Entry({"voyage": circling()}, {"voyage": circling(-0.25)}),
+            "overshoots": Entry(
+                {"voyage": zigzagging(), "zigzag": nw.Zigzag(0.17, 0.17)},
+                {"voyage": zigzagging(0.2), "zigzag": nw.Zigzag(0.17, 0.1)},
+            ),
+            "sail_trials": Entry(
+                {"model": steered().in_open_water(), "speed": 1.0, "turn_deg": 20.0, "zigzags": ((10, 10),)},
+                {"model": mmg().in_open_water(), "speed": 0.8, "turn_deg": 15.0, "zigzags": ((20, 20),), "dt": 0.2},
+            ),
+        }  # fmt: skip
+
+    @property
+    def safety(self) -> dict[str, Entry]:
+        usual = {"model": by_depth(), "y": np.array([0.0, 0.6]), "u": np.array([0.3, 0.6]), "samples": 4}
+        others = {
+            "model": replace(by_depth(), covariance=4 * by_depth().covariance), "y": np.array([0.0, 0.7]),
+            "u": np.array([0.3, 0.5]), "disturbance": nw.Disturbance(gust=300.0, gust_lever=1.0),
+            "reserve": 0.9, "keel": 0.13, "samples": 5,
+            "seed": 1, "walls": (3.0, 2.5), "workers": refused(-1), "progress": shown(True),
+        }  # fmt: skip
+        course = {"model": by_depth(), "y": 0.5, "u": 1.0}
+        return {
+            "safe_envelope": Entry(usual, others),
+            "steady_course": Entry(
+                course,
+                {"model": mmg(), "samples": 3, "seed": under(1, samples=3), "workers": refused(-1), "y": 0.6,
+                 "u": 1.1, "b_bank": 2.0},
+            ),
+            "track_pilot": Entry(course, {"model": mmg(), "y": 0.6, "u": 1.1, "b_bank": 0.06}),
+            "self_propulsion": Entry(
+                {"model": mmg(), "u": 1.0}, {"model": mmg().with_coefficients(R_0=0.03), "u": 1.2}
+            ),
+            "wind_force": Entry(
+                {"speed": 10.0, "area": 5.0, "coefficient": 1.0}, {"speed": 11.0, "area": 6.0, "coefficient": 0.9}
+            ),
+        }  # fmt: skip
+
+    @property
+    def models(self) -> dict[str, Entry]:
+        numbers = nw.nondimensional(paper(), "bis")
+        # At 1 m/s of another ship the primes are others; with another system too.
+        return {
+            "at_depth": Entry({"model": shallow(), "depth": 0.35}, {"model": by_depth(), "depth": 0.4}),
+            "borrow_rudder": Entry(
+                {"model": paper(), "lender": steered()},
+                {"model": shallow(), "lender": steered().with_coefficients(c_helm=4.0)},
+            ),
+            "nondimensional": Entry(
+                {"model": paper(), "system": "prime2", "speed": 1.0},
+                {"model": steered(), "system": "prime1", "speed": 2.0},
+            ),
+            "dimensional": Entry(
+                {"numbers": numbers, "model": paper(), "system": "prime2", "speed": 1.0},
+                {"numbers": {**numbers, "b_v": 3.0}, "model": mirrored_density(), "system": "bis", "speed": 2.0},
+            ),
+            "scale_model": Entry(
+                {"model": shallow(), "length": 300.0},
+                {"model": steered(), "length": 200.0, "density": 1025.0, "width": 700.0, "depth": 30.0,
+                 "friction": nw.Friction(2.8, 0.1, 1.0)},
+            ),
+            "squat": Entry(
+                {"configuration": shallow().configuration, "speed": 0.5},
+                {"configuration": by_width(), "speed": 0.6, "gives": "bow",
+                 "formula": under("tuck_bow", gives="bow", base="icorels")},
+            ),
+            "choke_speed": Entry({"configuration": shallow().configuration}, {"configuration": by_width()}),
+            "equivalent_wall": Entry(
+                {"profile": [(10.0, 0.0), (20.0, 8.0)], "depth": 5.0},
+                {"profile": [(10.0, 0.0), (25.0, 8.0)], "depth": 6.0},
+            ),
+            "bank_only": Entry({"form": "delta"}, {"form": "tuck"}),
+            "with_bank": Entry(
+                {"table": nw.PAPER, "form": "tuck"}, {"table": nw.SPEED, "form": "delta", "name": "other"}
+            ),
+            "with_helm": Entry({"table": nw.PAPER}, {"table": nw.SPEED, "name": "other"}),
+            "straight_waterway": Entry(
+                {"canal": nw.Canal(7.0), "length": 50.0},
+                {"canal": nw.Canal(8.0), "length": 60.0, "heading": 1.0},
+            ),
+            "published": Entry({"name": "mikkelsen2025_dtc"}, {"name": "yasukawa2015_kvlcc2"}),
+        }  # fmt: skip
+
+    @property
+    def identification(self) -> dict[str, Entry]:
+        own = {"tests": short_twin()}
+        fitted = {"tests": other_tests(), "terms": "speed", "weights": "variance", "split": "random",
+                  "seed": under(3, split="random")}  # fmt: skip
+        conditions = nw.measured_tests("kcs")
+        plan = {"configuration": paper().configuration, "runs": 6}
+        quick = {"runs": (nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1),), "rate": 5.0}
+        return {
+            "identify": Entry(own, fitted),
+            "identify_conditions": Entry(
+                {"tests": conditions}, {"tests": short_twin(), "condition": "C0101A02", "weights": "variance"}
+            ),
+            "compare": Entry(
+                {**own, "tables": ("paper", "speed")},
+                {"tests": other_tests(), "tables": ("paper", "mixed"), "weights": "variance"},
+            ),
+            "explain": Entry(
+                {"model": nw.identify(short_twin()).model, **own, "tables": ("paper",)},
+                {"model": nw.identify(other_tests()).model, "tests": other_tests(), "tables": ("paper", "speed")},
+            ),
+            "plan_tests": Entry(
+                plan,
+                {"configuration": mmg().configuration, "runs": 4, "tank": nw.Tank(speeds=(0.6,)), "terms": nw.SPEED,
+                 "targets": ("b_v",), "criterion": under("d", targets=("b_vv", "c_rr", "b_v")),
+                 "noise": {"X": 1.0, "Y": 0.1, "N": 0.1},
+                 "correlation_time": 2.0, "after": short_twin()},
+            ),
+            "twin": Entry(
+                quick,
+                {"truth": paper().with_coefficients(b_r=50.0), "runs": (nw.StraightRun("B", 0.5),), "noise": {},
+                 "correlation_time": 1.0, "rate": 6.0, "seed": 1},
+            ),
+            "measured_tests": Entry({"name": "kcs"}, {"name": "lataire2009"}),
+            "measured_squat": Entry({}, {}),
+        }  # fmt: skip
+
+    @property
+    def files(self) -> dict[str, Entry]:
+        out, elsewhere = self.folder / "out", self.folder / "elsewhere"
+        read = {"path": self.captive(0), "ship": self.ship}
+        reading = {"path": self.captive(1), "ship": self.wider, "terms": refused(nw.MMG), "where": "u < 0.9"}
+        model = {"path": self.model(paper(), "paper.toml")}
+        own = replace(nw.PAPER, name="own")
+        return {
+            "read_captive": Entry(read, reading),
+            "stream_captive": Entry(read, reading, answer=lambda kept: nw.identify(kept).coefficients),
+            "read_ship": Entry(
+                {"path": self.ship}, {"path": self.wider, "actuators": refused((), path=self.thrusting, base=(BOW,))}
+            ),
+            "load_model": Entry(
+                model,
+                {"path": self.model(steered(), "steered.toml"),
+                 "terms": under(replace(own, ties=()), base=own,
+                                path=self.model(replace(paper(), terms=own), "own.toml"))},
+            ),
+            "save_model": Entry(
+                {"model": paper(), "path": out}, {"model": steered(), "path": elsewhere},
+                answer=lambda _: sorted((path.name, path.read_bytes()) for path in (out, elsewhere) if path.exists()),
+            ),
+            "read_waterway": Entry(
+                {"path": self.waterway("paper", "a.geojson")}, {"path": self.waterway("mmg+delta", "b.geojson")}
+            ),
+            "write_waterway": Entry(
+                {"waterway": replace(waterway_for("paper"), origin=(5.0, 52.0)), "path": out},
+                {"waterway": replace(waterway_for("paper"), origin=(5.0, 53.0)), "path": elsewhere},
+                answer=lambda _: sorted((path.name, path.read_bytes()) for path in (out, elsewhere) if path.exists()),
+            ),
+        }  # fmt: skip
+
+
+@cache
+def by_width() -> nw.Configuration:
+    return replace(shallow().configuration, canal=nw.Canal(5.0, 0.3))
+
+
+@cache
+def mirrored_density() -> nw.Model:
+    return replace(paper(), configuration=replace(paper().configuration, water=nw.Water(1025.0)))

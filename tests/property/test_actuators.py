@@ -1,0 +1,261 @@
+"""Actuators: a bow thruster of this file's own, which the package knows nothing of, goes wherever a rudder goes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import numbers
+
+import narrows as nw
+from narrows.quantities.dimensions import Dimension, dimension_of
+from narrows.quantities.names import PARTICULARS, Quantity
+from narrows.ship.actuator import Actuator, Part
+from narrows.ship.actuators import PROPELLER, RUDDER, STANDARD
+from narrows.ship.checks import check_number
+from narrows.terms.about import ScaleEffect
+from tables import DTC_SHIP, frame_of, many_runs
+
+
+@dataclass(frozen=True)
+class BowThruster(Part):
+    """A tunnel thruster: its diameter, how far ahead it is, and how fast it turns at most."""
+
+    SECTION: ClassVar[str] = "bow_thruster"
+    POSITION: ClassVar[str] = "bow_thruster"
+    NUMBERS: ClassVar[Mapping[str, Quantity]] = {
+        "diameter": Quantity("m", "diameter of the tunnel"),
+        "lever": Quantity("m", "forward of midship"),
+        "limit": Quantity("1/s", "most turns a second"),
+        "rate": Quantity("1/s2", "fastest change of them"),
+    }
+
+    diameter: float
+    lever: float
+    limit: float
+    rate: float
+
+    def __post_init__(self) -> None:
+        for name in self.NUMBERS:
+            check_number(f"[bow_thruster] {name}", getattr(self, name))
+
+
+TURNS = "turns of the bow thruster, positive where it pushes the bow to starboard"
+THRUSTER = Actuator("bow_thruster", "1/s", TURNS, rest=0.0, parts=(BowThruster,))
+
+
+def push(bow_thruster, bow_thruster_diameter, density):
+    return density * bow_thruster_diameter**4 * abs(bow_thruster) * bow_thruster
+
+
+def moment(bow_thruster, bow_thruster_diameter, bow_thruster_lever, density):
+    return push(bow_thruster, bow_thruster_diameter, density) * bow_thruster_lever
+
+
+ABOUT = {"kind": nw.TermKind.THRUSTER, "source": "form of the bollard pull", "actuator": THRUSTER}
+TERMS = nw.PAPER.with_terms(
+    "paper+bow_thruster",
+    sway=[nw.Term("b_bow", "b_{bow}", push, Dimension(), scale_effect=ScaleEffect.WAKE, **ABOUT)],
+    yaw=[nw.Term("c_bow", "c_{bow}", moment, Dimension(), **ABOUT)],
+)
+SECTION = BowThruster(0.05, 1.7, 20.0, 4.0)
+
+
+@pytest.fixture
+def tug(dtc: nw.Model) -> nw.Model:
+    """The published hull with the thruster."""
+    configuration = replace(dtc.configuration, others=(SECTION,))
+    return nw.Model(configuration, TERMS, {**dtc.coefficients, "b_bow": 0.4, "c_bow": 0.35})
+
+
+def table_of(tug: nw.Model) -> pd.DataFrame:
+    """Tests in which the thruster turns, each at a speed of its own, as a table of the documented columns."""
+    bare = nw.Model(tug.configuration, nw.PAPER, {name: tug.coefficients[name] for name in nw.PAPER.names})
+    tests = nw.twin(bare, many_runs(6), rate=2.0)
+    turns = np.repeat(np.linspace(-15.0, 15.0, len(tests.names)), np.diff(tests.starts))
+    motion = nw.Motion(**{name: tests.columns[name] for name in nw.Motion().values()})
+    noise = np.random.default_rng(5)
+    frame = frame_of(tests)
+    for force, own in tug.forces(motion, bow_thruster=turns).items():
+        frame[force] = own + noise.normal(0, 0.05, tests.rows)
+    return frame.assign(**{"bow_thruster [rpm]": 60 * turns})
+
+
+def test_it_is_identified_from_a_column_of_its_name(tug: nw.Model, tmp_path: Path) -> None:
+    path = tmp_path / "tests.csv"
+    table_of(tug).to_csv(path, index=False)
+    tests = nw.read_captive(path, tug.configuration, TERMS)
+    assert np.abs(tests.columns["bow_thruster"]).max() == pytest.approx(15.0)
+    fit = nw.identify(tests, TERMS)
+    for name, value in (("b_bow", 0.4), ("c_bow", 0.35)):
+        low, high = fit.intervals[name]
+        assert low < value < high
+        assert high - low < 0.1
+    without = tmp_path / "without.csv"
+    table_of(tug).drop(columns="bow_thruster [rpm]").to_csv(without, index=False)
+    with pytest.raises(nw.InputError, match=r"'bow_thruster' is missing \(turns of the bow thruster.*\[1/s\]\)"):
+        nw.read_captive(without, tug.configuration, TERMS)
+
+
+@given(turns=numbers(-20, 20))
+def test_forces_are_by_its_turns_and_at_rest_without(turns: float) -> None:
+    dtc = nw.published("mikkelsen2025_dtc")
+    configuration = replace(dtc.configuration, others=(SECTION,))
+    tug = nw.Model(configuration, TERMS, {**dtc.coefficients, "b_bow": 0.4, "c_bow": 0.35})
+    motion = nw.Motion.at(0.1, y=0.5, u=0.8, r=0.01)
+    still, moved = tug.forces(motion), tug.forces(motion, bow_thruster=turns)
+    assert still == {force: pytest.approx(own) for force, own in dtc.forces(motion).items()}
+    expected = 1000.0 * 0.05**4 * abs(turns) * turns
+    assert moved["Y"] - still["Y"] == pytest.approx(0.4 * expected, abs=1e-9)
+    assert moved["N"] - still["N"] == pytest.approx(0.35 * 1.7 * expected, abs=1e-9)
+
+
+def test_what_is_no_actuator_of_the_terms_is_refused(dtc: nw.Model, tug: nw.Model) -> None:
+    with pytest.raises(nw.InputError, match="no actuator 'bow_thruster'"):
+        dtc.forces(nw.Motion(u=1.0), bow_thruster=1.0)
+    with pytest.raises(nw.InputError, match="no actuator 'rudder'; leave it out"):
+        dtc.forces(nw.Motion(u=1.0), 0.1)
+    with pytest.raises(nw.InputError, match="did you mean 'bow_thruster'"):
+        tug.forces(nw.Motion(u=1.0), bow_thrustr=1.0)
+    bare = nw.Model(dtc.configuration, TERMS, tug.coefficients)
+    with pytest.raises(nw.InputError, match="need bow_thruster_diameter"):
+        bare.forces(nw.Motion(u=1.0))
+
+
+def test_it_has_a_section_of_its_own_in_files(tug: nw.Model, tmp_path: Path) -> None:
+    path = tmp_path / "tug.toml"
+    nw.save_model(tug, path)
+    assert "[bow_thruster]" in path.read_text()
+    again = nw.load_model(path, TERMS)
+    assert again.configuration == tug.configuration
+    motion = nw.Motion(u=1.0)
+    assert again.forces(motion, bow_thruster=5.0) == tug.forces(motion, bow_thruster=5.0)
+    with pytest.raises(nw.InputError, match="unknown section"):
+        nw.load_model(path, nw.PAPER)
+    ship = tmp_path / "ship.toml"
+    ship.write_text(f"{DTC_SHIP}\n[bow_thruster]\ndiameter = 0.05\nlever = 1.7\nlimit = 20\nrate = 4\n")
+    assert nw.read_ship(ship, [THRUSTER]).parts == {"bow_thruster": SECTION}
+    ship.write_text(f"{DTC_SHIP}\n[bow_thruster]\ndiametre = 0.05\n")
+    with pytest.raises(nw.InputError, match=r"\[bow_thruster\] has an unknown key 'diametre'.*'diameter'"):
+        nw.read_ship(ship, [THRUSTER])
+
+
+@given(length=numbers(1.0, 400.0))
+def test_it_scales_by_the_dimensions_of_its_numbers(length: float) -> None:
+    dtc = nw.published("mikkelsen2025_dtc")
+    configuration = replace(dtc.configuration, others=(SECTION,))
+    tug = nw.Model(configuration, TERMS, {**dtc.coefficients, "b_bow": 0.4, "c_bow": 0.35})
+    scaled = nw.scale_model(tug, length)
+    ratio = scaled.ratio
+    large = scaled.model.configuration.parts["bow_thruster"]
+    expected = (0.05 * ratio, 1.7 * ratio, 20.0 * ratio**-0.5, 4.0 / ratio)
+    assert (large.diameter, large.lever, large.limit, large.rate) == pytest.approx(expected, rel=1e-12)
+    small, far = nw.Motion(u=1.0), nw.Motion(u=ratio**0.5)
+    here = tug.forces(small, bow_thruster=10.0)
+    there = scaled.model.forces(far, bow_thruster=10.0 * ratio**-0.5)
+    assert there["Y"] == pytest.approx(ratio**3 * here["Y"], rel=1e-9)
+    assert there["N"] == pytest.approx(ratio**4 * here["N"], rel=1e-9)
+
+
+def test_warnings_follow_from_its_rows(tug: nw.Model) -> None:
+    assert any("wake of a ship" in said for said in nw.scale_model(tug, 355.0).notes)
+    assert {"b_bow", "c_bow"} <= set(nw.at_depth(tug, 0.3).notes[0].rstrip(".").replace(",", "").split())
+
+
+def test_what_the_equations_of_motion_ask_of_an_actuator(tug: nw.Model) -> None:
+    """Name, limit, rate and position of each, by which an engine drives any."""
+    assert TERMS.actuators == (THRUSTER,)
+    assert nw.MMG.actuators == (RUDDER, PROPELLER)
+    assert nw.STEERED.actuators == (RUDDER,)
+    values = tug.configuration.values()
+    assert (values["bow_thruster_limit"], values["bow_thruster_rate"]) == (20.0, 4.0)
+    assert values["rudder_limit"] == pytest.approx(np.radians(35.0))
+    assert values["rudder_rate"] == pytest.approx(np.radians(65 / 28))
+    assert values["revolutions_limit"] == values["revolutions_rate"] == np.inf
+    assert "revolutions" not in values
+    kvlcc2 = nw.published("yasukawa2015_kvlcc2").configuration
+    assert kvlcc2.values()["revolutions"] == kvlcc2.propeller.revolutions
+    assert RUDDER.at_rest() == {"cos_rudder": 1.0, "sin_rudder": 0.0}
+    assert PROPELLER.at_rest() == {}
+    assert THRUSTER.placed(3.0) == {"bow_thruster": 3.0}
+
+
+def test_a_ship_with_it_sails_with_it_at_rest(tug: nw.Model, dtc: nw.Model) -> None:
+    steady = {"y": 0.3, "u": 0.8, "duration": 5.0}
+    bare, own = nw.simulate(dtc, **steady), nw.simulate(tug, **steady)
+    np.testing.assert_allclose(own.y, bare.y, rtol=1e-9)
+
+
+def test_an_ensemble_holds_it_where_it_is_put(tug: nw.Model, dtc: nw.Model) -> None:
+    """As the force and moment that it makes do, given from outside."""
+    start = {"y": 0.2, "u": 0.8, "duration": 40.0, "dt": 0.05}
+    turned = nw.ensemble(tug, bow_thruster=[-10.0, 0.0, 10.0], **start)
+    for number, side in enumerate((-1, 0, 1)):
+        force = side * 1000.0 * 0.05**4 * 100.0
+        pushed = nw.ensemble(dtc, Y=0.4 * force, N=0.35 * 1.7 * force, **start)
+        own = turned.isel(bow_thruster=number)
+        np.testing.assert_allclose(own["time"], pushed["time"].squeeze(), rtol=1e-6)
+        assert str(own["side"].values) == str(pushed["side"].squeeze().values)
+
+
+def test_a_steady_course_balances_it(tug: nw.Model) -> None:
+    hull = replace(tug.configuration, ship=replace(tug.configuration.ship, flow_straightening=0.5))
+    helm = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
+    steered = nw.Model(hull, nw.with_helm(TERMS), {**tug.coefficients, **helm})
+    turns = [-5.0, 0.0, 5.0]
+    course = nw.steady_course(steered, y=0.1, u=0.8, bow_thruster=turns)
+    assert len(set(course["rudder"].values)) == 3
+    for number, own in enumerate(turns):
+        psi, v, rudder = (float(course[name][number]) for name in ("psi", "v", "rudder"))
+        found = steered.forces(nw.Motion.at(psi, y=0.1, u=0.8, v=v), rudder, bow_thruster=own)
+        assert abs(found["Y"]) < 1e-6
+        assert abs(found["N"]) < 1e-6
+
+
+@pytest.mark.xfail(strict=True, reason="the equations of motion drive rudder and propeller alone")
+def test_it_drives_the_ship(tug: nw.Model) -> None:
+    held = nw.simulate(tug, y=0.0, u=0.8, duration=5.0, bow_thruster=10.0)
+    still = nw.simulate(tug, y=0.0, u=0.8, duration=5.0)
+    assert held.psi[-1] > still.psi[-1]
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Actuator("u", "1/s", "x"), "cannot be called 'u'"),
+        (lambda: Actuator("bow thruster", "1/s", "x"), "give it a plain word"),
+        (lambda: Actuator("fin", "degrees", "x"), "'degrees' is no unit"),
+        (lambda: Actuator("fin", "rad", "x", parts=(BowThruster,)), r"section \[bow_thruster\] is of 'bow_thruster'"),
+        (lambda: replace(nw.published("mikkelsen2025_dtc").configuration, others=(SECTION, SECTION)), "given twice"),
+        (
+            lambda: TERMS.with_terms("two", surge=[nw.Term("a", "a", push, Dimension(), actuator=OTHER)]),
+            "two actuators are called 'bow_thruster'",
+        ),
+        (lambda: nw.Term("b", "b", push, Dimension()), "unknown 'bow_thruster'"),
+    ],
+)
+def test_actuators_that_make_no_sense(make, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        make()
+
+
+OTHER = replace(THRUSTER, rest=1.0)
+
+
+@given(powers=st.tuples(*[st.integers(-3, 3)] * 3))
+def test_a_unit_is_read_as_it_is_written(powers: tuple[int, int, int]) -> None:
+    dimension = Dimension(*powers)
+    assert dimension_of(dimension.unit) == dimension
+
+
+@pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
+def test_sections_say_the_unit_of_every_number(actuator: Actuator) -> None:
+    for part in actuator.parts:
+        assert list(part.NUMBERS) == [own.name for own in fields(part)]
+    for said in (*actuator.quantities.values(), *PARTICULARS.values()):
+        assert isinstance(dimension_of(said.unit), Dimension)
