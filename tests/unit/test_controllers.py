@@ -125,6 +125,25 @@ def test_a_law_remembers_over_jumps_of_the_forces(law: Any) -> None:
     np.testing.assert_allclose(pushed.rudder, plain.rudder, rtol=0, atol=1e-10)
 
 
+@pytest.mark.parametrize(
+    "forces", [0.0, 2.0, [(0.0, 1.0), (0.5, 0.0)]], ids=["no force", "a force", "a force for a time"]
+)
+def test_an_object_of_python_sees_the_state_as_it_is(forces: Any) -> None:
+    seen = []
+
+    class Watcher:
+        def begin(self):
+            def order(t: float, state: Any) -> float:
+                seen.append((t, *state))
+                return 0.1
+
+            return order
+
+    voyage = nw.simulate(steered(), **START, rudder=0.03, Y=forces, controller=Watcher(), duration=1.0, dt=0.1)
+    columns = [getattr(voyage, name)[:-1] for name in ("t", *STATE, "rudder")]
+    np.testing.assert_allclose(np.transpose(seen), columns, rtol=1e-12, atol=1e-14)
+
+
 def test_a_schedule_is_heard_at_the_first_step_that_begins_then() -> None:
     model = steered()
     model = replace(model, configuration=replace(model.configuration, steering=nw.SteeringGear(35.0, 1e4)))
