@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import narrows as nw
-from narrows.simulation.ship import SimulatedShip, angle_controls
+from narrows.simulation.ship import SimulatedShip
 
 STATE = ("x", "y", "psi", "u", "v", "r")
 Pushed = Callable[[float], tuple[float, float, float]]
@@ -36,9 +36,8 @@ class Integrated:
 def rates_of(model: nw.Model, rudder: float = 0.0, **options: object) -> Callable[..., np.ndarray]:
     """Return the rates of ``STATE`` as a function of it and of forces from outside."""
     ship = SimulatedShip(model, **options)  # type: ignore[arg-type]
-    values = {**ship.values(rudder), **angle_controls("rudder", rudder)}
     system = ship.system(pushed="until")
-    numbers = system.constants(values)
+    numbers = system.constants(ship.values(rudder))
     names, function = system.scalar.RATES_INPUTS, system.scalar.rates
 
     def rates(state: Sequence[float], forces: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:

@@ -26,7 +26,7 @@ plain = not {"sympy", "numba"} & set(sys.modules)
 ends = nw.ensemble(model, y=0.5, duration=40.0)
 stats = SimulatedShip(model).system().kernel((), "float64").sail.stats
 hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
-print(plain, "sympy" in sys.modules, hits, misses, float(ends["distance"]).hex())
+print(plain, "sympy" in sys.modules, hits, misses, ends["distance"].item().hex())
 """
 VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).configuration.values(), **DTC.coefficients}
 

@@ -51,9 +51,9 @@ def test_printed_rates_are_the_accelerations_of_the_terms(name: str) -> None:
     found = rates(system, ship.values(rudder), state)[4:]
     at_rest = accelerations(model, motion, surge_inertia=ship.surge_inertia)
     assert not np.allclose(found, at_rest, rtol=1e-3)
-    still = model.forces(motion, rudder)
+    still = model.forces(motion, rudder=rudder)
     mass = np.array([
-        [still[f] - model.forces(replace(motion, **{a: 1.0}), rudder)[f] for a in ("udot", "vdot", "rdot")]
+        [still[f] - model.forces(replace(motion, **{a: 1.0}), rudder=rudder)[f] for a in ("udot", "vdot", "rdot")]
         for f in "XYN"
     ])  # fmt: skip
     if ship.surge_inertia is not None:

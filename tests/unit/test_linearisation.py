@@ -24,8 +24,8 @@ def rates(model: nw.Model, at: Mapping[str, float], free: bool, inertia: float |
     motion = nw.Motion.at(at["psi"], y=at["y"], u=at["u"], v=at["v"], r=at["r"])
 
     def force(**more: float) -> np.ndarray:
-        own = {"revolutions": at["revolutions"]} if "revolutions" in model.terms.inputs else {}
-        return np.array(list(model.forces(replace(motion, **more), at["rudder"], **own).values()), float)
+        positions = {own.name: at[own.name] for own in model.terms.actuators}
+        return np.array(list(model.forces(replace(motion, **more), **positions).values()), float)
 
     still, heavy = force(), model.configuration.ship.mass
     mass = np.stack([still - force(**{name: 1.0}) for name in ("udot", "vdot", "rdot")], axis=1)

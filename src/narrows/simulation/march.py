@@ -226,8 +226,8 @@ class March:
         if self.order is None or t == self._asked:
             return
         self._asked = t
-        x, y, cosine, sine, u, v, r, rudder = state[:8]
-        seen = VoyageState(x, y, math.atan2(sine, cosine), u, v, r, rudder)
+        x, y, cosine, sine, u, v, r = state[:7]
+        seen = VoyageState(x, y, math.atan2(sine, cosine), u, v, r, state[self.choices.kept.index("rudder")])
         self._step_inputs[self._order] = float(self.order(t, seen))
 
     def dense(self, rows: Sequence[Row], times: Sequence[float]) -> list[Row]:
