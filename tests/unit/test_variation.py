@@ -106,10 +106,10 @@ def test_every_rule_asks_for_what_has_a_place() -> None:
         ({"y": SHIPS, "u": SHIPS.assign_coords(ship=[1, 2, 3, 4])}, "length and labels"),
         ({"y": xr.DataArray([0.1], dims="time")}, "a dimension 'time', which cannot be one"),
         ({"y": xr.DataArray([0.1], dims=[3])}, "a dimension 3, which cannot be one"),
-        ({"samples": 1.5}, "whole numbers from 0"),
-        ({"samples": True}, "whole numbers from 0"),
-        ({"seed": -1}, "whole numbers from 0"),
-        ({"samples": 10**12}, "take fewer"),
+        ({"samples": 1.5}, "give a whole number from 0"),
+        ({"samples": True}, "give a whole number from 0"),
+        ({"seed": -1}, "give a whole number from 0"),
+        ({"samples": 10**12}, "from 0 to 10000000"),
     ],
 )
 def test_what_cannot_vary_is_said(vary: dict, said: str) -> None:

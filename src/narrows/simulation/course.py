@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from narrows.compile import Limits
 from narrows.quantities.names import Number
 from narrows.simulation.integrate import Rate, State
-from narrows.simulation.ship import OPEN, SimulatedShip
+from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -170,6 +170,6 @@ def course_of(ship: SimulatedShip, waterway: "Waterway | None") -> Course:
         Where she does not fit the waterway.
     """
     if waterway is None:
-        return OpenWater(ship) if ship.contact == OPEN else Straight(ship)
+        return OpenWater(ship) if ship.open_water else Straight(ship)
     waterway.check_fits(ship.model.configuration.ship)
     return Along(ship, waterway)

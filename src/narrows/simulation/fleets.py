@@ -9,6 +9,7 @@ import xarray as xr
 
 from narrows.compile.kernel import Precision
 from narrows.errors import InputError
+from narrows.files import path_of
 from narrows.model.model import Model
 from narrows.simulation.fleet import KEPT, Fleet, Result
 from narrows.simulation.grid import Grid, grid_of
@@ -85,8 +86,8 @@ def ensemble(
     if store is not None:
         from narrows.simulation.store import run_into
 
-        return run_into(Path(store), fleet, grid, client, progress)
-    if client is not None:
+        return run_into(path_of("store", store), fleet, grid, client, progress)
+    if client is not None:  # One that is none is refused here too.
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
     return _labelled(grid, *_run_here(fleet, grid, workers, progress))
 

@@ -11,6 +11,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.ship.actuators import PROPELLER, RUDDER
+from narrows.simulation.inputs import check_options
 from narrows.terms.term import TermTable
 
 OPEN = "none"
@@ -54,7 +55,8 @@ class SimulatedShip:
     rudder: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.contact == OPEN and self.model.terms.feels_bank:
+        check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
+        if self.open_water and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
         if PROPELLER in self.model.terms.actuators and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
@@ -65,9 +67,14 @@ class SimulatedShip:
             )
 
     @property
+    def open_water(self) -> bool:
+        """Whether there are no banks."""
+        return isinstance(self.contact, str) and self.contact == OPEN
+
+    @property
     def program(self) -> Program:
         """The compiled equations, shared by all ships with the same terms."""
-        if self.contact == OPEN:
+        if self.open_water:
             return _program(self.model.terms, self.surge, self.coriolis, "corners")
         shape = self.contact if isinstance(self.contact, str) else tuple(tuple(point) for point in self.contact)
         return _program(self.model.terms, self.surge, self.coriolis, shape)

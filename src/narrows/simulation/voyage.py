@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narrows.compile import Limits
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, check_choice, shown
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.ship.actuators import RUDDER
@@ -167,8 +167,8 @@ def simulate(
     InputError
         Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a helm has no rudder.
     """
-    if method not in METHODS:
-        raise InputError(f"method {method!r} is unknown{did_you_mean(method, METHODS)}")
+    check_choice("method", method, METHODS)
+    _check_waterway(waterway)
     x, y, psi, u, v, r, rudder = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder).values()
     output = None if at is None else check_times(at)
     longest, dt = check_steps(output[-1] if output else duration, dt, MOST_ROWS)
@@ -241,6 +241,11 @@ def _kind_and_side(last: Row, course: Course, stop: float) -> tuple[str, str | N
 def _sane(state: State) -> bool:
     *_, u, v, r, _ = state
     return abs(u) < LIMITS.speed and abs(v) < LIMITS.speed and abs(r) < LIMITS.rate
+
+
+def _check_waterway(waterway: object) -> None:
+    if waterway is not None and not hasattr(waterway, "line"):
+        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
 
 
 def _check_helm(model: Model, helm: Helm | None, method: str) -> None:
