@@ -131,6 +131,13 @@ def test_a_tie_varies_together() -> None:
     np.testing.assert_allclose(one["time"], [voyage.outcome.time for voyage in alone], rtol=1e-9)
 
 
+@pytest.mark.parametrize("name", ["X", "Y", "rudder", "heave", "a_u"])
+def test_what_changes_nothing_may_vary_alone(name: str) -> None:
+    """A surge force where the speed is held enters no equation; there are two voyages all the same."""
+    two = nw.ensemble(DTC, duration=1.0, **{name: xr.DataArray([0.1, 0.2], dims="a")})
+    assert two["outcome"].dims == ("a",)
+
+
 def test_ties_lead_on() -> None:
     """m in surge, sway and yaw is one mass, by two ties."""
     mass = KVLCC2.coefficients["X_mass"] * np.array([1.0, 1.3])

@@ -157,8 +157,10 @@ class Program:
 
         def constants(rows: slice) -> np.ndarray:
             part = {name: column[rows] for name, column in columns.items()}
-            own = self._constants(kernel, {**values, **part})
-            return np.stack(np.broadcast_arrays(*own), axis=-1).astype(precision)
+            # What varies need not enter any of them, as a surge force where the speed is held.
+            each = np.empty(rows.stop - rows.start if columns else ())
+            own = np.broadcast_arrays(each, *self._constants(kernel, {**values, **part}))
+            return np.stack(own[1:], axis=-1).astype(precision)
 
         shared = None if columns else constants(slice(None))
         give = constants if shared is None else lambda _: shared
