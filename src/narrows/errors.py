@@ -1,9 +1,13 @@
 """What goes wrong with a user's input, said in one sentence with the place and the remedy."""
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+from numbers import Integral
 from reprlib import Repr
 
+UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
+LONGEST_SENTENCE = 2000
 LONGEST = 200
 """Characters of what another library said, or of a value, that a sentence repeats."""
 
@@ -16,11 +20,13 @@ class InputError(ValueError):
     Parameters
     ----------
     sentence : str
-        What to say; a line break in it, out of a cell or a name, becomes a blank.
+        What to say; a line break in it, out of a cell or a name, becomes a blank, what does not print is spelled out,
+        and the middle of what is very long is left out.
     """
 
     def __init__(self, sentence: str) -> None:
-        super().__init__(" ".join(sentence.splitlines()))
+        line = UNPRINTABLE.sub(lambda found: ascii(found[0])[1:-1], " ".join(sentence.splitlines()))
+        super().__init__(line if len(line) <= LONGEST_SENTENCE else f"{line[:900]} ... {line[-900:]}")
 
 
 def near_miss(word: str, known: Iterable[str]) -> str:
@@ -87,3 +93,48 @@ def reason(error: BaseException) -> str:
     if isinstance(error, RecursionError):
         said = "nested too deeply"
     return " ".join((said or type(error).__name__).split())[:LONGEST]
+
+
+def check_choice(name: str, value: object, known: Iterable[str]) -> None:
+    """Raise where an argument is none of the words that it may be (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : object
+        As a caller gave it.
+    known : iterable of str
+        What it may be.
+
+    Raises
+    ------
+    InputError
+        Names the argument and the words.
+    """
+    known = tuple(known)
+    if not isinstance(value, str) or value not in known:
+        near = near_miss(value, known) if isinstance(value, str) and len(value) < LONGEST else ""
+        raise InputError(f"{name} = {shown(value)} is unknown" + (near or f"; choose {' or '.join(known)}"))
+
+
+def check_count(name: str, value: object, least: int = 0, most: float = 2**63 - 1) -> None:
+    """Raise where an argument is no whole number that counts (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : object
+        As a caller gave it.
+    least, most : int
+        Between which it must be.
+
+    Raises
+    ------
+    InputError
+        Names the argument and its limits.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
+        upto = f" to {most}" if most < 2**63 - 1 else ""
+        raise InputError(f"{name} = {shown(value)}: give a whole number from {least}{upto}")

@@ -10,11 +10,31 @@ from errno import EACCES
 from pathlib import Path
 from uuid import uuid4
 
-from narrows.errors import InputError, reason
+from narrows.errors import InputError, reason, shown
 
 DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d+)")
 """What ``/dev/stdout`` and the like lead to: something that this process has open already."""
 MOST_LINKS = 40
+
+
+def path_of(name: str, value: object) -> Path:
+    """Return an argument as a path (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : object
+        As a caller gave it.
+
+    Raises
+    ------
+    InputError
+        Where it is none.
+    """
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{name} = {shown(value)} is no path; give the name of a file")
+    return Path(value)
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:

@@ -166,7 +166,7 @@ def test_not_toml(content: bytes, tmp_path: Path) -> None:
 
 
 MODELS = {
-    "text for a coefficient": ("b_v = 100.0", 'b_v = "a"', "coefficient b_v = a is not a finite number"),
+    "text for a coefficient": ("b_v = 100.0", 'b_v = "a"', "coefficient b_v = 'a' is not a finite number"),
     "true for a coefficient": ("b_v = 100.0", "b_v = true", "coefficient b_v = True"),
     "list for a coefficient": ("b_v = 100.0", "b_v = [1.0]", "coefficient b_v"),
     "bare coefficients": ("[coefficients]", "[source]\nx = 1\n[coeff]", r"unknown|defined|valid TOML"),
@@ -234,7 +234,7 @@ def test_a_write_that_fails_leaves_the_old_file(dtc: nw.Model, tmp_path: Path, m
         (lambda: nw.twin(rate=0.0), "fewer than two rows"),
         (lambda: nw.published("mikkelsen2025"), "did you mean 'mikkelsen2025_dtc'"),
         (lambda: nw.measured_tests("kvlcc"), "known: kcs, lataire2009"),
-        (lambda: nw.identify(short_twin(), weights="huber"), "weights 'huber' are unknown; choose paper or variance"),
+        (lambda: nw.identify(short_twin(), weights="huber"), "weights = 'huber' is unknown; choose paper or variance"),
         (lambda: nw.identify(short_twin()).shapley("owen"), "kind 'owen' is unknown; choose mse, mean_abs, lmg"),
         (lambda: short_twin().test("swai"), "no test is called 'swai'; did you mean 'sway'"),
         (lambda: short_twin().where([False] * 4), "no test is left"),

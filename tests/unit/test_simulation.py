@@ -182,7 +182,7 @@ def test_starts_on_the_bank_end_there_and_others_go_on(dtc: nw.Model) -> None:
         ({"y": []}, "y is empty"),
         ({"yy": 1.0}, "cannot vary 'yy'"),
         ({"samples": 5}, "no covariance"),
-        ({"contact": "bow"}, "contact 'bow'"),
+        ({"contact": "bow"}, "contact = 'bow'"),
         ({"client": object()}, "store"),
     ],
 )

@@ -106,10 +106,10 @@ def test_every_rule_asks_for_what_has_a_place() -> None:
         ({"y": SHIPS, "u": SHIPS.assign_coords(ship=[1, 2, 3, 4])}, "length and labels"),
         ({"y": xr.DataArray([0.1], dims="time")}, "a dimension 'time', which cannot be one"),
         ({"y": xr.DataArray([0.1], dims=[3])}, "a dimension 3, which cannot be one"),
-        ({"samples": 1.5}, "whole numbers from 0"),
-        ({"samples": True}, "whole numbers from 0"),
-        ({"seed": -1}, "whole numbers from 0"),
-        ({"samples": 10**12}, "take fewer"),
+        ({"samples": 1.5}, "give a whole number from 0"),
+        ({"samples": True}, "give a whole number from 0"),
+        ({"seed": -1}, "give a whole number from 0"),
+        ({"samples": 10**12}, "from 0 to 10000000"),
     ],
 )
 def test_what_cannot_vary_is_said(vary: dict, said: str) -> None:
@@ -129,6 +129,13 @@ def test_a_tie_varies_together() -> None:
         nw.simulate(DTC.with_coefficients(b_rdot=float(own), c_vdot=float(own)), 1.0, duration=20.0) for own in value
     ]
     np.testing.assert_allclose(one["time"], [voyage.outcome.time for voyage in alone], rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["X", "Y", "rudder", "heave", "a_u"])
+def test_what_changes_nothing_may_vary_alone(name: str) -> None:
+    """A surge force where the speed is held enters no equation; there are two voyages all the same."""
+    two = nw.ensemble(DTC, duration=1.0, **{name: xr.DataArray([0.1, 0.2], dims="a")})
+    assert two["outcome"].dims == ("a",)
 
 
 def test_ties_lead_on() -> None:

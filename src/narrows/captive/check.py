@@ -3,19 +3,20 @@
 import math
 import re
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from narrows.captive.columns import Column
-from narrows.errors import InputError, near_miss
+from narrows.captive.frames import FIRST_ROW
+from narrows.errors import InputError, near_miss, shown
 from narrows.quantities.names import Quantity
 from narrows.ship.particulars import Configuration
 
+LONGEST_CELL = 60
 LARGEST = 1e20
 """Beyond this a number stands for a missing one (netCDF fills with 9.97e36), and its square spoils every sum."""
-FIRST_ROW = 2
-"""What editors call the row under a header."""
 
 
 def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
@@ -83,15 +84,36 @@ def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
     InputError
         At the first cell that is not a finite number, or beyond all measure.
     """
-    values = pd.to_numeric(frame[header], errors="coerce").to_numpy(dtype=float)
+    values = _floats(frame[header])
     # NaN is not below either.
     wrong = ~(np.abs(values) < LARGEST)
     if wrong.any():
-        cell = frame[header].iloc[int(np.argmax(wrong))]
+        cell = _word(frame[header].iloc[int(np.argmax(wrong))])
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         row = row_number(frame, wrong)
         raise InputError(f"{place}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell")
     return values
+
+
+def _floats(column: pd.Series) -> np.ndarray:
+    """A column as floats, not a number where it holds dates, lists or integers without end."""
+    if column.dtype.kind in "mM":
+        return np.full(len(column), np.nan)
+    try:
+        return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+    except (TypeError, ValueError, ArithmeticError):
+        return np.array([_float(cell) for cell in column])
+
+
+def _word(cell: Any) -> str:
+    return cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
+
+
+def _float(cell: Any) -> float:
+    try:
+        return float(cell)
+    except (TypeError, ValueError, ArithmeticError):
+        return math.nan
 
 
 def labels(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:

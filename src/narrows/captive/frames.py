@@ -6,8 +6,11 @@ from typing import Any
 
 import pandas as pd
 
-from narrows.errors import InputError
+from narrows.captive.matlab import check_elements
+from narrows.errors import InputError, reason, shown
 
+FIRST_ROW = 2
+"""What editors call the row under a header."""
 READABLE = (".csv", ".parquet", ".mat", ".dat")
 
 
@@ -26,7 +29,7 @@ def read_frame(path: Path) -> pd.DataFrame:
     """
     readers = {".csv": _read_csv, ".parquet": _read_parquet, ".mat": _read_mat, ".dat": _read_dat}
     reader: Any = readers[_suffix(path, READABLE)]
-    frame: pd.DataFrame = _guarded(path, lambda: reader(path))
+    frame: pd.DataFrame = _guarded(path, lambda: _sound(reader(path)))
     return frame
 
 
@@ -47,7 +50,7 @@ def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     """
     suffix = _suffix(path, READABLE[:2])
     chunks = (_csv_chunks if suffix == ".csv" else _parquet_chunks)(path, rows)
-    while (chunk := _guarded(path, lambda: next(chunks, None))) is not None:
+    while (chunk := _guarded(path, lambda: _sound(next(chunks, None)))) is not None:
         yield chunk
 
 
@@ -66,6 +69,18 @@ def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
             yield frame
 
 
+def _sound(frame: Any) -> Any:
+    """A frame whose rows are counted and whose headers differ; pandas takes a surplus of cells for names of rows."""
+    if frame is None:
+        return None
+    if not isinstance(frame.index, pd.RangeIndex):
+        raise InputError(f"row {FIRST_ROW} has more cells than the header; give each column one header")
+    twice = frame.columns[frame.columns.duplicated()]
+    if len(twice):
+        raise InputError(f"two columns are headed {shown(twice[0])}; keep one")
+    return frame
+
+
 def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
     suffix = path.suffix.lower()
     if suffix not in allowed:
@@ -82,9 +97,10 @@ def _guarded(path: Path, read: Any) -> Any:
         raise InputError(f"{path}: the table is empty; give a header and rows") from None
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    except (OSError, ValueError, NotImplementedError, TypeError) as error:
-        reason = str(error).partition("\n")[0] or type(error).__name__
-        raise InputError(f"{path}: is not a readable {path.suffix[1:]} table ({reason}); export it again") from None
+    except Exception as error:  # Readers of formats raise nearly anything on what is none.
+        raise InputError(
+            f"{path}: is not a readable {path.suffix[1:]} table ({reason(error)}); export it again"
+        ) from None
 
 
 def _read_csv(path: Path) -> pd.DataFrame:
@@ -110,12 +126,8 @@ def _read_parquet(path: Path) -> pd.DataFrame:
 def _read_mat(path: Path) -> pd.DataFrame:
     from scipy.io import loadmat
 
-    try:
-        variables = loadmat(path, simplify_cells=True)
-    except (OSError, NotImplementedError):
-        raise
-    except Exception as error:  # A damaged file raises nearly anything there.
-        raise ValueError(str(error)) from None
+    check_elements(path.read_bytes())
+    variables = loadmat(path, simplify_cells=True)
     loaded = {k: v for k, v in variables.items() if not k.startswith("__")}
     if len(loaded) == 1 and isinstance(struct := next(iter(loaded.values())), dict):
         loaded = struct

@@ -13,7 +13,8 @@ from narrows.captive.columns import Column, columns_with, parse_header
 from narrows.captive.formats import layouts
 from narrows.captive.frames import read_frame
 from narrows.captive.tests import CaptiveTests
-from narrows.errors import InputError
+from narrows.errors import InputError, reason, shown
+from narrows.files import path_of, reading
 from narrows.model.model import Source
 from narrows.quantities.names import MOTION, Quantity
 from narrows.ship.actuators import STANDARD
@@ -70,7 +71,7 @@ def read_captive(
     InputError
         In one sentence with file, row, column and remedy.
     """
-    path = Path(path)
+    path = path_of("path", path)
     configuration = ship if isinstance(ship, Configuration) else read_ship(ship)
     frame, notes = prepared(read_frame(path), where, str(path))
     if not len(frame):
@@ -231,8 +232,8 @@ def _selected(frame: pd.DataFrame, where: str, place: str) -> pd.DataFrame:
             raise TypeError("it is neither true nor false")
         selected: pd.DataFrame = frame[chosen]
     except Exception as error:
-        reason = str(error).splitlines()[0]
-        raise InputError(f"{place}: cannot select rows where {where!r} ({reason}); use the table's headers") from None
+        said = f"{shown(where)} ({reason(error)})"
+        raise InputError(f"{place}: cannot select rows where {said}; use the table's headers") from None
     return selected
 
 
@@ -244,5 +245,5 @@ def sha256_of(path: Path) -> str:
     path : Path
         The file.
     """
-    with path.open("rb") as file:
+    with reading(path, "a table"), path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -14,6 +14,7 @@ from narrows.captive.frames import read_chunks
 from narrows.captive.read import Rows, checked, prepared, sha256_of, tests_of
 from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError
+from narrows.files import path_of
 from narrows.model.model import Source
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import read_ship
@@ -152,7 +153,7 @@ def stream_captive(
     InputError
         Where the file is absent; rows are checked as they pass.
     """
-    path = Path(path)
+    path = path_of("path", path)
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
     configuration = ship if isinstance(ship, Configuration) else read_ship(ship)

@@ -1,11 +1,13 @@
 """The application, and how it leaves: exit code 0; 1 where it ran and says no; 2 for bad input."""
 
+import os
 import sys
+from contextlib import suppress
 from typing import NoReturn
 
 import typer
 
-from narrows.errors import InputError
+from narrows.errors import InputError, reason
 
 app = typer.Typer(
     name="narrows",
@@ -27,18 +29,44 @@ def main() -> NoReturn:
     debug = "--debug" in sys.argv
     arguments = [word for word in sys.argv[1:] if word != "--debug"]
     try:
-        code = app(arguments, standalone_mode=False)
-    except InputError as error:
-        if debug:
-            raise
-        _leave(str(error), 2)
+        code = _run(arguments)
+        sys.stdout.flush()  # What cannot be written is said here, and not by Python when it ends.
+    except BrokenPipeError:
+        _silence()
+        raise SystemExit(1) from None
     except KeyboardInterrupt:
         _leave("interrupted", 130)
     except Exception as error:
-        if debug or not hasattr(error, "format_message"):
+        if debug or not (said := _sentence(error)):
             raise
-        _leave(f"{error.format_message()} (see narrows --help)", 2)
-    raise SystemExit(code if isinstance(code, int) else 0)
+        _leave(said, 2)
+    raise SystemExit(code)
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        code = app(arguments, standalone_mode=False)
+    except SystemExit as left:
+        code = left.code
+    return code if isinstance(code, int) else 0
+
+
+def _sentence(error: Exception) -> str:
+    """What to say of an error that is no fault of the program, nothing of one that is."""
+    if isinstance(error, InputError):
+        return str(error)
+    if hasattr(error, "format_message"):
+        return f"{error.format_message()} (see narrows --help)"
+    if isinstance(error, OSError | UnicodeEncodeError):
+        _silence()
+        return f"the output cannot be written ({reason(error)}); send it elsewhere"
+    return f"this is {reason(error)}; ask for less" if isinstance(error, MemoryError) else ""
+
+
+def _silence() -> None:
+    """Nobody hears standard output any more, Python neither when it ends."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _leave(sentence: str, code: int) -> NoReturn:

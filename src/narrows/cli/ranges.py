@@ -4,11 +4,13 @@ import re
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.quantities.constants import KNOT
 
 SPEED_UNITS = {"": 1.0, "m/s": 1.0, "kn": KNOT, "km/h": 1 / 3.6}
 """Of a speed as written, in m/s."""
+MOST = 1_000_000
+"""Values of a range."""
 UNIT = re.compile(r"(?:m/s|kn|km/h)?\s*$")
 
 
@@ -32,13 +34,15 @@ def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5
     try:
         if ":" in text:
             low, high, count = text.split(":")
-            values = np.linspace(float(low), float(high), int(count))
+            values = np.linspace(float(low), float(high), min(int(count), MOST + 1))
         else:
             values = np.array([float(word) for word in text.split(",")])
-    except ValueError:
-        raise InputError(f"{option} {text!r} is not understood; give {such_as}") from None
+    except (ValueError, OverflowError):
+        raise InputError(f"{option} {shown(text)} is not understood; give {such_as}") from None
+    if values.size > MOST:
+        raise InputError(f"{option} {shown(text)} asks for more than {MOST} values; take fewer")
     if not values.size or not np.isfinite(values).all():
-        raise InputError(f"{option} {text!r} must be finite numbers, at least one")
+        raise InputError(f"{option} {shown(text)} must be finite numbers, at least one")
     return values
 
 
@@ -62,7 +66,9 @@ def speeds(option: str, text: str) -> np.ndarray:
     carry = words[:2] if between == ":" else words
     units = {UNIT.search(word)[0].strip() for word in carry}  # type: ignore[index]
     if len(units) > 1:
-        raise InputError(f"{option} {text!r} has several units, or numbers without; give each number the same unit")
+        raise InputError(
+            f"{option} {shown(text)} has several units, or numbers without; give each number the same unit"
+        )
     (unit,) = units
     plain = between.join([word.strip().removesuffix(unit) for word in carry] + words[len(carry) :])
     return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17") * SPEED_UNITS[unit]
@@ -85,5 +91,5 @@ def speed(option: str, text: str) -> float:
     """
     found = speeds(option, text)
     if found.size != 1:
-        raise InputError(f"{option} {text!r} is more than one speed; give one, as 4.1m/s or 8kn")
+        raise InputError(f"{option} {shown(text)} is more than one speed; give one, as 4.1m/s or 8kn")
     return float(found[0])

@@ -2,7 +2,7 @@
 
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.errors import InputError
+from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.identification.cross_validation import left_out_coefficients, left_out_score
 from narrows.identification.fit import Fit
 from narrows.identification.regression.accumulation import accumulate
@@ -48,9 +48,11 @@ def identify(
     InputError
         Where an option is unknown or the tests are of several conditions.
     """
-    if split not in SPLITS:
-        raise InputError(f"split {split!r} is unknown; choose {' or '.join(SPLITS)}")
+    check_choice("split", split, SPLITS)
+    check_count("seed", seed)
     terms = table_named(terms) if isinstance(terms, str) else terms
+    if not isinstance(terms, TermTable):
+        raise InputError(f"terms = {shown(terms)} is no table of terms; give one, or the name of one")
     check_one_condition(tests, terms)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
     equations, data_range = accumulate(fitted, terms, pieces_for(len(tests.names)))

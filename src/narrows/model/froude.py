@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.model.data_range import MEASURES, DataRange, Range
 from narrows.model.model import Model
 from narrows.model.nondimensional import Units, nondimensional
 from narrows.quantities.constants import GRAVITY
 from narrows.quantities.dimensions import dimension_of
 from narrows.quantities.names import PARTICULARS
+from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 from narrows.terms.about import ScaleEffect
@@ -165,8 +166,8 @@ def scale_model(
     InputError
         Where a number is not positive, or the ship does not fit the canal.
     """
-    if not 0 < length < LONGEST:
-        raise InputError(f"a ship {length} m long is none; give her length in metres")
+    if not is_finite(length) or not 0 < length < LONGEST:
+        raise InputError(f"a ship {shown(length)} m long is none; give her length in metres")
     old = model.configuration
     ratio = length / old.ship.length
     water = Water(old.water.density if density is None else density)

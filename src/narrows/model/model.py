@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange
 from narrows.quantities.names import Number
 from narrows.ship.motion import Motion
@@ -41,7 +41,10 @@ class Source:
 
 
 def _is_finite(value: object) -> bool:
-    return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+    try:
+        return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+    except OverflowError:  # An integer of more digits than floats have.
+        return False
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class Model:
                 hint = did_you_mean(name, names)
                 raise InputError(f"unknown coefficient {name!r}{hint}")
             if not _is_finite(value):
-                raise InputError(f"coefficient {name} = {value} is not a finite number; give its value")
+                raise InputError(f"coefficient {name} = {shown(value)} is not a finite number; give its value")
         for name in names:
             if name not in self.coefficients:
                 raise InputError(f"coefficient {name} is missing; add it, or choose a table without its term")

@@ -1,6 +1,7 @@
 """Model files: TOML that gives back the same forces to the last bit."""
 
 import math
+import os
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.files import write_whole
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model, Source
@@ -106,7 +107,7 @@ def model_named(name: str) -> Model:
     InputError
         Where it is neither.
     """
-    return load_model(name) if "." in name or "/" in name or Path(name).exists() else published(name)
+    return load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)
 
 
 def _as_tables(model: Model) -> dict[str, Any]:
@@ -174,9 +175,9 @@ def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray 
     try:
         names = list(section["names"])
         matrix = np.array(section["matrix"], dtype=float)
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         raise fault from None
-    if matrix.shape != (len(names), len(names)) or sorted(names) != sorted(terms.names):
+    if matrix.shape != (len(names), len(names)) or sorted(map(str, names)) != sorted(terms.names):
         raise fault
     if not _is_covariance(matrix):
         raise InputError("[covariance] is no covariance: symmetric, finite, nothing below 0; mend it or leave it out")
@@ -187,10 +188,10 @@ def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray 
 def _pair(name: str, pair: Any) -> Range:
     try:
         low, high = (float(end) for end in pair)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         low = high = math.nan
     if not -math.inf < low <= high < math.inf:
-        raise InputError(f"[data_range] {name} = {pair!r} is not a pair of numbers; give lowest and highest")
+        raise InputError(f"[data_range] {name} = {shown(pair)} is not a pair of numbers; give lowest and highest")
     return low, high
 
 

@@ -198,7 +198,7 @@ def _picked(value: Any, at: Mapping[str, int]) -> Any:
 
 
 def flat(part: object, names: Iterable[str], prefix: str = "") -> dict[str, Any]:
-    """Return the numbers of a part by the names of the vocabulary (ours).
+    """Return the numbers of a part, no columns, by the names of the vocabulary (ours).
 
     Parameters
     ----------
@@ -208,5 +208,14 @@ def flat(part: object, names: Iterable[str], prefix: str = "") -> dict[str, Any]
         Of its numbers.
     prefix : str
         That the vocabulary puts before them.
+
+    Raises
+    ------
+    InputError
+        Where one is a column.
     """
-    return {name if name == "revolutions" else f"{prefix}{name}": getattr(part, name) for name in names}
+    found = {name if name == "revolutions" else f"{prefix}{name}": getattr(part, name) for name in names}
+    for name, value in found.items():
+        if hasattr(value, "dims"):
+            raise InputError(f"{place_of(name)} is a column, and not a finite number; vary it in an ensemble")
+    return found

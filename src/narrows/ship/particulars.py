@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.ship.actuator import Part, free
 from narrows.ship.actuators import STANDARD, Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_particulars, flat
@@ -53,6 +53,8 @@ class Ship:
 
     def __post_init__(self) -> None:
         check_particulars(flat(self, (own.name for own in fields(self) if own.name != "name")))
+        if not isinstance(self.name, str):
+            raise InputError(f"[ship] name = {shown(self.name)} must be a word; put it in quotes")
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, did_you_mean, shown
+from narrows.files import reading
 from narrows.ship.actuator import Actuator, Part
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
@@ -64,12 +65,8 @@ def load_toml(path: str | Path) -> dict[str, Any]:
     InputError
         Where the file is absent or is not TOML.
     """
-    try:
+    with reading(path, "valid TOML"):
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: is not valid TOML ({error}); mend it there") from None
 
 
 def configuration_from(tables: Mapping[str, Any], place: str, actuators: Iterable[Actuator] = ()) -> Configuration:
@@ -121,7 +118,7 @@ def check_table(name: str, table: object, place: str) -> None:
         Names the section.
     """
     if not isinstance(table, Mapping):
-        raise InputError(f"{place}: {name} = {table!r} must be a section; write [{name}] and its keys under it")
+        raise InputError(f"{place}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
 
 
 def _renamed(name: str, values: Mapping[str, Any]) -> Mapping[str, Any]:

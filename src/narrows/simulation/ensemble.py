@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
+from narrows.files import path_of
 from narrows.model.model import Model
 from narrows.simulation.ensemble_notes import notes_of
 from narrows.simulation.grid import Grid, grid_of, with_values
@@ -100,8 +101,8 @@ def ensemble(
     if store is not None:
         from narrows.simulation.store import run_into
 
-        return run_into(Path(store), run, grid, client, progress)
-    if client is not None:
+        return run_into(path_of("store", store), run, grid, client, progress)
+    if client is not None:  # One that is none is refused here too.
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
     found = _labelled(grid, *_run_here(run, grid, workers, progress))
     return found.assign_attrs(notes="\n".join(notes_of(run, grid, found)))

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError, shown
+from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.ship.checks import LARGEST
 
 Schedule = float | Sequence[Sequence[float]]
@@ -18,6 +18,8 @@ MOST_STEPS = 1_000_000_000
 STEP_TIME = 1e-8
 """What a step takes at best [s]."""
 MOST_WORKERS = 4096
+MOST_POINTS = 1000
+"""Of an outline, which is a part of the program."""
 MOST_IN_MEMORY, MOST_STORED = 100_000_000, 100_000_000_000
 """Voyages of an ensemble, some 60 bytes each."""
 
@@ -182,10 +184,8 @@ def check_workers(workers: object) -> None:
     InputError
         Where it is no whole number from 1 to some thousand.
     """
-    if workers is None:
-        return
-    if isinstance(workers, bool) or not isinstance(workers, int | np.integer) or not 1 <= workers <= MOST_WORKERS:
-        raise InputError(f"workers = {shown(workers)}: give a whole number from 1 to {MOST_WORKERS}, or leave it out")
+    if workers is not None:
+        check_count("workers", workers, 1, MOST_WORKERS)
 
 
 def check_precision(precision: object) -> None:
@@ -201,8 +201,44 @@ def check_precision(precision: object) -> None:
     InputError
         Where it is neither of the two.
     """
-    if precision not in ("float64", "float32"):
-        raise InputError(f"precision = {shown(precision)} is unknown; it is 'float64' or 'float32'")
+    check_choice("precision", precision, ("float64", "float32"))
+
+
+def check_options(surge: object, surge_inertia: object, coriolis: object, contact: object) -> None:
+    """Raise where a choice of simulation is none (ours).
+
+    Parameters
+    ----------
+    surge, surge_inertia, coriolis, contact : object
+        As a caller gave them.
+
+    Raises
+    ------
+    InputError
+        Where one is unknown, or an outline is no points in metres.
+    """
+    check_choice("surge", surge, ("held", "free"))
+    if surge_inertia is not None:
+        finite_numbers(surge_inertia=surge_inertia)
+    if not isinstance(coriolis, bool | np.bool_):
+        raise InputError(f"coriolis = {shown(coriolis)}: give True or False")
+    if isinstance(contact, str):
+        check_choice("contact", contact, ("corners", "midship", "none"))
+    else:
+        _check_outline(contact)
+
+
+def _check_outline(contact: Any) -> None:
+    try:
+        points = np.asarray(contact)
+        finite = points.dtype.kind in "iufO" and bool((np.abs(points.astype(float)) < LARGEST).all())
+    except (TypeError, ValueError, OverflowError):
+        points, finite = np.empty(0), False
+    if points.ndim != 2 or points.shape[1] != 2 or not 3 <= len(points) <= MOST_POINTS or not finite:
+        raise InputError(
+            f"contact = {shown(contact)}: give corners, midship, none, or an outline as 3 to {MOST_POINTS} points "
+            "(forward, starboard) in metres"
+        )
 
 
 def check_vessels(vessels: int, stored: bool) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from narrows.errors import InputError, shown
+from narrows.errors import InputError, check_count
 from narrows.model.model import Model
 
 PASSES = 3
@@ -24,11 +24,8 @@ def check_samples(samples: object, seed: object) -> None:
     InputError
         Where one is no whole number from 0, or there are more samples than fit in memory.
     """
-    for value in (samples, seed):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-            raise InputError(f"samples = {shown(samples)} and seed = {shown(seed)}: give whole numbers from 0")
-    if int(samples) > MOST_SAMPLES:  # type: ignore[call-overload]
-        raise InputError(f"samples = {shown(samples)} are more than {MOST_SAMPLES}; take fewer")
+    check_count("samples", samples, most=MOST_SAMPLES)
+    check_count("seed", seed)
 
 
 def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:

@@ -13,6 +13,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation.channel import check_outline
+from narrows.simulation.inputs import check_options
 from narrows.terms.term import TermTable
 
 Points = Sequence[Sequence[float]]
@@ -51,8 +52,7 @@ class SimulatedShip:
     contact: str | Points = "corners"
 
     def __post_init__(self) -> None:
-        if self.surge not in ("held", "free"):
-            raise InputError(f"surge {self.surge!r} is unknown; it is 'held' or 'free'")
+        check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
         if self.shape == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
         if PROPELLER in self.model.terms.actuators and self.model.configuration.propeller is None:

@@ -1,10 +1,12 @@
 """A model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from keyword import iskeyword
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
 from narrows.ship.actuator import Actuator
@@ -16,6 +18,8 @@ FREE: Bound = (float("-inf"), float("inf"))
 NONNEGATIVE: Bound = (0.0, float("inf"))
 BANKS, DEPTH = "width", "depth"
 """What says where the banks are, and how deep the water is."""
+NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
+"""Of a coefficient: generated programs in several languages call it so."""
 LETTERS = ("a", "b", "c")
 """What the names of the paper's coefficients begin with, by force."""
 
@@ -51,8 +55,8 @@ class Term:
     Raises
     ------
     InputError
-        Where the regressor asks for a quantity that the vocabulary does not have, or for the canal's width and the
-        kind is not ``bank``.
+        Where the name cannot be one, the regressor asks for a quantity that the vocabulary does not have, or for the
+        canal's width and the kind is not ``bank``.
     """
 
     name: str
@@ -67,6 +71,8 @@ class Term:
     actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name) or iskeyword(self.name) or self.name in REGRESSOR_INPUTS:
+            raise InputError(f"a coefficient cannot be called {shown(self.name)}; give it a name such as b_vv")
         for word in self.inputs:
             if word not in self._vocabulary:
                 hint = did_you_mean(word, self._vocabulary)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, check_choice
 from narrows.identification.regression.normal_equations import ONE, NormalEquations
 from narrows.terms.term import TermTable
 
@@ -102,8 +102,7 @@ def reduced(equations: NormalEquations, terms: TermTable, weights: str = "paper"
     InputError
         Where the weights are neither, or bounds leave a coefficient no room.
     """
-    if weights not in WEIGHTS:
-        raise InputError(f"weights {weights!r} are unknown; choose {' or '.join(WEIGHTS)}")
+    check_choice("weights", weights, WEIGHTS)
     slot = slots(terms)
     total = equations.total
     by_force = {f: _weight(equations, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
