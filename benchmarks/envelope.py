@@ -13,7 +13,7 @@ from scipy.optimize import root
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.trials import LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.held_trials import LENGTHS, STEPS_A_LENGTH, trials
 from narrows.terms.tables import table_named
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
@@ -40,7 +40,7 @@ def one_by_one(model: nw.Model, y: float, u: float) -> None:
     pilot = replace(nw.track_pilot(model, y, u), rudder=rudder, psi=-np.arctan(drift), v=u * drift)
     length = model.configuration.ship.length
     nw.simulate(
-        model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, helm=pilot,
+        model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, controller=pilot,
         duration=LENGTHS * length / u, dt=length / (STEPS_A_LENGTH * u),
     )  # fmt: skip
 

@@ -31,7 +31,7 @@ chart = Path(tempfile.mkdtemp()) / "chart.png"
 save_figure(envelope_chart(found, scaled.model), chart)
 print(f"wrote {chart.name}")
 
-# The same helm, for one voyage from 40 m off to 30.
+# The same track pilot, for one voyage from 40 m off to 30.
 pilot = nw.track_pilot(scaled.model, y=30.0, u=4.0)
-voyage = nw.simulate(scaled.model, y=40.0, u=4.0, duration=900.0, dt=1.0, helm=pilot)
+voyage = nw.simulate(scaled.model, y=40.0, u=4.0, duration=900.0, dt=1.0, controller=pilot)
 print(f"{voyage.outcome.sentence} She is {voyage.y[-1]:.1f} m off the middle.")

@@ -6,6 +6,9 @@ from .captive import stream_captive as stream_captive
 from .captive import twin as twin
 from .captive.measured import measured_squat as measured_squat
 from .captive.measured import measured_tests as measured_tests
+from .control import self_propulsion as self_propulsion
+from .control import steady_course as steady_course
+from .control import track_pilot as track_pilot
 from .errors import InputError as InputError
 from .experiment_design import Plan as Plan
 from .experiment_design import Tank as Tank
@@ -45,9 +48,6 @@ from .quantities.dimensions import Dimension as Dimension
 from .safety import Disturbance as Disturbance
 from .safety import SafeEnvelope as SafeEnvelope
 from .safety import safe_envelope as safe_envelope
-from .safety import self_propulsion as self_propulsion
-from .safety import steady_course as steady_course
-from .safety import track_pilot as track_pilot
 from .safety import wind_force as wind_force
 from .ship.actuators import Propeller as Propeller
 from .ship.actuators import Rudder as Rudder
@@ -60,8 +60,11 @@ from .ship.particulars import Ship as Ship
 from .ship.particulars import Water as Water
 from .ship.ship_file import read_ship as read_ship
 from .simulation import Autopilot as Autopilot
-from .simulation import Held as Held
+from .simulation import ConstantRudder as ConstantRudder
+from .simulation import ControlLaw as ControlLaw
+from .simulation import Controller as Controller
 from .simulation import Outcome as Outcome
+from .simulation import RudderSchedule as RudderSchedule
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
 from .simulation import bank_stiffness as bank_stiffness

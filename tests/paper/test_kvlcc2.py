@@ -60,7 +60,7 @@ def test_a_turning_circle_is_the_papers_equations(side: int) -> None:
     dt = reached / 40  # so that the ramp ends with a step
     end = 60.0
     voyage = nw.simulate(
-        KVLCC2, u=APPROACH, duration=end, dt=dt, surge="free", contact="none", helm=nw.Held(order), at=[20.0, 40.0, end]
+        KVLCC2, u=APPROACH, duration=end, dt=dt, surge="free", contact="none", controller=nw.ConstantRudder(order), at=[20.0, 40.0, end]
     )  # fmt: skip
 
     def rate(t: float, z: np.ndarray) -> list[float]:

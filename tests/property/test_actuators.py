@@ -217,7 +217,6 @@ def test_a_steady_course_balances_it(tug: nw.Model) -> None:
         assert abs(found["N"]) < 1e-6
 
 
-@pytest.mark.xfail(strict=True, reason="the equations of motion drive rudder and propeller alone")
 def test_it_drives_the_ship(tug: nw.Model) -> None:
     held = nw.simulate(tug, y=0.0, u=0.8, duration=5.0, bow_thruster=10.0)
     still = nw.simulate(tug, y=0.0, u=0.8, duration=5.0)

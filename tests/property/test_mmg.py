@@ -103,7 +103,7 @@ def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
         with pytest.raises(nw.InputError, match="the gear's 35"):
             nw.sail_trials(KVLCC2, 1.179, **asked)
     with pytest.raises(nw.InputError, match="give its angle"):
-        nw.Held(np.nan)
+        nw.ConstantRudder(np.nan)
 
 
 def test_the_slipstream_makes_the_rudder_stronger() -> None:

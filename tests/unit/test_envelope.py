@@ -10,11 +10,12 @@ import xarray as xr
 from scipy.optimize import root
 
 import narrows as nw
+from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
-from narrows.safety.autopilot import track_gains
+from narrows.control.track_pilot import track_gains
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.keel import keel_at
-from narrows.safety.trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.underkeel import keel_at
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
 
@@ -102,8 +103,8 @@ class TestAutopilot:
         """Eigenvalues of the motion with the rudder in the loop, by SciPy's Riccati solver against the trace."""
         own = SimulatedShip(ship)
         gains = track_gains(own, 5.0)
-        exact = own.program.jacobian(own.values())
-        state = {"cos_psi": 1.0, "u": 5.0}
+        exact = own.system().linearisation(own.values(), own.actuators)
+        state = {"u": 5.0}
         place = [1, 2, 4, 5]
         motion = exact.state(state)[np.ix_(place, place)]
         push = exact.controls(state)[place, 3]
@@ -111,18 +112,11 @@ class TestAutopilot:
         assert np.linalg.eigvals(motion - np.outer(push, gains)).real.max() < 0
 
     def test_the_derivative_by_the_rudder_is_a_difference(self, ship: nw.Model) -> None:
-        own = SimulatedShip(ship)
-        constants = own.constants
-        pose = (0.0, 12.0, np.cos(0.1), np.sin(0.1), 5.0, 0.2, 0.003)
-
-        def rate(angle: float) -> np.ndarray:
-            return np.array(own.program.rhs(*pose, 0.0, 0.0, 0.0, np.cos(angle), np.sin(angle), 0.0, *constants))
-
-        state = dict(zip(("x", "y", "cos_psi", "sin_psi", "u", "v", "r"), pose, strict=True))
-        exact = own.program.jacobian(own.values())
-        found = exact.controls(state, {"cos_rudder": np.cos(0.2), "sin_rudder": np.sin(0.2)})[:, 3]
-        slope = (rate(0.2 + 1e-6) - rate(0.2 - 1e-6)) / 2e-6
-        np.testing.assert_allclose(found[[0, 1, 4, 5]], slope[[0, 1, 5, 6]], rtol=1e-6, atol=1e-12)
+        own, pose = SimulatedShip(ship), (0.0, 12.0, 0.1, 5.0, 0.2, 0.003)
+        exact = own.system().linearisation(own.values(), own.actuators)
+        found = exact.controls({**dict(zip(STATE, pose, strict=True)), "rudder": 0.2})[:, 3]
+        slope = (rates_of(ship, 0.2 + 1e-6)(pose) - rates_of(ship, 0.2 - 1e-6)(pose)) / 2e-6
+        np.testing.assert_allclose(found, slope, rtol=1e-6, atol=1e-12)
 
     def test_the_command_holds_her(self, ship: nw.Model, cli, tmp_path) -> None:
         nw.save_model(ship, tmp_path / "full.toml")
@@ -163,7 +157,7 @@ def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, sample: int, ti
     steps = np.ceil(time / dt) + LENGTHS * STEPS_A_LENGTH
     return nw.simulate(
         model, y=y + float(thrown["y"][sample]), u=u, psi=pilot.psi + float(thrown["psi"][sample]), v=pilot.v,
-        rudder=pilot.rudder, duration=steps * dt, dt=dt, helm=pilot, **push,
+        rudder=pilot.rudder, duration=steps * dt, dt=dt, controller=pilot, **push,
     )  # fmt: skip
 
 

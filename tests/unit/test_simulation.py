@@ -1,17 +1,19 @@
 """Voyages against DOP853, against their mirror, against the order of the method; and how they end."""
 
+import re
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.simulation.course import Straight
-from narrows.simulation.fleet import Fleet
+from dop853 import integrated
+from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.reference import accelerations
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.step_error import track_error
 
 AWAY = st.one_of(st.floats(0.3, 2.2), st.floats(-2.2, -0.3), st.floats(2.45, 2.6))
 """Starts away from the switch between the banks."""
@@ -21,12 +23,11 @@ AWAY = st.one_of(st.floats(0.3, 2.2), st.floats(-2.2, -0.3), st.floats(2.45, 2.6
 def test_rk4_agrees_with_dop853(y: float, psi: float, u: float) -> None:
     """Time, side and place of the grounding to 1e-6."""
     model = nw.published("mikkelsen2025_dtc")
-    one, other = (
-        nw.simulate(model, y, u, psi=psi, method=method, dt=0.01, duration=90.0).outcome for method in ("rk4", "dop853")
-    )
-    assert (one.kind, one.side) == (other.kind, other.side)
-    assert one.time == pytest.approx(other.time, abs=1e-6)
-    assert one.distance == pytest.approx(other.distance, abs=1e-6)
+    one = nw.simulate(model, y, u, psi=psi, dt=0.01, duration=90.0).outcome
+    other = integrated(model, 90.0, y=y, u=u, psi=psi)
+    assert (one.kind == "grounded", one.side) == (other.side is not None, other.side)
+    assert one.time == pytest.approx(other.t[-1], abs=1e-6)
+    assert one.distance == pytest.approx(other.x[-1], abs=1e-6)
 
 
 @given(y=AWAY, psi=st.floats(-0.2, 0.2), v=st.floats(-0.05, 0.05), r=st.floats(-0.05, 0.05))
@@ -41,7 +42,7 @@ def test_mirrored_starts_give_mirrored_voyages(y: float, psi: float, v: float, r
 def test_rk4_is_of_order_four(dtc: nw.Model) -> None:
     """Before v or r change sign, so that abs() has no kink on the way."""
     start = {"y": 0.5, "v": 0.05, "r": -0.02, "duration": 2.0}
-    fine = nw.simulate(dtc, **start, method="dop853")
+    fine = integrated(dtc, **start)
     assert (fine.v > 0).all()
     assert (fine.r < 0).all()
     errors = [abs(nw.simulate(dtc, **start, dt=dt).y[-1] - fine.y[-1]) for dt in (0.5, 0.25)]
@@ -50,15 +51,14 @@ def test_rk4_is_of_order_four(dtc: nw.Model) -> None:
 
 def test_right_hand_side_is_the_terms_own(dtc: nw.Model) -> None:
     """The compiled equation against the uncompiled terms, to 1e-12."""
-    ship = SimulatedShip(dtc)
+    system, values = (ship := SimulatedShip(dtc)).system(pushed="always"), {"X_in": 0.0, "Y_in": 3.0, "N_in": -2.0}
     draw = np.random.default_rng(0)
     y, psi, v, r = draw.uniform(-1, 1, (4, 200)) * [[2.5], [1.2], [0.3], [0.2]]
     motion = nw.Motion(y=y, cos_psi=np.cos(psi), sin_psi=np.sin(psi), u=np.full(200, 0.9), v=v, r=r)
     expected = accelerations(dtc, motion, (0.0, 3.0, -2.0))
-    zero = np.zeros(200)
-    found = ship.program.rhs(
-        zero, y, np.cos(psi), np.sin(psi), motion.u, v, r, 0.0, 3.0, -2.0, *ship.controls(0.0), *ship.constants
-    )
+    numbers = system.constants({**ship.values(), **values})
+    state = (np.zeros(200), y, np.cos(psi), np.sin(psi), motion.u, v, r)
+    found = system.columns.rates(*state, *(numbers[name] for name in system.columns.RATES_INPUTS))
     for own, value in zip(expected, found[4:], strict=True):
         np.testing.assert_allclose(np.broadcast_to(value, 200), own, rtol=1e-12, atol=1e-12)
 
@@ -74,9 +74,8 @@ def test_a_fleet_is_its_voyages(dtc: nw.Model) -> None:
         assert int(ends["side"][i]) == {"starboard": 1, "port": -1}[outcome.side]
 
 
-@pytest.mark.parametrize("method", ["rk4", "dop853"])
-def test_a_grounding_before_the_first_output_time(dtc: nw.Model, method: str) -> None:
-    voyage = nw.simulate(dtc, 1.0, at=[60.0], method=method, duration=60.0)
+def test_a_grounding_before_the_first_output_time(dtc: nw.Model) -> None:
+    voyage = nw.simulate(dtc, 1.0, at=[60.0], duration=60.0)
     assert voyage.outcome.kind == "grounded"
     assert len(voyage.t) == 2
 
@@ -123,7 +122,7 @@ def test_scheduled_inputs_hold_from_their_times(dtc: nw.Model) -> None:
     pushed = nw.simulate(dtc, 0.0, N=[(0.0, 0.0), (1.0, 5.0)], duration=2.0)
     assert not pushed.r[pushed.t <= 1.0].any()
     assert pushed.r[-1] > 0
-    fine = nw.simulate(dtc, 0.0, N=[(0.0, 0.0), (1.0, 5.0)], duration=2.0, method="dop853")
+    fine = integrated(dtc, 2.0, forces=lambda t: (0.0, 0.0, 5.0 * (t > 1.0)), jumps=[1.0])
     assert pushed.r[-1] == pytest.approx(fine.r[-1], rel=1e-7)
 
 
@@ -193,19 +192,17 @@ def test_bad_ensembles_are_refused_before_anything_runs(dtc: nw.Model, vary: dic
 
 
 def test_an_interrupt_keeps_what_is_done(dtc: nw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    from narrows.simulation import fleets
-
     done = []
-    real = Fleet.run
+    real = KernelRun.run
 
     def run(self, values, vessels, workers=None):
-        if done:
-            raise KeyboardInterrupt
         done.append(vessels)
+        if len(done) == 2:
+            raise KeyboardInterrupt
         return real(self, values, vessels, workers)
 
-    monkeypatch.setattr(fleets, "BLOCK_VESSELS", 10)
-    monkeypatch.setattr(Fleet, "run", run)
+    monkeypatch.setattr(sys.modules["narrows.simulation.ensemble"], "BLOCK_VESSELS", 10)
+    monkeypatch.setattr(KernelRun, "run", run)
     ends = nw.ensemble(dtc, y=np.linspace(0.1, 2.5, 40))
     assert ends.attrs["complete"] == 0
     assert (ends["outcome"].to_numpy()[:10] >= 0).all()
@@ -244,18 +241,27 @@ def test_eigenvalues_are_those_of_differences(dtc: nw.Model) -> None:
 def test_a_step_too_long_is_told_by_about_how_much(dtc: nw.Model, dt: float) -> None:
     """Against the same voyage in fine steps."""
     fine = nw.simulate(dtc, y=0.2, duration=12.0, dt=0.01)
-    ship = SimulatedShip(dtc)
     coarse = nw.simulate(dtc, y=0.2, duration=12.0, dt=dt)
-    rate = Straight(ship).rate((0.0, 0.0, 0.0), 0.0)
-    columns = (coarse.x, coarse.y, np.cos(coarse.psi), np.sin(coarse.psi), coarse.u, coarse.v, coarse.r, coarse.rudder)
-    rows = [(t, tuple(state)) for t, *state in zip(coarse.t.tolist(), *(c.tolist() for c in columns), strict=True)]
-    told = track_error(rate, rows, dt)
     true = np.hypot(coarse.x[-1] - fine.x[-1], coarse.y[-1] - fine.y[-1])
-    assert true / 5 < told < 5 * true
-    beam = dtc.configuration.ship.beam
-    assert ("too long" in coarse.outcome.sentence) == (told > 0.02 * beam)
+    found = [re.search(r"off by some ([\d.e+-]+) m", note) for note in coarse.outcome.notes]
+    told = [float(one[1]) for one in found if one]
+    assert len(told) == (true > 0.02 * dtc.configuration.ship.beam)
+    for error in told:
+        assert true / 5 < error < 5 * true
 
 
 def test_a_step_that_is_short_enough_is_silent(dtc: nw.Model) -> None:
-    assert not nw.simulate(dtc, y=0.5).outcome.coarse
+    assert not any("too long" in note for note in nw.simulate(dtc, y=0.5).outcome.notes)
     assert "too long" in nw.simulate(dtc, y=0.2, duration=15.0, dt=5.0).outcome.sentence
+
+
+def test_output_times_do_not_change_a_voyage(dtc: nw.Model) -> None:
+    """They lie on the track of fine steps, and do not bound the duration where one is given."""
+    plain = nw.simulate(dtc, y=0.3, duration=20.0, dt=0.05)
+    told = nw.simulate(dtc, y=0.3, duration=20.0, dt=0.05, at=[1.0, 1.01, 7.777])
+    assert told.outcome == plain.outcome
+    np.testing.assert_array_equal(told.t, [0.0, 1.0, 1.01, 7.777, plain.t[-1]])
+    assert told.y[1] == plain.y[np.searchsorted(plain.t, 1.0 - 1e-9)]
+    fine = integrated(dtc, 7.777, y=0.3)
+    assert told.y[3] == pytest.approx(fine.y[-1], abs=1e-7)
+    assert nw.simulate(dtc, y=0.0, at=[1.0, 2.0]).outcome.time == 2.0

@@ -1,4 +1,4 @@
-"""Helms and steering gear: limits of angle and rate, a helm against held pieces, a zigzag's own rules."""
+"""Controllers and steering gear: limits of angle and rate, a ramp against SciPy, a zigzag's own rules."""
 
 from dataclasses import replace
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.simulation.steering import turning_rate
 from narrows.terms.about import TermKind
 from narrows.terms.tables import with_helm
 
@@ -23,12 +22,19 @@ def steered(dtc: nw.Model, **gear: float) -> nw.Model:
     return nw.Model(configuration, with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS})
 
 
-def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order() -> None:
-    gear = nw.SteeringGear(35.0, 10.0)
-    assert turning_rate(gear, 0.0, 1.0, 0.5) == pytest.approx(gear.rate)
-    assert turning_rate(gear, 0.0, -1.0, 0.5) == pytest.approx(-gear.rate)
-    assert 0.1 + 0.5 * turning_rate(gear, 0.1, 0.12, 0.5) == pytest.approx(0.12)
-    assert turning_rate(gear, gear.limit, 2.0, 0.5) == pytest.approx(0.0, abs=1e-12)
+def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order(dtc: nw.Model) -> None:
+    model = steered(dtc, limit_deg=35.0, rate_deg=10.0)
+    gear = model.configuration.gear
+
+    def turned(rudder: float, order: float) -> float:
+        """In one step of half a second."""
+        law = nw.ConstantRudder(order)
+        return float(nw.simulate(model, rudder=rudder, controller=law, duration=0.5, dt=0.5).rudder[-1])
+
+    assert turned(0.0, 1.0) == pytest.approx(0.5 * gear.rate)
+    assert turned(0.0, -1.0) == pytest.approx(-0.5 * gear.rate)
+    assert turned(0.1, 0.12) == pytest.approx(0.12)
+    assert turned(gear.limit, 2.0) == gear.limit
 
 
 def test_unless_given_it_is_the_rules(dtc: nw.Model) -> None:
@@ -38,9 +44,9 @@ def test_unless_given_it_is_the_rules(dtc: nw.Model) -> None:
     assert np.degrees(gear.limit) == pytest.approx(35)
 
 
-def test_a_voyage_under_a_helm_keeps_to_the_gear(dtc: nw.Model) -> None:
+def test_a_voyage_under_a_controller_keeps_to_the_gear(dtc: nw.Model) -> None:
     model = steered(dtc, limit_deg=20.0, rate_deg=8.0)
-    voyage = nw.simulate(model, y=0.2, duration=8.0, dt=0.05, helm=nw.Held(1.0))
+    voyage = nw.simulate(model, y=0.2, duration=8.0, dt=0.05, controller=nw.ConstantRudder(1.0))
     assert np.degrees(np.abs(voyage.rudder)).max() <= 20 + 1e-9
     assert np.degrees(np.abs(np.diff(voyage.rudder) / np.diff(voyage.t))).max() <= 8 + 1e-6
     np.testing.assert_allclose(np.degrees(voyage.rudder[: int(2 / 0.05)]), 8 * voyage.t[: int(2 / 0.05)], atol=1e-9)
@@ -48,9 +54,9 @@ def test_a_voyage_under_a_helm_keeps_to_the_gear(dtc: nw.Model) -> None:
 
 def test_an_order_that_is_there_already_changes_nothing(dtc: nw.Model) -> None:
     model = steered(dtc)
-    helmed = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0, helm=nw.Held(0.1))
+    steered_there = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0, controller=nw.ConstantRudder(0.1))
     held = nw.simulate(model, y=0.2, rudder=0.1, duration=6.0)
-    np.testing.assert_array_equal(helmed.y, held.y)
+    np.testing.assert_array_equal(steered_there.y, held.y)
 
 
 def test_the_rudder_within_a_step_is_a_ramp_for_scipy_too(dtc: nw.Model) -> None:
@@ -58,7 +64,7 @@ def test_the_rudder_within_a_step_is_a_ramp_for_scipy_too(dtc: nw.Model) -> None
     from scipy.integrate import solve_ivp
 
     model = steered(dtc, limit_deg=35.0, rate_deg=5.0)
-    voyage = nw.simulate(model, y=0.1, duration=4.0, dt=0.01, helm=nw.Held(3 * np.radians(5.0)))
+    voyage = nw.simulate(model, y=0.1, duration=4.0, dt=0.01, controller=nw.ConstantRudder(3 * np.radians(5.0)))
 
     def rate(t: float, z: np.ndarray) -> list[float]:
         y, psi, v, r = z
@@ -86,7 +92,7 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
     quiet = replace(quiet, configuration=replace(quiet.configuration, ship=steered(dtc).configuration.ship))
     quiet = replace(quiet, configuration=replace(quiet.configuration, steering=nw.SteeringGear(35.0, 20.0)))
     ten = np.radians(10)
-    voyage = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(ten, ten))
+    voyage = nw.simulate(quiet, duration=60.0, dt=0.02, controller=nw.Zigzag(ten, ten))
     turned = np.flatnonzero(np.diff(np.sign(np.diff(voyage.rudder).round(12))) < 0)
     first = np.argmax(voyage.psi >= ten)
     assert turned.size
@@ -94,7 +100,7 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
     assert voyage.rudder[first] == pytest.approx(ten)
     assert voyage.rudder[first + 1] < ten
     assert voyage.rudder.min() == pytest.approx(-ten)
-    mirrored = nw.simulate(quiet, duration=60.0, dt=0.02, helm=nw.Zigzag(-ten, ten))
+    mirrored = nw.simulate(quiet, duration=60.0, dt=0.02, controller=nw.Zigzag(-ten, ten))
     np.testing.assert_allclose(mirrored.psi, -voyage.psi, atol=1e-9)
 
 
@@ -105,17 +111,22 @@ def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw
         (lambda: nw.SteeringGear(120.0), "beyond 90 degrees"),
         (lambda: nw.Zigzag(0.0, 0.1), "needs a rudder angle"),
         (lambda: nw.Zigzag(0.1, -0.1), "positive change of heading"),
-        (lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), helm=nw.Held(0.1)), "no terms of a rudder"),
+        (
+            lambda: nw.simulate(nw.published("mikkelsen2025_dtc"), controller=nw.ConstantRudder(0.1)),
+            "gives orders to rudder, for which this model has no terms",
+        ),
+        (lambda: nw.RudderSchedule([]), "needs finite times that rise"),
+        (lambda: nw.RudderSchedule([(0.0, 0.1), (0.0, 0.2)]), "needs finite times that rise"),
+        (lambda: nw.RudderSchedule([(0.0, np.nan)]), "needs finite times that rise"),
+        (lambda: nw.RudderSchedule([0.1]), "pairs of time"),
+        (lambda: nw.ConstantRudder(np.inf), "is no order"),
+        (lambda: nw.Autopilot(0.0, (1.0, 2.0, 3.0)), "has four gains"),
+        (lambda: nw.Autopilot(0.0, (1.0, 2.0, 3.0, np.nan)), "steers nothing"),
     ],
 )
 def test_what_cannot_be_is_refused(made, words: str) -> None:
     with pytest.raises(nw.InputError, match=words):
         made()
-
-
-def test_the_helm_steps_its_own_way(dtc: nw.Model) -> None:
-    with pytest.raises(nw.InputError, match="takes no orders"):
-        nw.simulate(steered(dtc), helm=nw.Held(0.1), method="dop853")
 
 
 def test_a_borrowed_rudder_is_the_lenders(dtc: nw.Model) -> None:

@@ -13,7 +13,7 @@ from narrows.errors import InputError
 
 if TYPE_CHECKING:
     from narrows.model.model import Model
-    from narrows.simulation.steering import Autopilot
+    from narrows.simulation.controllers import Autopilot
     from narrows.waterway import Waterway
 
 
@@ -46,7 +46,6 @@ def simulate(
     x: Annotated[float, typer.Option(help="Start along the canal [m].")] = 0.0,
     current: Annotated[str, typer.Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s",
     level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0,
-    method: Annotated[str, typer.Option(help="'rk4', or 'dop853' as the check on it.")] = "rk4",
     output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the voyage to write.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
     json: AsJson = False,
@@ -67,8 +66,8 @@ def simulate(
         chosen, y, u, duration, dt, x=x, psi=radians(psi_deg), v=read_speed("--v", v), r=radians(r_deg),
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
         surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
-        contact=contact, method=method, waterway=course,
-        helm=_pilot(chosen, hold, u, x, course),
+        contact=contact, waterway=course,
+        controller=_pilot(chosen, hold, u, x, course),
     )  # fmt: skip
     if output:
         voyage.save(output)
@@ -89,7 +88,7 @@ def _pilot(model: "Model", hold: float | None, u: float, x: float, way: "Waterwa
         return None
     from dataclasses import replace
 
-    from narrows.safety.autopilot import track_pilot
+    from narrows.control.track_pilot import track_pilot
 
     if way is None:
         return track_pilot(model, hold, u)
@@ -134,7 +133,7 @@ def map_(
     MODEL is a model file, or the name of a published model.
     """
     from narrows.model.model_file import model_named
-    from narrows.simulation.fleets import ensemble
+    from narrows.simulation.ensemble import ensemble
     from narrows.simulation.maps import map_summary
     from narrows.simulation.netcdf import save_netcdf
 

@@ -7,7 +7,7 @@ from typing import Any
 from narrows.errors import InputError
 from narrows.manoeuvres.measures import Turning, overshoots, turning_circle
 from narrows.model.model import Model
-from narrows.simulation.steering import Held, Zigzag
+from narrows.simulation.controllers import ConstantRudder, Zigzag
 from narrows.simulation.voyage import Voyage, simulate
 
 STEPS_A_LENGTH = 120
@@ -126,13 +126,13 @@ def sail_trials(
     options: dict[str, Any] = {"u": speed, "dt": step, "contact": "none", "surge": "free" if free else "held"}
     turning, tacking = {}, {}
     for sign in (1, -1):
-        order = Held(math.radians(sign * turn_deg))
-        voyage = simulate(ship, duration=TURNING_LENGTHS * pace, helm=order, **options)
+        order = ConstantRudder(math.radians(sign * turn_deg))
+        voyage = simulate(ship, duration=TURNING_LENGTHS * pace, controller=order, **options)
         turning[f"{sign * turn_deg:+g}"] = (voyage, turning_circle(voyage))
     for rudder, heading in zigzags:
         for sign in (1, -1):
             zigzag = Zigzag(math.radians(sign * rudder), math.radians(heading))
-            voyage = simulate(ship, duration=ZIGZAG_LENGTHS * pace, helm=zigzag, **options)
+            voyage = simulate(ship, duration=ZIGZAG_LENGTHS * pace, controller=zigzag, **options)
             tacking[f"{sign * rudder:+g}/{heading:g}"] = (voyage, overshoots(voyage, zigzag))
     notes = () if free else ("the speed is held: nothing in the model says what resists its change",)
     if model.configuration.steering is None and model.configuration.ship.length < MODEL_LENGTH:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.simulation.steering import Zigzag
+from narrows.simulation.controllers import Zigzag
 from narrows.simulation.voyage import Voyage
 
 QUARTER, HALF = np.pi / 2, np.pi

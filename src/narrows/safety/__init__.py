@@ -3,10 +3,7 @@
 from narrows.safety.answer import FIVE_PERCENT as FIVE_PERCENT
 from narrows.safety.answer import MEDIAN as MEDIAN
 from narrows.safety.answer import SafeEnvelope as SafeEnvelope
-from narrows.safety.autopilot import track_pilot as track_pilot
 from narrows.safety.disturbance import Disturbance as Disturbance
 from narrows.safety.disturbance import wind_force as wind_force
 from narrows.safety.envelope import RESERVE as RESERVE
 from narrows.safety.envelope import safe_envelope as safe_envelope
-from narrows.safety.equilibrium import steady_course as steady_course
-from narrows.safety.propulsion import self_propulsion as self_propulsion

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError
 from narrows.model.data_range import MEASURES, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
 from narrows.safety.answer import FIVE_PERCENT, MEDIAN, SafeEnvelope
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.equilibrium import check_rudder
-from narrows.safety.keel import Keel, keel_at
-from narrows.safety.trials import Walls, trials
+from narrows.safety.held_trials import Walls, trials
+from narrows.safety.underkeel import Keel, keel_at
 from narrows.ship.actuators import PROPELLER
 
 RESERVE = 1 / 3

@@ -144,6 +144,25 @@ def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> 
     return _grid(model, {**values, **columns}, columns)
 
 
+def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
+    """Return a grid with further values, whose dimensions are the grid's or new ones.
+
+    Parameters
+    ----------
+    grid : Grid
+        What varies already.
+    more : mapping of str to number or DataArray
+        Numbers of a controller, by the names of the lines.
+
+    Raises
+    ------
+    InputError
+        Where one is no number, or a dimension has another size.
+    """
+    values = {**grid.values, **{name: labelled(name, value) for name, value in more.items()}}
+    return Grid(values, sizes_of(values) or grid.sizes)
+
+
 def _grid(model: Model, values: Mapping[str, xr.DataArray], given: Mapping[str, xr.DataArray]) -> Grid:
     sizes = sizes_of(values)
     check_columns(model, values, given)

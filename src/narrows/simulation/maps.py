@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.compile import Outcome as Code
 from narrows.errors import InputError
+from narrows.simulation.outcome import Code
 
 
 def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
@@ -24,6 +24,9 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
 def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sample") -> xr.DataArray:
     """Return the share of samples that ground within a distance [1].
 
+    It is not known (NaN) where a voyage ended otherwise before it came so far: its time ran out, it diverged, turned
+    across the canal or left the waterway.
+
     Parameters
     ----------
     voyages : Dataset
@@ -39,10 +42,13 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
         Where the voyages have no such dimension.
     """
     if over not in voyages.dims:
-        raise InputError(f"these voyages have no dimension {over!r}; draw some, as in ensemble(..., samples=200)")
-    within = (voyages["outcome"] == Code.GROUNDED) & (voyages["distance"] <= distance)
+        raise InputError(
+            f"these voyages have no dimension {over!r}; draw coefficients, as in ensemble(..., samples=200)"
+        )
+    grounded, far = voyages["outcome"] == Code.GROUNDED, voyages["distance"] > distance
+    within = (grounded & ~far).mean(over).where((grounded | far).all(over))
     name = f"probability of grounding within {distance:g} m"
-    return within.mean(over).assign_attrs(units="1", long_name=name)
+    return within.assign_attrs(units="1", long_name=name)
 
 
 def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
@@ -62,10 +68,13 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     said = f"{outcome.size} voyages: {count['grounded']} ground ({where})"
     nearest = f", the nearest after {near:.2f} m" if near is not None else ""
     rest = f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal"
-    rest += (
-        f", {count['diverged']} diverge: shorten the time step or look at the coefficients" if count["diverged"] else ""
-    )
+    left = count["astern"] + count["passed"]
+    rest += f", {left} leave the waterway" if left else ""
+    diverged = count["diverged"]
+    rest += f", {diverged} diverge: shorten the time step or look at the coefficients" if diverged else ""
+    notes = str(voyages.attrs.get("notes", "")).splitlines()
     return {
         "voyages": int(outcome.size), "outcomes": count, "sides": sides, "nearest": near,
-        "complete": bool(voyages.attrs["complete"]), "summary": f"{said}{nearest}{rest}.", "notes": [],
+        "complete": bool(voyages.attrs["complete"]), "notes": notes,
+        "summary": " ".join([f"{said}{nearest}{rest}.", *notes]),
     }  # fmt: skip

@@ -2,13 +2,30 @@
 
 import math
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import Any
 
-from narrows.compile import Outcome as Code
 
-GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED = "grounded", "afloat", "left validity", "diverged"
-KINDS = {Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY}
-"""What the codes of compiled results and data files mean."""
+class Code(IntEnum):
+    """How a voyage ended, as compiled results and data files have it."""
+
+    AFLOAT = 0
+    GROUNDED = 1
+    DIVERGED = 2
+    OUTSIDE = 3
+    ASTERN = 4
+    PASSED = 5
+
+
+GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED, LEFT_WATERWAY = (
+    "grounded", "afloat", "left validity", "diverged", "left the waterway",
+)  # fmt: skip
+KINDS = {
+    Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY,
+    Code.ASTERN: LEFT_WATERWAY, Code.PASSED: LEFT_WATERWAY,
+}  # fmt: skip
+"""What the codes mean; a waterway is left by its beginning or by its end."""
+BEGINNING, END = "beginning", "end"
 
 
 @dataclass(frozen=True)
@@ -18,19 +35,18 @@ class Outcome:
     Parameters
     ----------
     kind : str
-        ``grounded``, ``afloat``, ``left validity`` or ``diverged``.
+        ``grounded``, ``afloat``, ``left validity``, ``diverged`` or ``left the waterway``.
     time : float [s]
         When.
     distance : float [m]
         How far along the canal from the start.
     side : str, optional
-        ``starboard`` or ``port`` where she grounded.
+        ``starboard`` or ``port`` where it grounded; ``beginning`` or ``end`` where it left the waterway.
     state : dict of str to float
         x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
-    beyond : tuple of str
-        In what she left the ranges that the model's data covered; the voyage went on.
-    coarse : str
-        By how much her track is off where the time step was too long for it.
+    notes : tuple of str
+        In what it left the ranges that the model's data covered (the voyage went on); by how much the track is off
+        where the time step was too long for it.
     """
 
     kind: str
@@ -38,8 +54,7 @@ class Outcome:
     distance: float
     side: str | None = None
     state: dict[str, float] = field(default_factory=dict)
-    beyond: tuple[str, ...] = ()
-    coarse: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def impact_speed(self) -> float:
@@ -56,8 +71,9 @@ class Outcome:
             AFLOAT: f"Still afloat {where}.",
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
+            LEFT_WATERWAY: f"Left the waterway by its {self.side} {where}.",
         }[self.kind]
-        return " ".join(filter(None, [said, *self.beyond, self.coarse]))
+        return " ".join([said, *self.notes])
 
     def to_dict(self) -> dict[str, Any]:
         """The outcome as plain values, in the documented JSON shape."""
@@ -69,5 +85,5 @@ class Outcome:
             "impact_speed": self.impact_speed,
             "state": self.state,
             "summary": self.sentence,
-            "notes": list(filter(None, [*self.beyond, self.coarse])),
+            "notes": list(self.notes),
         }

@@ -1,22 +1,22 @@
-"""A model as its compiled equations and the numbers that go in: the one place that both voyages and fleets ask."""
+"""A model as a traced system and the numbers that go in: the one place that voyages, fleets and the envelope ask."""
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
-from narrows.compile import Program, compiled
+from narrows.codegen.choices import Actuated, Choices, Law, Pushed
+from narrows.codegen.shapes import OPEN, Outline, checked_shape
+from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
-from narrows.ship.actuators import PROPELLER, RUDDER
+from narrows.ship.actuators import PROPELLER
+from narrows.simulation.channel import check_outline
 from narrows.simulation.inputs import check_options
 from narrows.terms.term import TermTable
 
-OPEN = "none"
-"""The contact of a ship in open water."""
-Outline = Sequence[Sequence[float]]
+Points = Sequence[Sequence[float]]
 """Points of the waterline: (forward of midship, to starboard) [m]."""
 
 
@@ -27,7 +27,7 @@ class SimulatedShip:
     Parameters
     ----------
     model : Model
-        The ship in her canal.
+        The ship in its canal.
     surge : str
         ``held``: the speed stays; ``free``: it is integrated.
     surge_inertia : float [kg], optional
@@ -37,8 +37,6 @@ class SimulatedShip:
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
         ``none`` in open water.
-    rudder : float [rad]
-        Its angle, positive where it turns the bow to starboard.
 
     Raises
     ------
@@ -51,12 +49,11 @@ class SimulatedShip:
     surge: str = "held"
     surge_inertia: float | None = None
     coriolis: bool = False
-    contact: str | Outline = "corners"
-    rudder: float = 0.0
+    contact: str | Points = "corners"
 
     def __post_init__(self) -> None:
         check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
-        if self.open_water and self.model.terms.feels_bank:
+        if self.shape == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
         if PROPELLER in self.model.terms.actuators and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
@@ -66,62 +63,71 @@ class SimulatedShip:
                 "give surge_inertia in kg, mass and added mass together, or hold the speed"
             )
 
-    @property
-    def open_water(self) -> bool:
-        """Whether there are no banks."""
-        return isinstance(self.contact, str) and self.contact == OPEN
+    @cached_property
+    def shape(self) -> str | Outline:
+        """What of the hull meets a bank.
 
-    @property
-    def program(self) -> Program:
-        """The compiled equations, shared by all ships with the same terms."""
-        if self.open_water:
-            return _program(self.model.terms, self.surge, self.coriolis, "corners")
-        shape = self.contact if isinstance(self.contact, str) else tuple(tuple(point) for point in self.contact)
-        return _program(self.model.terms, self.surge, self.coriolis, shape)
+        To an outline the hull's sides at midship are added: there the suction of a bank ends infinite, so that contact
+        must not come later.
+        """
+        shape, ship = checked_shape(self.contact), self.model.configuration.ship
+        if isinstance(shape, str):
+            return shape
+        check_outline(ship, shape, self.model.terms.feels_bank)
+        return (*shape, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if self.model.terms.feels_bank else shape
 
-    def values(self) -> dict[str, Number]:
-        """Every particular and coefficient by name."""
+    @cached_property
+    def actuators(self) -> tuple[Actuated, ...]:
+        """What the terms ask for that can be moved."""
+        return tuple(Actuated(own.name, own.angle) for own in self.model.terms.actuators)
+
+    def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
+        """Return the traced system, shared by all ships with the same terms.
+
+        Parameters
+        ----------
+        waterway : bool
+            Whether the section of the water changes.
+        law : Law, optional
+            What steers.
+        pushed : {"never", "always", "until"}
+            Whether forces from outside act.
+        """
+        contact = self.shape if isinstance(self.shape, str) else len(self.shape)
+        return _system(self.model.terms, self.surge, self.coriolis, Choices(contact, waterway, law, pushed))
+
+    def values(self, **positions: Number) -> dict[str, Number]:
+        """Return every particular and coefficient by name, with the limits of the gear.
+
+        Parameters
+        ----------
+        **positions : number
+            Of actuators where nothing moves them, by name: rudder [rad]; at rest unless given.
+        """
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for own in self.model.terms.actuators for name, at in own.at_rest().items()}
         ship = {**rest, **self.model.configuration.values(), **self.model.coefficients}
-        return {**ship, **helm(self.rudder), "heave": 0.0, "surge_inertia": added}
+        for own in self.model.terms.actuators:
+            if own.name in positions:
+                ship |= {own.name: positions[own.name], **own.placed(positions[own.name])}
+        return {**ship, "heave": 0.0, "surge_inertia": added}
 
-    def controls(self, rudder: float) -> tuple[float, float, float]:
-        """Return rudder and propeller as the equations ask for them, cosine, sine and revolutions.
+    def with_model(self, model: Model) -> "SimulatedShip":
+        """Return another model under the same choices.
 
         Parameters
         ----------
-        rudder : float [rad]
-            Positive where it turns the bow to starboard.
+        model : Model
+            The other.
         """
-        return math.cos(rudder), math.sin(rudder), self._revolutions
-
-    @cached_property
-    def _revolutions(self) -> float:
-        return float(self.model.configuration.values().get("revolutions", 0.0))
-
-    @cached_property
-    def constants(self) -> tuple[Number, ...]:
-        """What stays the same through a voyage."""
-        return self.program.constants(self.values())
+        return replace(self, model=model)
 
     def __getstate__(self) -> Mapping[str, Any]:
-        # Workers compile for themselves, or find it in the cache.
-        return {name: value for name, value in self.__dict__.items() if name != "constants"}
+        # Workers trace for themselves, or find it in the cache.
+        return {name: value for name, value in self.__dict__.items() if name not in ("shape", "actuators")}
 
 
-def helm(rudder: Number) -> dict[str, Number]:
-    """Return a rudder angle as the equations ask for it (ours).
-
-    Parameters
-    ----------
-    rudder : number [rad]
-        Positive where it turns the bow to starboard.
-    """
-    return RUDDER.placed(rudder)
-
-
-@lru_cache(maxsize=32)
-def _program(terms: TermTable, surge: Any, coriolis: bool, contact: Any) -> Program:
-    return compiled(terms, surge, coriolis, contact)
+@lru_cache(maxsize=64)
+def _system(terms: TermTable, surge: Any, coriolis: bool, choices: Choices) -> System:
+    return System(terms, surge, coriolis, choices)

@@ -1,165 +1,115 @@
-"""Hands on the wheel: orders to the rudder, and the steering gear that follows them at its own rate."""
+"""Control laws as the engine asks for them: written down once, their numbers by the names of the lines."""
 
-import math
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
+from narrows.codegen.choices import LENGTH, TIME, Actuated, Law
+from narrows.codegen.free_motion import STATE
+from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
-from narrows.ship.actuators import SteeringGear
-from narrows.simulation.integrate import Motion, Rate, State
+from narrows.quantities.arithmetic import angle
+from narrows.quantities.names import Number
+from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named
 
-Order = Callable[[float, State], float]
-"""The rudder angle [rad] that is asked for at a time [s] in a state."""
-
-
-class Helm(Protocol):
-    """Whoever gives orders to the rudder."""
-
-    def begin(self) -> Order:
-        """Return what gives the orders of one voyage, with a memory of its own."""
+PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
+"""What the lines call a law's numbers and its memory."""
 
 
 @dataclass(frozen=True)
-class Held:
-    """One rudder angle, ordered at the start: a turning circle.
+class Steering:
+    """What steers, with its numbers.
 
     Parameters
     ----------
-    rudder : float [rad]
-        Positive where it turns the bow to starboard.
+    law : Law
+        What the engine writes into its steps.
+    parameters : mapping of str to number or DataArray
+        By the names of the lines.
+    controller : ControlLaw
+        Where it is from.
+    asked : Controller, optional
+        The object of Python that gives the orders, where it is no law.
+    """
+
+    law: Law
+    parameters: Mapping[str, Any]
+    controller: ControlLaw
+    asked: Controller | None = None
+
+    def memory(self, start: Named) -> dict[str, Number]:
+        """Return the memory at the start, by the names of the lines.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            The state, and positions of actuators.
+        """
+        return {MEMORY(name): value for name, value in self.controller.memory(start).items()}
+
+
+def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | None:
+    """Write down what steers (ours).
+
+    Parameters
+    ----------
+    controller : ControlLaw or Controller or None
+        What gives the orders; None leaves everything where it is.
+    actuators : sequence of Actuated
+        What the model's terms ask for.
 
     Raises
     ------
     InputError
-        Where it is not finite.
+        Where it is neither, does more than arithmetic, or gives orders to what the model does not have.
     """
-
-    rudder: float
-
-    def __post_init__(self) -> None:
-        if not math.isfinite(self.rudder):
-            raise InputError(f"a rudder held at {self.rudder} is no order; give its angle")
-
-    def begin(self) -> Order:
-        """Return what gives the orders of one voyage."""
-        return lambda time, state: self.rudder
-
-
-@dataclass(frozen=True)
-class Zigzag:
-    """The zigzag test: the rudder is put over each time the heading has come as far to the other side.
-
-    Parameters
-    ----------
-    rudder : float [rad]
-        Of the first order; negative for a first turn to port.
-    heading : float [rad]
-        Change of heading at which the order is reversed.
-
-    Raises
-    ------
-    InputError
-        Where an angle is zero, or the heading is negative.
-
-    References
-    ----------
-    ITTC (2017), Recommended procedure 7.5-04-02-01, Full scale manoeuvring trials.
-    """
-
-    rudder: float
-    heading: float
-
-    def __post_init__(self) -> None:
-        if not (0 < self.heading < math.inf and self.rudder and math.isfinite(self.rudder)):
-            raise InputError("a zigzag needs a rudder angle and a positive change of heading; give both")
-
-    def begin(self) -> Order:
-        """Return what gives the orders of one voyage; it remembers the last order."""
-        start: float | None = None
-        side = 1.0
-
-        def order(time: float, state: State) -> float:
-            nonlocal start, side
-            heading = math.atan2(state[3], state[2])
-            start = heading if start is None else start
-            turned = math.remainder(heading - start, 2 * math.pi)
-            if side * math.copysign(1.0, self.rudder) * turned >= self.heading:
-                side = -side
-            return side * self.rudder
-
-        return order
+    if controller is None:
+        return None
+    if isinstance(controller, ControlLaw):
+        return _steering(controller, tuple(actuators), None)
+    if isinstance(controller, Controller):
+        return _steering(Asked(), tuple(actuators), controller)
+    raise InputError(
+        f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) nor `begin`"
+    )
 
 
-@dataclass(frozen=True)
-class Autopilot:
-    """A track pilot: rudder in proportion to what is off, from the rudder that holds the ship.
-
-    Parameters
-    ----------
-    y : float [m]
-        Offset to hold.
-    gains : four floats [rad/m, 1, rad s/m, s]
-        Rudder for offset, heading, sway velocity and yaw rate off; positive ones bring her back.
-    rudder : float [rad]
-        That holds her there.
-    psi : float [rad]
-        Heading that holds her there.
-    v : float [m/s]
-        Sway velocity that holds her there.
-    """
-
-    y: float
-    gains: tuple[float, float, float, float]
-    rudder: float = 0.0
-    psi: float = 0.0
-    v: float = 0.0
-
-    def begin(self) -> Order:
-        """Return what gives the orders of one voyage."""
-        by_y, by_psi, by_v, by_r = self.gains
-
-        def order(time: float, state: State) -> float:
-            _, y, c, s, _, v, r, _ = state
-            off = by_y * (y - self.y) + by_psi * (math.atan2(s, c) - self.psi) + by_v * (v - self.v) + by_r * r
-            return self.rudder - off
-
-        return order
+def _steering(controller: ControlLaw, actuators: tuple[Actuated, ...], asked: Controller | None) -> Steering:
+    parameters = dict(controller.parameters())
+    start = dict.fromkeys((*STATE, *(own.name for own in actuators)), 0.0)
+    memory = tuple(controller.memory(start))
+    law = _law(controller, tuple(parameters), memory, actuators)
+    return Steering(law, {PARAMETER(name): value for name, value in parameters.items()}, controller, asked)
 
 
-def turning_rate(gear: SteeringGear, rudder: float, order: float, time: float) -> float:
-    """Return how fast the rudder turns towards an order over a step [rad/s], to reach it at most (ours).
+def _law(
+    controller: ControlLaw, parameters: Sequence[str], kept: Sequence[str], actuators: tuple[Actuated, ...]
+) -> Law:
+    what = f"the controller {type(controller).__name__}"
+    given = {name: name for name in (*STATE, TIME, *(own.name for own in actuators))} | {"dt": LENGTH}
+    own = {name: PARAMETER(name) for name in parameters} | {name: MEMORY(name) for name in kept}
+    for name in own:
+        if name in given or name == "psi" or (name in parameters and name in kept):
+            raise InputError(f"{what} has a number called {name!r}, which means something else already; rename it")
 
-    Parameters
-    ----------
-    gear : SteeringGear
-        Its limits.
-    rudder : float [rad]
-        Now.
-    order : float [rad]
-        Cut to the limit of the gear.
-    time : float [s]
-        Length of the step.
-    """
-    wanted = min(max(order, -gear.limit), gear.limit) - rudder
-    reach = gear.rate * time
-    return min(max(wanted, -reach), reach) / time
+    def results(at: Any) -> dict[str, Number]:
+        at.psi = angle(at.cos_psi, at.sin_psi)
+        orders, memory = controller.orders(at)
+        _check_orders(what, orders, memory, kept, actuators)
+        return {**orders, **{MEMORY(name): value for name, value in memory.items()}}
+
+    tape = tape_of(results, {**given, **own}, what)
+    ordered = tuple(one for one in actuators if one.name in tape.results)
+    return Law(tape, tuple(MEMORY(name) for name in kept), ordered)
 
 
-def steered(rate: Callable[[float], Rate], helm: Helm | None, gear: SteeringGear) -> Motion:
-    """Return what moves a ship under a helm, a new order each step; without one the rudder stays (ours).
-
-    Parameters
-    ----------
-    rate : callable
-        Gives the right-hand side by the rate of the rudder [rad/s].
-    helm : Helm, optional
-        Gives the orders.
-    gear : SteeringGear
-        Follows them.
-    """
-    if helm is None:
-        still = rate(0.0)
-        return lambda time, state, h: still
-    order = helm.begin()
-    return lambda time, state, h: rate(turning_rate(gear, state[-1], order(time, state), h))
+def _check_orders(what: str, orders: Named, memory: Named, kept: Sequence[str], actuators: Sequence[Actuated]) -> None:
+    known = [own.name for own in actuators]
+    for name in orders:
+        if name not in known:
+            has = f"it has {', '.join(known)}" if known else "it has nothing to steer with"
+            raise InputError(f"{what} gives orders to {name}, for which this model has no terms: {has}; add them")
+    if set(memory) != set(kept):
+        raise InputError(
+            f"{what} keeps {sorted(memory)} and began with {sorted(kept)}; return the same memory each step"
+        )

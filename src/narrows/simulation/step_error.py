@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from narrows.simulation.integrate import Rate, Row, rk4_step
+from narrows.simulation.march import March, Row
 
 SAMPLES = 16
 """Steps of a voyage that are taken again."""
@@ -11,27 +11,28 @@ ORDER_4 = 16 / 15
 """What a step of order 4 errs by, over its difference from two halves."""
 
 
-def track_error(rate: Rate, rows: Sequence[Row], dt: float) -> float:
+def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
     """Estimate how far off a voyage's track is at its end for the length of its time step [m] (ours).
 
-    The error of a step is that of a few, taken again in two halves; steps add up, and what the motion itself makes of
-    an error is left out.
+    The error of a step is that of a few, taken again in two halves with the rudder held; steps add up, and what the
+    motion itself makes of an error is left out.
 
     Parameters
     ----------
-    rate : callable
-        Right-hand side.
-    rows : sequence of (time, state)
+    march : March
+        That made the voyage; its actuators are held from here on.
+    rows : sequence of Row
         Of the voyage.
     dt : float [s]
         Its step.
     """
-    count = (rows[-1][0] - rows[0][0]) / dt
-    errors = [_step_error(rate, state, dt) for _, state in rows[: -1 : max(1, len(rows) // SAMPLES)]]
-    return count * sum(errors) / max(len(errors), 1)
+    march.set(rudder_rate=0.0, revolutions_rate=0.0)
+    whole = [row.state for row in rows[:-1] if row.ahead == dt]
+    errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // SAMPLES)]]
+    return (rows[-1].t - rows[0].t) / dt * sum(errors) / max(len(errors), 1)
 
 
-def _step_error(rate: Rate, state: tuple[float, ...], h: float) -> float:
-    whole = rk4_step(rate, state, h)
-    halves = rk4_step(rate, rk4_step(rate, state, h / 2), h / 2)
+def _step_error(march: March, state: tuple[float, ...], dt: float) -> float:
+    whole = march.stepped(state, dt)[0]
+    halves = march.stepped(march.stepped(state, dt / 2)[0], dt / 2)[0]
     return ORDER_4 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])

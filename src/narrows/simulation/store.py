@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.simulation.fleet import Fleet
 from narrows.simulation.grid import Grid
+from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.progress import bar
 from narrows.simulation.store_folder import DONE, checksum, discard, is_done, opened, storing
 
@@ -18,14 +18,14 @@ TASK_VESSELS = 100_000
 """Voyages a task, at least: enough that writing and scheduling do not count."""
 
 
-def run_into(path: Path, fleet: Fleet, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
+def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
     """Run what is not yet done of an ensemble, into a Zarr folder, and open it (ours).
 
     Parameters
     ----------
     path : Path
         The folder; made where it is absent.
-    fleet : Fleet
+    fleet : KernelRun
         How to run.
     grid : Grid
         What varies.
@@ -53,14 +53,14 @@ def run_into(path: Path, fleet: Fleet, grid: Grid, client: Any, progress: bool) 
         return xr.open_zarr(path, consolidated=False).drop_vars(DONE).assign_attrs(complete=int(not left))
 
 
-def run_block(path: str, fleet: Fleet, part: Grid, region: tuple[slice, ...], number: int) -> int:
+def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
     """Run one block, write its region, then mark it done; doing it again changes nothing (ours).
 
     Parameters
     ----------
     path : str
         The Zarr folder.
-    fleet : Fleet
+    fleet : KernelRun
         How to run.
     part : Grid
         What varies in this block.
@@ -85,10 +85,10 @@ def run_block(path: str, fleet: Fleet, part: Grid, region: tuple[slice, ...], nu
     return number
 
 
-Tasks = Iterator[tuple[str, Fleet, Grid, tuple[slice, ...], int]]
+Tasks = Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]
 
 
-def _tasks(path: Path, fleet: Fleet, grid: Grid, blocks: list[slice], left: list[int]) -> Tasks:
+def _tasks(path: Path, fleet: KernelRun, grid: Grid, blocks: list[slice], left: list[int]) -> Tasks:
     for number in left:
         yield str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number
 
@@ -114,7 +114,7 @@ def _vessels(grid: Grid, block: slice) -> int:
     return int((block.stop - block.start) * grid.vessels // grid.sizes[grid.axis])
 
 
-def _identity(fleet: Fleet, grid: Grid) -> str:
+def _identity(fleet: KernelRun, grid: Grid) -> str:
     digest = hashlib.sha256(fleet.text.encode())
     for name, value in sorted(grid.values.items()):
         digest.update(f"{name} {value.dims}".encode())

@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError, reason
-from narrows.simulation.fleet import KEPT
 from narrows.simulation.grid import Grid
-from narrows.simulation.kept import attributes_of, empty_of
+from narrows.simulation.kernel_run import OUTPUTS
+from narrows.simulation.output_columns import attributes_of, empty_of
 
 DONE = "block_checksum"
 """A number for each block, of all that it holds; 0 where it has not run."""
@@ -98,7 +98,7 @@ def checksum(columns: Mapping[str, np.ndarray]) -> int:
         What is kept of its voyages.
     """
     number = 0
-    for name, kind in KEPT.items():
+    for name, kind in OUTPUTS.items():
         number = zlib.crc32(np.ascontiguousarray(columns[name], dtype=kind).tobytes(), number)
     return number or 1
 
@@ -117,7 +117,7 @@ def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
     """
     try:
         marked = int(group[DONE][number])
-        return marked != 0 and marked == checksum({name: group[name][region] for name in KEPT})
+        return marked != 0 and marked == checksum({name: group[name][region] for name in OUTPUTS})
     except Exception:  # Whatever decoders throw at what is damaged: the block runs again.
         return False
 
@@ -137,7 +137,7 @@ def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
         Of the block.
     """
     chunk = tuple(number if name == grid.axis else 0 for name in grid.sizes)
-    for name, place in {**dict.fromkeys(KEPT, chunk), DONE: (number,)}.items():
+    for name, place in {**dict.fromkeys(OUTPUTS, chunk), DONE: (number,)}.items():
         file = path / name / group[name].metadata.encode_chunk_key(place)
         shutil.rmtree(file) if file.is_dir() else file.unlink(missing_ok=True)
 
@@ -178,7 +178,7 @@ def _shapes(grid: Grid, blocks: list[slice]) -> dict[str, tuple[tuple[int, ...],
     """Shape, chunks and kind of every array."""
     shape = tuple(grid.sizes.values())
     chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
-    columns = {name: (shape, chunks, np.dtype(kind)) for name, kind in KEPT.items()}
+    columns = {name: (shape, chunks, np.dtype(kind)) for name, kind in OUTPUTS.items()}
     return {**columns, DONE: ((len(blocks),), (1,), np.dtype(np.uint32))}
 
 
@@ -212,7 +212,7 @@ def _labels_are_sound(path: Path, grid: Grid) -> bool:
 
 def _write_labels(path: Path, group: Any, grid: Grid) -> None:
     for entry in path.iterdir():
-        if entry.is_dir() and entry.name not in (*KEPT, DONE):
+        if entry.is_dir() and entry.name not in (*OUTPUTS, DONE):
             shutil.rmtree(entry)
     coordinates = grid.coordinates()
     if not coordinates:

@@ -1,27 +1,26 @@
-"""One voyage: where, when and on which side the ship grounds, and how she got there."""
+"""One voyage: where, when and on which side the ship grounds, and how it got there."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.compile import Limits
-from narrows.errors import InputError, check_choice, shown
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.kernels import event
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
-from narrows.ship.actuators import RUDDER
 from narrows.simulation import outcome as end
-from narrows.simulation.course import Course, course_of
+from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import MOST_ROWS, Schedule, Stretch, check_steps, check_times, finite_numbers, stretches
-from narrows.simulation.integrate import METHODS, Rate, Row, State
+from narrows.simulation.march import March, Row, near_the_bank
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
-from narrows.simulation.ship import Outline, SimulatedShip
-from narrows.simulation.steering import Helm, steered
+from narrows.simulation.ship import Points, SimulatedShip
+from narrows.simulation.steering import Steering, steering_of
 from narrows.simulation.step_error import track_error
 from narrows.simulation.validity import beyond_envelope
 
@@ -30,11 +29,13 @@ if TYPE_CHECKING:
 
     from narrows.waterway.waterway import Waterway
 
-LIMITS = Limits()
+POSE = ("x", "y", "psi", "u", "v", "r")
+LONGEST = 60.0
+"""Of a voyage [s] where nothing is said of it."""
 COARSE = 0.02
 """Of the beam, by which a track may be off without a word."""
 CONTACT = 1e-6
-"""A gap that counts as closed [m]."""
+"""A room that counts as closed [m]."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,9 @@ class Voyage:
             name: ("t", getattr(self, name), {"units": unit, "long_name": _long_name(name)})
             for name, unit in units.items()
         }
-        attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "says": self.outcome.sentence}
+        attributes = {
+            "outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence,
+        }  # fmt: skip
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
     def save(self, path: str | Path) -> None:
@@ -102,25 +105,27 @@ def _long_name(name: str) -> str:
 
 
 def simulate(
-    model: Model, y: float = 0.0, u: float = 1.0, duration: float = 60.0, dt: float = 0.02, *,
+    model: Model, y: float = 0.0, u: float = 1.0, duration: float | None = None, dt: float = 0.02, *,
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: str | Outline = "corners", method: str = "rk4", at: Sequence[float] | None = None,
-    waterway: "Waterway | None" = None, helm: Helm | None = None,
+    contact: str | Points = "corners", at: Sequence[float] | None = None,
+    waterway: "Waterway | None" = None, controller: Any = None, **positions: float,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
+
+    The classical Runge-Kutta method of order 4 in steps of ``dt``; a contact is located inside its step.
 
     Parameters
     ----------
     model : Model
-        The ship in her canal.
+        The ship in its canal.
     y : float [m]
         Start to starboard of the centreline.
     u : float [m/s]
         Surge velocity at the start.
-    duration : float [s]
-        Longest time.
+    duration : float [s], optional
+        Longest time: 60 s, or the last of ``at``, unless given.
     dt : float [s]
         Step, and the spacing of the output unless ``at`` is given.
     x : float [m]
@@ -137,7 +142,7 @@ def simulate(
         Yaw moment from elsewhere, likewise.
     rudder : float [rad]
         Its angle at the start, for models with terms of the rudder; positive where it turns the bow to starboard.
-        It is held unless there is a helm.
+        It is held unless a controller moves it.
     surge : str
         ``held``: the speed stays; ``free``: it is integrated.
     surge_inertia : float [kg], optional
@@ -147,15 +152,15 @@ def simulate(
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
         ``none`` in open water.
-    method : str
-        ``rk4``, or ``dop853`` as the check on it.
     at : sequence of float [s], optional
-        Output times.
+        Output times; they do not change the voyage.
     waterway : Waterway, optional
-        Where she sails instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
+        Where it sails instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
         u and v through the water; the voyage ends where it ends.
-    helm : Helm, optional
-        Gives an order to the rudder each step, which the model's steering gear follows.
+    controller : ControlLaw or Controller, optional
+        Gives orders each step, which the model's steering gear follows.
+    **positions : float
+        Of other actuators at the start, by their names: revolutions [1/s], or one of the model's own.
 
     Returns
     -------
@@ -165,82 +170,21 @@ def simulate(
     Raises
     ------
     InputError
-        Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a helm has no rudder.
+        Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
+        rudder.
     """
-    check_choice("method", method, METHODS)
     _check_waterway(waterway)
-    x, y, psi, u, v, r, rudder = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder).values()
-    output = None if at is None else check_times(at)
-    longest, dt = check_steps(output[-1] if output else duration, dt, MOST_ROWS)
-    _check_helm(model, helm, method)
-    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, rudder)
-    if waterway is not None and not 0 <= x < waterway.line.length:
-        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
-    course = course_of(ship, waterway)
-    start = (x, y, math.cos(psi), math.sin(psi), u, v, r, rudder)
-    _check_afloat(course, start)
-    _check_forces(course, start)
-    times = [0.0, *output] if output else _times(longest, dt)
-    rows = _rows(course, start, times, stretches(X, Y, N, times[-1]), dt, method, helm)
-    coarse = _coarse(course, rows, dt) if method == "rk4" else ""
-    return _voyage(rows, ship, course, psi, times[-1], coarse)
-
-
-def _rows(
-    course: Course, start: State, times: list[float], pushes: list[Stretch], dt: float, method: str, helm: Helm | None
-) -> list[Row]:
-    def gap(state: State) -> float:
-        """Metres to the bank, cut off where the model ends."""
-        return min(course.gap(state), state[2] - course.widest) if _sane(state) else -math.inf
-
-    rows = [(0.0, start)]
-    gear = course.ship.model.configuration.gear
-    for push in pushes:
-        own = [push.start, *(t for t in times if push.start < t < push.stop), push.stop]
-        rows += METHODS[method](steered(partial(_rate, course, push.forces), helm, gear), rows[-1][1], own, gap, dt)
-        if rows[-1][0] < push.stop:
-            break
-    wanted = {*times, rows[-1][0]}
-    return [row for row in rows if row[0] in wanted]
-
-
-def _coarse(course: Course, rows: list[Row], dt: float) -> str:
-    """Say where the time step was too long, as far as the steps themselves tell."""
-    if not _sane(rows[-1][1]) or len(rows) < 2:
-        return ""
-    error = track_error(course.rate((0.0, 0.0, 0.0), 0.0), rows, dt)
-    if error <= COARSE * course.ship.model.configuration.ship.beam:
-        return ""
-    return f"A time step of {dt:g} s is too long: her track is off by some {error:.2g} m; shorten it."
-
-
-def _voyage(
-    rows: list[Row], ship: SimulatedShip, course: Course, psi: float, stop: float, coarse: str
-) -> Voyage:  # fmt: skip
-    t, x, y, c, s, u, v, r, rudder = np.array([(t, *state) for t, state in rows]).T
-    # Whole turns of the start are kept, and those of a turning circle counted.
-    heading = np.unwrap(np.arctan2(s, c)) + (psi - math.atan2(math.sin(psi), math.cos(psi)))
-    columns = {"t": t, "x": x, "y": y, "psi": heading, "u": u, "v": v, "r": r, "rudder": rudder}
-    state = {name: float(column[-1]) for name, column in columns.items() if name not in ("t", "rudder")}
-    kind, side = _kind_and_side(rows[-1], course, stop)
-    beyond = beyond_envelope(ship.model.data_range, columns)
-    return Voyage(**columns, outcome=Outcome(kind, float(t[-1]), float(x[-1] - x[0]), side, state, beyond, coarse))
-
-
-def _kind_and_side(last: Row, course: Course, stop: float) -> tuple[str, str | None]:
-    t, state = last
-    if course.bank_gap(state) <= CONTACT:
-        return end.GROUNDED, "starboard" if course.lean(state) > 0 else "port"
-    if state[2] <= course.widest + CONTACT:
-        return end.LEFT_VALIDITY, None
-    # What ends before its time, neither aground nor across nor at the end, has run out of sane numbers.
-    done = t >= stop or course.gap(state) <= CONTACT
-    return (end.AFLOAT if done and _sane(state) else end.DIVERGED), None
-
-
-def _sane(state: State) -> bool:
-    *_, u, v, r, _ = state
-    return abs(u) < LIMITS.speed and abs(v) < LIMITS.speed and abs(r) < LIMITS.rate
+    numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
+    times = None if at is None else check_times(at, duration)
+    longest = times[-1] if times else LONGEST
+    duration, dt = check_steps(longest if duration is None else duration, dt, MOST_ROWS)
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    pushes = stretches(X, Y, N, duration)
+    check_positions(positions, ship)
+    steering = steering_of(controller, ship.actuators)
+    march, start = _march(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
+    rows, fate = _rows(march, start, pushes, dt)
+    return _Log(ship, march, rows, fate, float(psi), float(rudder)).voyage(times, dt)
 
 
 def _check_waterway(waterway: object) -> None:
@@ -248,41 +192,148 @@ def _check_waterway(waterway: object) -> None:
         raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
 
 
-def _check_helm(model: Model, helm: Helm | None, method: str) -> None:
-    if helm is not None and RUDDER not in model.terms.actuators:
-        raise InputError("this model has no terms of a rudder, so no helm steers her; add them as docs/rudder.md shows")
-    if helm is not None and method != "rk4":
-        raise InputError(f"method {method!r} takes no orders from a helm; leave it at rk4")
+def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
+    """Raise where a position is of no actuator of the model (ours).
+
+    Parameters
+    ----------
+    positions : mapping of str to float
+        By name.
+    ship : SimulatedShip
+        The ship.
+
+    Raises
+    ------
+    InputError
+        Names the first.
+    """
+    known = [own.name for own in ship.actuators]
+    for name in positions:
+        if name not in known:
+            hint = did_you_mean(name, known) if known else "; it has none"
+            raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
 
 
-def _check_afloat(course: Course, start: State) -> None:
-    _, y, c, s, *_ = start
-    if c <= course.widest:
-        raise InputError(f"psi = {math.degrees(math.atan2(s, c)):.1f} deg lies across the canal; start within 85 deg")
-    gap = course.bank_gap(start)
-    if gap <= 0:
-        raise InputError(f"y = {y:g} m starts with the hull {-gap:.3g} m into the bank; start nearer the centreline")
+def _march(
+    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
+) -> tuple[March, tuple[float, ...]]:
+    """The lines and every number that they ask for, and what is kept from step to step, at the start."""
+    values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
+    channel = _channel(ship, values, waterway, numbers["x"])
+    system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
+    inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
+    inputs |= {**dict.fromkeys(INPUTS.values(), 0.0), "push_end": math.inf}
+    order = steering.asked.begin() if steering and steering.asked else None
+    march = March(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
+    start = _start(ship, system.choices.kept, steering, numbers)
+    _check_afloat(march, start)
+    return march, start
 
 
-def _check_forces(course: Course, start: State) -> None:
-    if not all(map(math.isfinite, _rate(course, (0.0, 0.0, 0.0), 0.0)(start))):
+def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | None", x: float) -> Channel:
+    if waterway is None:
+        return straight_channel(values, ship.shape)
+    if not 0 <= x < waterway.line.length:
+        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
+    return along_waterway(waterway, ship.model, ship.shape)
+
+
+def _start(
+    ship: SimulatedShip, kept: tuple[str, ...], steering: Steering | None, numbers: dict[str, float]
+) -> tuple[float, ...]:
+    psi = numbers["psi"]
+    state = {**numbers, "t": 0.0, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi)}
+    at_rest = ship.values()
+    state |= {own.name: state.get(own.name, float(at_rest.get(own.name) or 0.0)) for own in ship.actuators}
+    memory = steering.memory(state) if steering else {}
+    return tuple(float({**state, **memory}[name]) for name in kept)
+
+
+def _check_afloat(march: March, start: tuple[float, ...]) -> None:
+    _, y, cosine, sine, *_ = start
+    if cosine <= march.inputs["least_cos"]:
+        heading = math.degrees(math.atan2(sine, cosine))
+        raise InputError(f"psi = {heading:.1f} deg lies across the canal; start within 85 deg")
+    room, _ = march.room(start)
+    if room < 0 or (room == 0 and start[0] != march.channel.start):
+        raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
+    if not all(map(math.isfinite, march.stepped(start, 0.0)[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
 
 
-def _rate(course: Course, forces: tuple[float, float, float], turning: float) -> Rate:
-    """The right-hand side, not a number where it divides by nothing or runs out of numbers."""
-    rate = course.rate(forces, turning)
-
-    def safe(state: State) -> State:
-        try:
-            return rate(state)
-        except ArithmeticError:
-            return (math.nan,) * len(state)
-
-    return safe
+def _rows(march: March, start: tuple[float, ...], pushes: list[Stretch], dt: float) -> tuple[list[Row], int]:
+    """Every step of the voyage, cut where the forces from outside jump, and how it ended."""
+    rows = [Row(0.0, start)]
+    for push in pushes:
+        march.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
+        ended = march.sail(rows, push.stop, dt)
+        if ended is not None:
+            return rows, ended.fate
+    return rows, event.FINISHED
 
 
-def _times(duration: float, dt: float) -> list[float]:
-    steps = max(1, math.ceil(duration / dt - 1e-9))
-    return [min(i * dt, duration) for i in range(steps + 1)]
+@dataclass(frozen=True)
+class _Log:
+    """A march as it was sailed, to be told as a voyage."""
+
+    ship: SimulatedShip
+    march: March
+    rows: list[Row]
+    fate: int
+    psi: float
+    rudder: float
+
+    def voyage(self, at: list[float] | None, dt: float) -> Voyage:
+        """The voyage at every step, or at times of one's own and at its end."""
+        last = self.rows[-1]
+        whole = [row for row in self.rows if row.whole]
+        shown = whole if at is None else [*self.march.dense(self.rows, [t for t in (0.0, *at) if t < last.t]), last]
+        seen = sorted({row.t: row for row in (*self.rows, *shown)}.values(), key=lambda row: row.t)
+        heading = dict(zip((row.t for row in seen), self._headings(seen), strict=True))
+        columns = self._columns(shown) | {"psi": np.array([heading[row.t] for row in shown])}
+        everything = self._columns(self.rows) | {"psi": self._headings(self.rows)}
+        return Voyage(**columns, outcome=self._outcome(everything, dt))
+
+    def _headings(self, rows: list[Row]) -> np.ndarray:
+        """Whole turns of the start are kept, and those of a turning circle counted."""
+        cosine, sine = np.array([row.state[2:4] for row in rows]).T
+        turns = self.psi - math.atan2(math.sin(self.psi), math.cos(self.psi))
+        return np.asarray(np.unwrap(np.arctan2(sine, cosine)) + turns)
+
+    def _columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
+        kept = self.march.choices.kept
+        table = np.array([row.state for row in rows])
+        columns = {name: table[:, kept.index(name)] for name in ("x", "y", "u", "v", "r")}
+        moved = table[:, kept.index("rudder")] if "rudder" in kept else np.full(len(rows), self.rudder)
+        return {"t": np.array([row.t for row in rows]), **columns, "rudder": moved}
+
+    def _outcome(self, columns: dict[str, np.ndarray], dt: float) -> Outcome:
+        last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
+        kind, side = self._kind_and_side(self.rows[-1].state)
+        notes = (*beyond_envelope(self.ship.model.data_range, columns), *self._coarse(dt))
+        state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
+        return Outcome(kind, last["t"], last["x"] - float(columns["x"][0]), side, state, notes)
+
+    def _kind_and_side(self, state: tuple[float, ...]) -> tuple[str, str | None]:
+        if self.fate == event.FINISHED:
+            return end.AFLOAT, None
+        if self.fate == event.LOST:
+            return end.DIVERGED, None
+        inputs, near = self.march.inputs, CONTACT
+        if state[STATE.index("cos_psi")] - inputs["least_cos"] <= near:
+            return end.LEFT_VALIDITY, None
+        if self.march.channel.length - state[0] <= near:
+            return end.LEFT_WATERWAY, end.END
+        if state[0] - self.march.channel.start <= near:
+            return end.LEFT_WATERWAY, end.BEGINNING
+        return end.GROUNDED, "starboard" if self.march.room(state)[1] > 0 else "port"
+
+    def _coarse(self, dt: float) -> tuple[str, ...]:
+        """Say where the time step was too long, as far as the steps themselves tell."""
+        if self.fate == event.LOST:
+            return ()
+        error = track_error(self.march, self.rows, dt)
+        if not error > COARSE * self.ship.model.configuration.ship.beam:
+            return ()
+        return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)

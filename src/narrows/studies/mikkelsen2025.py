@@ -12,8 +12,8 @@ from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
 from narrows.model.model_file import published
-from narrows.simulation.fleets import ensemble
-from narrows.simulation.modes import bank_stiffness, eigenvalues
+from narrows.simulation.ensemble import ensemble
+from narrows.simulation.stability import bank_stiffness, eigenvalues
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.terms.canal_tables import PAPER
 

@@ -58,6 +58,9 @@ class Waterway:
         What it is called.
     origin : pair of float [deg], optional
         Longitude and latitude of east 0, north 0.
+    step : float [m], optional
+        Between the nodes of the table that simulation looks up, straight between them; a quarter of the ship's beam
+        unless given, which finds a contact to less than a hundredth of the beam.
 
     Raises
     ------
@@ -74,6 +77,7 @@ class Waterway:
     level: float = 0.0
     name: str = "waterway"
     origin: tuple[float, float] | None = None
+    step: float | None = None
 
     def __post_init__(self) -> None:
         if not (abs(self.current) < FASTEST and abs(self.level) < DEEPEST):

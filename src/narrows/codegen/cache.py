@@ -1,0 +1,184 @@
+"""Generated modules on disk: written whole, named by what they were made from, shared by processes."""
+
+import hashlib
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+from threading import Lock
+from types import ModuleType
+
+FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
+SEAL = "# sha256 of all above: "
+LAST_LINE = "# end of a module made by narrows\n"
+SAME_TIME = 946_684_800
+"""Every generated file bears one time [s], the year 2000. Numba asks the time of a file whether its compiled form is
+stale; the name of a file says all of its text, so two processes that write it at once must not seem to change it."""
+
+
+@lru_cache(maxsize=1)
+def versions() -> str:
+    """Everything but a model that decides what its compiled form is; Numba itself minds the processor (ours)."""
+    packages = [f"{name} {version(name)}" for name in ("narrows", "numpy", "numba", "sympy")]
+    sources = sorted(Path(__file__).parent.rglob("*.py"))
+    ours = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
+    return "\n".join([*packages, sys.version, platform.machine(), ours])
+
+
+def key_of(parts: Iterable[object]) -> str:
+    """Name what is made from these parts by this version of everything (ours).
+
+    Parameters
+    ----------
+    parts : iterable
+        Their texts matter.
+    """
+    text = "\n".join([versions(), *map(str, parts)])
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def cache_folder() -> Path:
+    """Return where generated modules are: the user's cache folder, or a temporary one where that is closed.
+
+    ``NARROWS_CACHE_DIR`` names another.
+    """
+    import platformdirs
+
+    return _usable(Path(os.environ.get(FOLDER_VARIABLE) or platformdirs.user_cache_dir("narrows")) / "compiled")
+
+
+@lru_cache(maxsize=8)
+def _usable(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError:
+        return _temporary_folder()
+
+
+@lru_cache(maxsize=1)
+def _temporary_folder() -> Path:
+    folder = tempfile.TemporaryDirectory(prefix="narrows-")
+    _KEPT.append(folder)
+    return Path(folder.name)
+
+
+_KEPT: list[tempfile.TemporaryDirectory[str]] = []  # removed when the process ends
+
+
+def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
+    """Return a generated text, made now if no process has made it before.
+
+    Parameters
+    ----------
+    name : str
+        A word for people.
+    parts : iterable
+        What it is made from.
+    make : callable
+        Writes it.
+    """
+    path = cache_folder() / f"{name}_{key_of(parts)}.py"
+    with _LOCK:
+        if path not in _TEXTS:
+            _TEXTS[path] = _read(path) or _kept(path, _sealed(make()))
+        return _TEXTS[path]
+
+
+def _kept(path: Path, text: str) -> str:
+    """A text, on disk where the disk takes it."""
+    with suppress(OSError):
+        _written(path, text)
+    return text
+
+
+_TEXTS: dict[Path, str] = {}
+
+
+def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
+    """Import a generated module, made now if no process has made it before.
+
+    What is damaged is made again; where the folder takes no file, or the disk is full, a temporary one serves, and
+    where there is none the module stays in memory.
+
+    Parameters
+    ----------
+    name : str
+        A word for people.
+    parts : iterable
+        What it is made from.
+    make : callable
+        Writes its text.
+    """
+    path = cache_folder() / f"{name}_{key_of(parts)}.py"
+    with _LOCK:
+        if path not in _MODULES:
+            text = _read(path)
+            _MODULES[path] = _made(path, make()) if text is None else _imported(path, text)
+        return _MODULES[path]
+
+
+_LOCK = Lock()
+_MODULES: dict[Path, ModuleType] = {}
+
+
+def _read(path: Path) -> str | None:
+    """The text of a file, or None where it is absent or is not as it was written."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
+    return text if text == _sealed(text.partition(SEAL)[0]) else None
+
+
+def _sealed(text: str) -> str:
+    text = f"{text.rstrip()}\n\n\n"
+    return f"{text}{SEAL}{hashlib.sha256(text.encode()).hexdigest()}\n{LAST_LINE}"
+
+
+def _made(path: Path, text: str) -> ModuleType:
+    text = _sealed(text)
+    # Numba says by a RuntimeError that it cannot keep compiled code beside a file.
+    with suppress(OSError, RuntimeError):
+        return _imported(_written(path, text), text)
+    with suppress(OSError, RuntimeError):
+        return _imported(_written(_temporary_folder() / path.name, text), text)
+    return _imported(path, text.replace("cache=True", "cache=False"))
+
+
+def _imported(path: Path, text: str) -> ModuleType:
+    """Run a module's text; Python's own cache of it, which nobody checks, is not asked."""
+    module = ModuleType(f"narrows_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module
+    try:
+        exec(compile(text, path, "exec"), vars(module))
+    except BaseException:
+        del sys.modules[module.__name__]
+        raise
+    if "numba" in sys.modules:
+        from narrows.codegen.numba_cache import checked
+
+        checked(module)
+    return module
+
+
+def _written(path: Path, text: str) -> Path:
+    """Write a file beside its place, give it its time, then put it there: no reader sees less than the whole."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.utime(temporary, (SAME_TIME, SAME_TIME))
+        os.replace(temporary, path)
+    except OSError:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return path

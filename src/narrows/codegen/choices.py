@@ -1,0 +1,109 @@
+"""What a step holds: contact, section, control law, forces from outside. No symbol is made here."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.tape import Tape
+
+COLUMNS = (
+    "starboard", "port", "depth", "curvature", "near_starboard", "near_port", "keel_starboard", "keel_port",
+)  # fmt: skip
+"""What the table of a waterway holds at each place: how far off its walls are, its depth and the curvature of its line;
+the least distance at which a hull can meet a bank; how far off a keel meets it."""
+ROW = 2 * len(COLUMNS)
+"""Numbers a cell: of each column the value at its start, and the rise to the next."""
+TIME, LENGTH, SHARE = "t", "step_length", "share"
+"""The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
+contact is located, or where an output lies within the step."""
+
+
+Pushed = Literal["never", "always", "until"]
+
+
+@dataclass(frozen=True)
+class Actuated:
+    """An actuator as the equations ask for it.
+
+    Parameters
+    ----------
+    name : str
+        Of its position.
+    angle : bool
+        Whether it enters the terms as cosine and sine.
+    """
+
+    name: str
+    angle: bool
+
+
+@dataclass(frozen=True)
+class Law:
+    """A control law as the equations ask for it.
+
+    Parameters
+    ----------
+    tape : Tape
+        Of the orders, by the names of the actuators, and of the new memory, by its names.
+    memory : tuple of str
+        Numbers that it keeps from step to step.
+    ordered : tuple of Actuated
+        What it gives orders to.
+    """
+
+    tape: Tape
+    memory: tuple[str, ...]
+    ordered: tuple[Actuated, ...]
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a step holds.
+
+    Parameters
+    ----------
+    contact : str or int
+        ``corners``, ``midship``, ``none``, or the number of points of an outline.
+    waterway : bool
+        Whether the section of the water changes.
+    law : Law, optional
+        What steers; actuators stay where they are without one.
+    pushed : {"never", "always", "until"}
+        Whether forces from outside act: constant ones, or ones that change and end at ``push_end`` [s].
+    """
+
+    contact: str | int = "corners"
+    waterway: bool = False
+    law: Law | None = None
+    pushed: Pushed = "never"
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """What goes from step to step: the state, the time where it is asked for, actuators, memory."""
+        law = self.law
+        if law is None:
+            return (*STATE, *((TIME,) if self.pushed == "until" else ()))
+        timed = self.pushed == "until" or TIME in law.tape.inputs
+        return (*STATE, *((TIME,) if timed else ()), *(own.name for own in law.ordered), *law.memory)
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Quantities of the terms that change within a voyage, beside the state."""
+        law = self.law.ordered if self.law else ()
+        controls = [name for own in law for name in control_names(own)]
+        return (
+            *controls,
+            *(("width", "depth") if self.waterway else ()),
+            *(INPUTS.values() if self.pushed == "until" else ()),
+        )
+
+
+def control_names(actuator: Actuated) -> tuple[str, ...]:
+    """Return what the terms call the position of an actuator.
+
+    Parameters
+    ----------
+    actuator : Actuated
+        The actuator.
+    """
+    return (f"cos_{actuator.name}", f"sin_{actuator.name}") if actuator.angle else (actuator.name,)

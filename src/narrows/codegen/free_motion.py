@@ -1,0 +1,201 @@
+"""The equation of motion of a free ship in symbols, from the tape of a table of terms.
+
+On the rig a force is F(motion, accelerations); adrift it vanishes with the inputs added, 0 = F + F_in. With
+M = -dF/d(udot, vdot, rdot) and f = F at rest accelerations, that is M (udot, vdot, rdot) = f + F_in.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from keyword import iskeyword
+from typing import Any, Literal
+
+from narrows.codegen.tape import Tape
+from narrows.errors import InputError
+from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.ship.actuators import STANDARD
+
+Expr = Any
+"""A SymPy expression."""
+Surge = Literal["held", "free"]
+
+STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
+"""What the right-hand side is a function of; its result has the derivatives in the same order."""
+ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
+INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
+"""Force [N, N, N m] added from outside, by the component that it adds to."""
+SURGE_INERTIA = "surge_inertia"
+"""The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
+MACHINERY = {name for own in STANDARD for name in (*own.controls, *own.particulars)}
+LIMITS = {f"{own.name}_{of}" for own in STANDARD for of in ("limit", "rate")}
+WALLS = {"wall_starboard", "wall_port"}
+RESERVED = {*REGRESSOR_INPUTS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
+TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
+"""Names that the generated text has for itself."""
+MOST_BITS = 20
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """The equations of motion.
+
+    The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
+
+    Parameters
+    ----------
+    names : mapping of str to symbol
+        Every coefficient, particular and input, as the caller names it.
+    freedoms : tuple of str
+        The forces whose accelerations are solved for.
+    basis : tuple of expression
+        The functions of the state between the parameters.
+    gains : tuple of tuple of expression
+        A row for each acceleration, a column for each function of the basis.
+    pushes : tuple of tuple of expression
+        The inverse of the mass matrix.
+    regressors : mapping of str to (str, expression)
+        For each coefficient the force that it adds to, and its regressor with accelerations.
+    """
+
+    names: Mapping[str, Expr]
+    freedoms: tuple[str, ...]
+    basis: tuple[Expr, ...]
+    gains: tuple[tuple[Expr, ...], ...]
+    pushes: tuple[tuple[Expr, ...], ...]
+    regressors: Mapping[str, tuple[str, Expr]]
+
+
+@lru_cache(maxsize=64)
+def symbol(name: str) -> Expr:
+    """Return the real symbol of a name (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the vocabulary, of an input, or a coefficient's.
+    """
+    import sympy
+
+    signed = name == "x_g" or name.startswith(("propeller_", "rudder_"))
+    positive = True if name in PARTICULARS and not signed else None
+    return sympy.Symbol(name, real=True, positive=positive)
+
+
+def trace(tape: Tape, forces: Mapping[str, str], surge: Surge, coriolis: bool) -> FreeMotion:
+    """Solve the equation of motion for the accelerations.
+
+    Parameters
+    ----------
+    tape : Tape
+        Of a table of terms.
+    forces : mapping of str to str
+        The force that each term adds to.
+    surge : {"held", "free"}
+        Whether the surge velocity is constant or follows its own equation, with ``surge_inertia`` [kg] added.
+    coriolis : bool
+        Whether to add -m u r in sway and m v r in surge, for terms that do not contain them.
+
+    Raises
+    ------
+    InputError
+        Where an acceleration enters a term other than linearly, or a coefficient's name has another meaning.
+    """
+    freedoms = tuple(FORCES) if surge == "free" else ("Y", "N")
+    names = _coefficient_symbols(tape)
+    regressors = _regressors(tape, forces, freedoms)
+    mass = _mass(regressors, names, freedoms)
+    columns = _columns(regressors, names, freedoms, coriolis)
+    if mass.det() == 0:
+        raise InputError(
+            f"no term resists {' and '.join(_unresisted(mass, freedoms))}; add one of inertia to the table"
+        )
+    inverse = mass.adjugate() / mass.det()
+    gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(freedoms))]
+    others = {*tape.inputs, "mass", SURGE_INERTIA, *INPUTS.values()} - {*STATE, *ACCELERATIONS.values()}
+    return FreeMotion(
+        names=names | {name: symbol(name) for name in sorted(others)},
+        freedoms=freedoms,
+        basis=tuple(columns),
+        gains=tuple(map(tuple, gains)),
+        pushes=tuple(map(tuple, inverse.tolist())),
+        regressors=regressors,
+    )
+
+
+def _coefficient_symbols(tape: Tape) -> dict[str, Expr]:
+    names = {}
+    for number, name in enumerate(tape.results):
+        if name in RESERVED:
+            raise InputError(f"term {name}: the name already means something else here; rename the coefficient")
+        plain = name.isascii() and name.isidentifier() and not iskeyword(name) and not TEMPORARY.fullmatch(name)
+        names[name] = symbol(name if plain else f"coefficient_{number}")
+    return names
+
+
+def _regressors(tape: Tape, forces: Mapping[str, str], freedoms: Sequence[str]) -> dict[str, tuple[str, Expr]]:
+    """Regressors of the forces that are solved for; accelerations that are not solved for are zero."""
+    held = {name: 0 for force, name in ACCELERATIONS.items() if force not in freedoms}
+    symbols = {name: held.get(name, symbol(name)) for name in tape.inputs}
+    expressions = tape.replay(symbols, exact_number)
+    return {name: (forces[name], value) for name, value in expressions.items() if forces[name] in freedoms}
+
+
+def exact_number(value: int | float) -> Expr:
+    """Return a number without rounding: 0.5 is a half, and what has no short fraction keeps all its bits (ours).
+
+    Parameters
+    ----------
+    value : int or float
+        The number.
+    """
+    import math
+
+    import sympy
+
+    if value == math.e:
+        return sympy.E
+    above, below = value.as_integer_ratio()
+    return sympy.Rational(above, below) if below.bit_length() <= MOST_BITS else sympy.Float(value)
+
+
+def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str]) -> Expr:
+    import sympy
+
+    accelerations = [symbol(ACCELERATIONS[force]) for force in freedoms]
+    mass = sympy.zeros(len(freedoms))
+    for name, (force, regressor) in regressors.items():
+        for column, acceleration in enumerate(accelerations):
+            slope = sympy.sympify(regressor).diff(acceleration)
+            if slope.free_symbols & set(accelerations):
+                raise InputError(f"term {name}: an acceleration must enter linearly; {acceleration} does not")
+            mass[freedoms.index(force), column] -= names[name] * slope
+    if "X" in freedoms:
+        mass[0, 0] += symbol(SURGE_INERTIA)
+    return mass
+
+
+def _unresisted(mass: Expr, freedoms: Sequence[str]) -> list[str]:
+    accelerations = [ACCELERATIONS[force] for force in freedoms]
+    return [name for place, name in enumerate(accelerations) if not any(mass.col(place))] or accelerations
+
+
+def _columns(
+    regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str], coriolis: bool
+) -> dict[Expr, Expr]:
+    """Each function of the state, and what multiplies it in each force."""
+    import sympy
+
+    still = {symbol(name): 0 for name in ACCELERATIONS.values()}
+    parts = [(force, names[name], sympy.sympify(r).subs(still)) for name, (force, r) in regressors.items()]
+    if coriolis:
+        mass, u, v, r = (symbol(name) for name in ("mass", "u", "v", "r"))
+        parts += [("X", mass, v * r), ("Y", -mass, u * r)]
+    moving = [symbol(name) for name in STATE]
+    columns: dict[Expr, Expr] = {}
+    for force, factor, regressor in parts:
+        for addend in sympy.Add.make_args(regressor) if force in freedoms else ():
+            fixed, varying = addend.as_independent(*moving, as_Add=False)
+            column = columns.setdefault(varying, sympy.zeros(len(freedoms), 1))
+            column[freedoms.index(force)] += factor * fixed
+    return {basis: column for basis, column in columns.items() if any(column)}

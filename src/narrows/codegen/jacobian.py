@@ -1,0 +1,127 @@
+"""Exact derivatives of the motion, from the same trace: by state, by control, by coefficient."""
+
+from collections.abc import Sequence
+
+from sympy import Integer, sympify
+
+from narrows.codegen.choices import Actuated
+from narrows.codegen.derivatives import with_tangents
+from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
+from narrows.codegen.kernels.elementary import HEADER, elementary_text
+from narrows.codegen.linearisation import LINEARISED, arguments, controlled
+from narrows.codegen.lines import Lines, real
+from narrows.codegen.lowering import straight_lines
+from narrows.codegen.printers.python import Arithmetic, function_text
+from narrows.codegen.rates import Rates
+from narrows.quantities.names import FORCES
+
+ANGLES = ("cos_{}", "sin_{}")
+
+
+def jacobian_text(motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated]) -> str:
+    """Write the module of derivatives.
+
+    Parameters
+    ----------
+    motion : FreeMotion
+        The equations of motion.
+    names : sequence of str
+        Every coefficient of the table, in order.
+    actuators : sequence of Actuated
+        Of the model.
+    """
+    rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
+    linear, by_coefficient = _linear(rates, actuators), _by_coefficient(rates, names)
+    constants = rates.constants
+    given = (*arguments(actuators), *constants.names)
+    assignments, results = straight_lines(list(constants.table))
+    used = set().union(*(expression.free_symbols for expression in constants.table))
+    asked = {name: own for name, own in motion.names.items() if own in used}
+    parts = [
+        f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}",
+        function_text("constants", [str(own) for own in asked.values()], assignments, results),
+        function_text("linear", given, linear[0].needed_for(linear[1]).assignments, linear[1]),
+        function_text(
+            "coefficients", given, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]
+        ),
+    ]
+    return "\n\n".join(parts)
+
+
+def _directions(actuators: Sequence[Actuated]) -> tuple[str, ...]:
+    return (*LINEARISED, *controlled(actuators))
+
+
+BATCH = """
+@cached
+def batch(values, constants, out):
+    for row in range(len(values)):
+        found = linear(values[row], constants)
+        for entry in range(len(found)):
+            out[row, entry] = found[entry]
+"""
+
+
+def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str) -> str:
+    """Write the module of derivatives by state and control, to be compiled.
+
+    Parameters
+    ----------
+    motion : FreeMotion
+        The equations of motion.
+    actuators : sequence of Actuated
+        Of the model.
+    version : str
+        Of narrows.
+    """
+    rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
+    (lines, results), printer = _linear(rates, actuators), Arithmetic("real({})".format)
+    body = [f"{name} = values[{place}]" for place, name in enumerate(arguments(actuators))]
+    body += [f"{name} = constants[{place}]" for place, name in enumerate(rates.constants.names)]
+    body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
+    body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
+    text = "\n    ".join(["@called\ndef linear(values, constants):", *body]) + "\n"
+    head = HEADER.format(version=version, precision="float64")
+    return "\n\n".join([head, "CELL_ENTRIES = 0", elementary_text(text, "float64"), text, BATCH])
+
+
+def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
+    """The rates of ``LINEARISED`` by state and by control, row by row."""
+    lines, found = rates.program()
+    angles = {"psi", *(own.name for own in actuators if own.angle)}
+    directions = _directions(actuators)
+    slopes: dict[Expr, list[Expr]] = {}
+    for number, name in enumerate(directions):
+        moved = _angle_slopes(name) if name in angles else {name: 1}
+        for own, slope in moved.items():
+            slopes[real(own)] = [slope if k == number else 0 for k in range(len(directions))]
+    more, slopes_of = with_tangents(lines, slopes, len(directions))
+    rows = [found["x"], found["y"], real("r"), found["u"], found["v"], found["r"]]
+    return more, [entry for row in rows for entry in slopes_of(row)]
+
+
+def _angle_slopes(name: str) -> dict[str, Expr]:
+    cosine, sine = (text.format(name) for text in ANGLES)
+    return {cosine: -real(sine), sine: real(cosine)}
+
+
+def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Expr]]:
+    """With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor."""
+    motion, lines = rates.motion, Lines()
+    solved = rates.written(lines, "", {name: real(name) for name in (*STATE, *rates.moving)})
+    known = list(motion.regressors)
+    columns = [rates.constants.lift(sympify(motion.regressors[name][1])) for name in known]
+    where = {symbol(name): solved[state] for name, state in zip(ACCELERATIONS.values(), ("u", "v", "r"), strict=True)}
+    where |= {symbol(name): real(name) for name in (*STATE, *rates.moving)}
+    values = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
+    rows = dict(zip(motion.freedoms, motion.pushes, strict=True))
+    zero = Integer(0)
+    entries = []
+    for force in FORCES:
+        for name in names:
+            if name not in values or force not in rows:
+                entries.append(zero)
+                continue
+            inverse = rates.constants.lift(rows[force][motion.freedoms.index(motion.regressors[name][0])])
+            entries.append(inverse * values[name])
+    return lines, entries

@@ -1,0 +1,101 @@
+"""The kernel of a fleet: the text of one file that Numba compiles, a step over a block of lanes and its bookkeeping."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from narrows.codegen.choices import ROW, Choices
+from narrows.codegen.free_motion import STATE
+from narrows.codegen.kernels.elementary import HEADER, elementary_text
+from narrows.codegen.lines import Lines, real
+from narrows.codegen.printers.lanes import Lanes
+from narrows.codegen.printers.python import Arithmetic
+from narrows.codegen.shapes import MIDSHIP, OPEN
+from narrows.codegen.step import room_left
+
+LANES = 64
+SHARED_PLACES = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
+"""What the bookkeeping looks up among the numbers that all vessels share."""
+FIELDS = {
+    "X": "x", "Y": "y", "COS": "cos_psi", "SIN": "sin_psi", "U": "u", "V": "v", "R": "r", "STEP_LENGTH": "step_length",
+    "LEFT": "left", "FLAG": "flag", "ROOM": "room", "LEAN": "lean", "ROOM_BEFORE": "room_before",
+}  # fmt: skip
+
+
+def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) -> str:
+    """Write the module that sails a fleet.
+
+    Parameters
+    ----------
+    lanes : Lanes
+        The step over a block.
+    choices : Choices
+        What it holds.
+    precision : {"float64", "float32"}
+        Of a lane.
+    version : str
+        Of narrows.
+    """
+    printer = Arithmetic("real({})".format)
+    body = "\n\n".join([_room_text(lanes, choices, printer), lanes.text(printer)])
+    exact = choices.waterway and choices.contact not in (MIDSHIP, OPEN)
+    room = _module_text("narrows.waterway.room", "called") if exact else ABSENT
+    return "\n\n".join(
+        [
+            HEADER.format(version=version, precision=precision),
+            _places(lanes, choices, exact),
+            elementary_text(body, precision),
+            body,
+            room,
+            _module_text("narrows.codegen.kernels.event", "called"),
+            Path(__file__).with_name("kernels").joinpath("queue.py").read_text(encoding="utf-8"),
+        ]
+    )
+
+
+ABSENT = """
+@jit
+def exact_room(track, step, s, n, cosine, sine, outline):
+    return inf, 0.0
+"""
+
+
+def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
+    fields, shared = lanes.fields, lanes.shared_inputs
+    numbers = {name: fields[field] for name, field in FIELDS.items()}
+    numbers |= {f"AT_{name.upper()}": shared.index(name) if name in shared else 0 for name in SHARED_PLACES}
+    own = lanes.own_inputs
+    numbers |= {
+        "LANES": lanes.count,
+        "FIELDS": lanes.size,
+        "KEPT": len(lanes.kept),
+        "OLD": fields["old x"],
+        "CELL_ENTRIES": ROW,
+    }
+    numbers |= {"FIRST_OWN": fields[own[0]] if own else 0, "EXACT": exact, "WATERWAY": choices.waterway}
+    names = {"KEPT_NAMES": lanes.kept, "OWN": own, "SHARED": shared}
+    return "\n".join(f"{name} = {value!r}" for name, value in (numbers | names).items())
+
+
+def _room_text(lanes: Lanes, choices: Choices, printer: Arithmetic) -> str:
+    """The room of one lane where it is, by the rule of the lanes."""
+    lines = Lines()
+    room, lean = room_left(lines, choices, {name: real(name) for name in STATE})
+    body = []
+    for name in lines.inputs:
+        if name in lanes.fields:
+            body.append(f"{name} = {lanes.place(name)}")
+        else:
+            body.append(f"{name} = shared[{lanes.shared_inputs.index(name)}]")
+    body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
+    body.append(f"return {printer.doprint(room)}, {printer.doprint(lean)}")
+    return "\n    ".join(["@jit\ndef room_of(block, lane, table, shared):", *body]) + "\n"
+
+
+def _module_text(name: str, decorator: str) -> str:
+    """The text of a module of plain functions, each compiled; its imports are the kernel's."""
+    spec = find_spec(name)
+    assert spec is not None
+    assert spec.origin is not None
+    text = Path(spec.origin).read_text(encoding="utf-8")
+    kept = [line for line in text.splitlines() if not line.startswith(("from ", "import "))]
+    return "\n".join(kept).replace("\ndef ", f"\n@{decorator}\ndef ")

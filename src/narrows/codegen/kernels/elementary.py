@@ -1,0 +1,131 @@
+"""Elementary functions for lanes: no branch, no call of the C library, so that loops over lanes vectorise."""
+
+from functools import lru_cache
+from math import factorial, radians
+
+from narrows.codegen.kernels.exponential import exponential_text
+
+SINE_TERMS = 11
+"""Of the series of sine and cosine: to the last place up to a quarter turn, and no rudder turns further."""
+ANGLE_TERMS = 12
+"""Of the polynomial for arctan t/t up to an eighth of half a turn."""
+
+HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
+from math import cos, hypot, inf, nan, sin, sqrt
+
+from collections.abc import Sequence
+from typing import Any
+
+import numba
+import numpy as np
+from numpy import {precision} as real
+
+FAST = {{"nsz", "contract"}}  # fused multiply-add, nothing that reorders: the mirrored voyage is the mirror to the bit
+jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, forceinline=True)
+called = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
+cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
+'''
+
+SIMPLE = """
+@jit
+def minimum(a, b):
+    return a if a < b else b
+
+
+@jit
+def maximum(a, b):
+    return a if a > b else b
+
+
+@jit
+def choice(test, over, under):
+    return over if test > real(0.0) else under
+
+
+@jit
+def positive(test):
+    return real(1.0) if test > real(0.0) else real(0.0)
+
+
+@jit
+def whole(number):
+    return real(np.int64(number))
+
+
+@jit
+def power(base, exponent):
+    return base**exponent
+
+
+@jit
+def entry(table, column, cell):
+    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + column)]
+"""
+ANGLE = """
+@jit
+def angle(cosine, sine):
+    a, b = abs(sine), abs(cosine)
+    some, most = a > real({eighth!r}) * b, a > real({three_eighths!r}) * b
+    turn_c = real(0.0) if most else (real({half!r}) if some else real(1.0))
+    turn_s = real(1.0) if most else (real({half!r}) if some else real(0.0))
+    by = real({quarter_turn!r}) if most else (real({eighth_turn!r}) if some else real(0.0))
+    t = (a * turn_c - b * turn_s) / (b * turn_c + a * turn_s)
+    q = t * t
+    found = by + t * ({series})
+    found = found if cosine >= real(0.0) else real({half_turn!r}) - found
+    return found if sine >= real(0.0) else -found
+"""
+
+
+def elementary_text(body: str, precision: str) -> str:
+    """Write the functions that a kernel's text calls.
+
+    Parameters
+    ----------
+    body : str
+        The text.
+    precision : str
+        ``float64`` or ``float32``.
+    """
+    parts = [SIMPLE.strip()]
+    if "exp(" in body:
+        parts.append(exponential_text(precision).strip())
+    if "cosine(" in body or "sine(" in body:
+        parts += [_series("sine", 1), _series("cosine", 0)]
+    if "angle(" in body:
+        parts.append(_angle_text())
+    return "\n\n\n".join(parts) + "\n"
+
+
+def _series(name: str, first: int) -> str:
+    """Sine or cosine by its series, in Horner's form."""
+    signs = [(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)]
+    text = f"real({signs[-1]!r})"
+    for coefficient in reversed(signs[:-1]):
+        text = f"real({coefficient!r}) + q * ({text})"
+    lead = "a * " if first else ""
+    return f"@jit\ndef {name}(a):\n    q = a * a\n    return {lead}({text})"
+
+
+@lru_cache(maxsize=1)
+def _angle_text() -> str:
+    """The angle of a cosine and a sine: turned by a multiple of 45 degrees, one division, a short polynomial.
+
+    Its coefficients are those of the interpolation of arctan t/t in t squared at Chebyshev's points, in 50 digits.
+    """
+    from mpmath import mp  # type: ignore[import-untyped]
+
+    with mp.workdps(50):
+        top = mp.tan(mp.mpf(radians(22.51))) ** 2
+        places = [top * (1 + mp.cos(mp.pi * (2 * k + 1) / (2 * ANGLE_TERMS))) / 2 for k in range(ANGLE_TERMS)]
+        values = mp.matrix([mp.atan(mp.sqrt(q)) / mp.sqrt(q) for q in places])
+        found = mp.lu_solve(mp.matrix([[q**p for p in range(ANGLE_TERMS)] for q in places]), values)
+        series = f"real({float(found[ANGLE_TERMS - 1])!r})"
+        for k in reversed(range(ANGLE_TERMS - 1)):
+            series = f"real({float(found[k])!r}) + q * ({series})"
+        numbers = {
+            "eighth": float(mp.tan(mp.pi / 8)), "three_eighths": float(mp.tan(3 * mp.pi / 8)),
+            "half": float(mp.sqrt(mp.mpf(1) / 2)), "quarter_turn": float(mp.pi / 2), "eighth_turn": float(mp.pi / 4),
+            "half_turn": float(mp.pi),
+        }  # fmt: skip
+    return ANGLE.format(series=series, **numbers).strip()

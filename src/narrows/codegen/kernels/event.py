@@ -1,0 +1,76 @@
+"""What becomes of a voyage when a step has closed a room or run out of sane numbers: one rule for every engine.
+
+A voyage in Python calls these functions as they stand; a kernel ends with their text. A step that went through a bank
+is gone back on and tried shorter, by the secant of the room; what was sane and clear is kept, and the next try starts
+from there. So a contact is located within the step, also where the suction grows without end towards it.
+"""
+
+from typing import Any
+
+Book = Any
+"""What is known of a voyage, by the places below: an array or a list of numbers."""
+# seconds before the stretch of equal steps that is sailed; how long they are, how many were planned; how long the next
+# try is, and how many of it; tries so far to get through a step; what is left of that step, and whole steps after it;
+# the last, shorter step
+CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
+"""Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
+numbers ran out."""
+MOST_TRIES, HALVE_EACH = 120, 8
+SHORTEST = 0.1
+
+
+def begin(book: Book, length: float, count: float, rest: float) -> None:
+    """Lay out a voyage of equal steps and a last shorter one."""
+    book[CLOCK], book[LENGTH], book[PLANNED], book[REST] = 0.0, length, count, rest
+    book[NEXT], book[COUNT], book[TRIES] = length, count, 0.0
+    if count == 0.0:
+        last_step(book)
+
+
+def last_step(book: Book) -> int:
+    """Set up the last, shorter step, or end the voyage."""
+    if not book[REST] > 0.0:
+        return FINISHED
+    book[LENGTH], book[PLANNED], book[REST] = book[REST], 1.0, 0.0
+    book[NEXT], book[COUNT], book[TRIES] = book[LENGTH], 1.0, 0.0
+    return ON
+
+
+def judge(book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float) -> int:
+    """Say what becomes of a voyage after a try, ``left`` of the planned steps being left."""
+    tried = book[NEXT]
+    if book[TRIES] == 0.0:
+        if sane and room > 0.0:
+            book[CLOCK] += book[PLANNED] * tried
+            return last_step(book)
+        book[CLOCK] += (book[PLANNED] - left - 1.0) * tried
+        book[SPAN], book[AFTER] = tried, left
+    if sane and abs(room) <= tolerance:
+        book[CLOCK] += tried
+        return CLOSED
+    book[TRIES] += 1.0
+    if sane and room > 0.0:
+        return advanced(book, tried, room, near)
+    if book[TRIES] > MOST_TRIES:
+        return LOST
+    share = 0.5
+    if sane and before > 0.0 and book[TRIES] % HALVE_EACH != 0.0:
+        share = max(before / (before - room), SHORTEST)
+    book[NEXT], book[COUNT] = share * tried, 1.0
+    return BACK
+
+
+def advanced(book: Book, tried: float, room: float, near: float) -> int:
+    """Keep a part of a step that went well, and set up the next."""
+    book[CLOCK] += tried
+    book[SPAN] -= tried
+    if book[SPAN] > 1e-13 * book[LENGTH]:
+        if book[TRIES] > MOST_TRIES:
+            return CLOSED if room <= near else LOST
+        book[NEXT], book[COUNT] = min(book[SPAN], 2.0 * tried), 1.0
+        return ON
+    if book[AFTER] == 0.0:
+        return last_step(book)
+    book[NEXT], book[COUNT], book[PLANNED], book[TRIES] = book[LENGTH], book[AFTER], book[AFTER], 0.0
+    return ON

@@ -1,0 +1,49 @@
+"""Newton's method for many steady courses, ship by ship: its text ends a generated module, below ``balance``.
+
+``balance(drift, angle, given)`` gives the accelerations in sway and yaw, and their slopes by drift over speed and by
+the rudder's angle. The search starts straight ahead with the rudder amidships and takes no long steps.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeVar
+
+    Function = TypeVar("Function", bound=Callable[..., Any])
+    Array = np.ndarray[Any, Any]
+
+    def cached(function: Function) -> Function:
+        """Compile once for all processes."""
+
+    def balance(drift: float, angle: float, given: Array) -> Any:
+        """Accelerations in sway and yaw, and their slopes."""
+
+
+ROUNDS = 40
+DONE = 1e-11
+FURTHEST = 1.2  # drift over speed, or rudder angle [rad], beyond which nothing is looked for
+LARGEST = 0.25  # step of the search
+
+
+@cached
+def solve(given: "Array", drifts: "Array", angles: "Array") -> None:
+    """Find drift over speed and rudder angle [rad] of every row of ``given``, NaN where no course holds."""
+    for row in range(len(given)):
+        drift, angle, found = 0.0, 0.0, False
+        for _ in range(ROUNDS):
+            a, b, a_drift, a_angle, b_drift, b_angle = balance(drift, angle, given[row])
+            determinant = a_drift * b_angle - a_angle * b_drift
+            step = (a_angle * b - b_angle * a) / determinant
+            turn = (b_drift * a - a_drift * b) / determinant
+            drift += min(max(step, -LARGEST), LARGEST)
+            angle += min(max(turn, -LARGEST), LARGEST)
+            if not (abs(drift) < FURTHEST and abs(angle) < FURTHEST):
+                break
+            if abs(step) < DONE and abs(turn) < DONE:
+                found = True
+                break
+        drifts[row] = drift if found else np.nan
+        angles[row] = angle if found else np.nan

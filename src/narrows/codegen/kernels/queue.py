@@ -1,0 +1,209 @@
+"""The bookkeeping of a block of lanes: who sails in which, who has arrived, and where a hull met a bank.
+
+Never imported: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba
+keeps the whole as one file. A vessel is one lane's work until something ends its voyage; then the lane takes the next
+vessel of the queue. Locating a contact costs a few lane-steps beside its neighbours' whole ones.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeVar
+
+    from narrows.codegen.kernels.event import (
+        BACK,
+        CLOCK,
+        CLOSED,
+        COUNT,
+        FINISHED,
+        LOST,
+        NEXT,
+        TRIES,
+        begin,
+        judge,
+    )  # fmt: skip
+
+    Function = TypeVar("Function", bound=Callable[..., Any])
+    Array = np.ndarray[Any, Any]
+    LANES = FIELDS = KEPT = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = FIRST_OWN = 0
+    X = Y = COS = SIN = U = V = R = AT_LEAST_COS = AT_X_LAST = AT_X_FIRST = AT_MOST_SPEED = AT_MOST_RATE = 0
+    AT_CELLS_A_METRE = 0
+    EXACT = WATERWAY = False
+    real = np.float64
+
+    def called(function: Function) -> Function:
+        """Compile."""
+
+    def cached(function: Function) -> Function:
+        """Compile once for all processes."""
+
+    def room_of(block: Array, lane: int, table: Array, shared: Array) -> tuple[float, float]:
+        """Room of a lane by the lanes' own rule, and its lean [m]."""
+
+    def exact_room(track: Array, step: float, s: float, n: float, c: float, si: float, outline: Array) -> Any:
+        """Room by the banks themselves, and the lean [m]."""
+
+    def step(block: Array, table: Array, shared: Array) -> bool:
+        """Step every lane; return whether any wants attention."""
+
+
+RUNNING, AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED = -1, 0, 1, 2, 3, 4, 5
+OUTCOME, SIDE = 0, 1
+TOLERANCE, NEAR = 0, 1
+CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
+
+
+@called
+def true_room(block: "Array", lane: int, first: int, track: "Array", outline: "Array", shared: "Array") -> "Any":
+    """Room of a lane by the banks themselves and by what else ends a voyage, and its lean [m]."""
+    x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
+    cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
+    room, lean = exact_room(track, 1.0 / shared[AT_CELLS_A_METRE], x, y, cosine, sine, outline)
+    ends = min(shared[AT_X_LAST] - x, x - shared[AT_X_FIRST])
+    return min(room, ends, cosine - shared[AT_LEAST_COS]), lean
+
+
+@called
+def is_sane(block: "Array", lane: int, room: float, shared: "Array") -> bool:
+    most = shared[AT_MOST_SPEED]
+    slow = abs(block[U * LANES + lane]) < most and abs(block[V * LANES + lane]) < most
+    return slow and abs(block[R * LANES + lane]) < shared[AT_MOST_RATE] and room == room  # not NaN
+
+
+@called
+def cause_of(block: "Array", lane: int, shared: "Array", tolerance: float) -> int:
+    """What is met where the room is nil: the limit of heading, an end of the waterway, or a bank."""
+    if block[COS * LANES + lane] - shared[AT_LEAST_COS] <= tolerance:
+        return OUTSIDE
+    if WATERWAY:
+        if shared[AT_X_LAST] - block[X * LANES + lane] <= tolerance:
+            return PASSED
+        if block[X * LANES + lane] - shared[AT_X_FIRST] <= tolerance:
+            return ASTERN
+    return GROUNDED
+
+
+@called
+def attend(
+    block: "Array",
+    lane: int,
+    book: "Array",
+    table: "Array",
+    shared: "Array",
+    track: "Array",
+    outline: "Array",
+    limits: "Array",
+) -> int:
+    """Say what becomes of a lane that a step has flagged: an outcome, or RUNNING with what comes next set up."""
+    room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
+    sane = is_sane(block, lane, room, shared)
+    if EXACT and sane and (room <= 0.0 or book[lane, TRIES] > 0.0):
+        # The lanes' own room is a lower bound: ask the banks.
+        room, block[LEAN * LANES + lane] = true_room(block, lane, 0, track, outline, shared)
+        if room > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
+            return RUNNING
+    if EXACT and (book[lane, TRIES] > 0.0 or not (sane and room > 0.0)):
+        before = true_room(block, lane, OLD, track, outline, shared)[0]
+    fate = judge(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR])
+    if fate == CLOSED:
+        return cause_of(block, lane, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
+    if fate == FINISHED:
+        return AFLOAT
+    if fate in (LOST, BACK):
+        for field in range(KEPT):
+            block[field * LANES + lane] = block[(OLD + field) * LANES + lane]
+        block[ROOM * LANES + lane] = before
+    if fate == LOST:
+        return cause_of(block, lane, shared, limits[NEAR]) if before <= limits[NEAR] else DIVERGED
+    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
+    return RUNNING
+
+
+@called
+def load_lane(
+    block: "Array", lane: int, book: "Array", vessel: int, start: "Array", times: "Array", own: "Array",
+    table: "Array", shared: "Array", track: "Array", outline: "Array", limits: "Array",
+) -> int:  # fmt: skip
+    """Put a vessel into a lane; return its outcome where the voyage ends where it begins, else RUNNING."""
+    for field in range(KEPT):
+        block[field * LANES + lane] = start[vessel, field]
+        block[(OLD + field) * LANES + lane] = start[vessel, field]
+    for field in range(own.shape[1]):
+        block[(FIRST_OWN + field) * LANES + lane] = own[vessel, field]
+    room, lean = room_of(block, lane, table, shared)
+    if EXACT and room <= 0.0:
+        room, lean = true_room(block, lane, 0, track, outline, shared)
+    block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
+    begin(book[lane], times[vessel, 0], times[vessel, 1], times[vessel, 2])
+    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
+    if not is_sane(block, lane, room, shared):
+        return DIVERGED
+    if not room > 0.0:
+        return cause_of(block, lane, shared, 0.0)
+    return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
+
+
+@called
+def idle_lane(block: "Array", lane: int) -> None:
+    """Leave an empty lane on the line, with steps of no length."""
+    for field in (Y, SIN, V, R, STEP_LENGTH):
+        block[field * LANES + lane] = 0.0
+    block[COS * LANES + lane] = 1.0
+    block[LEFT * LANES + lane] = np.inf
+
+
+@called
+def unload_lane(
+    block: "Array", lane: int, book: "Array", vessel: int, fate: int, end: "Array", time: "Array", codes: "Array"
+) -> None:
+    """Write where a voyage ended, when and how."""
+    for field in range(KEPT):
+        end[vessel, field] = block[field * LANES + lane]
+    time[vessel] = book[lane, CLOCK]
+    lean = block[LEAN * LANES + lane]
+    codes[vessel, OUTCOME] = fate
+    codes[vessel, SIDE] = (lean > 0.0) - (lean < 0.0) if fate == GROUNDED else 0
+
+
+@cached
+def sail(
+    start: "Array", times: "Array", own: "Array", table: "Array", shared: "Array", track: "Array", outline: "Array",
+    limits: "Array",
+    end: "Array", time: "Array", codes: "Array", memory: "Array", book: "Array", who: "Array",
+) -> int:  # fmt: skip
+    """Sail every vessel to its end; return the lane-steps that it took."""
+    first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
+    block = memory[first : first + FIELDS * LANES]  # a vector that straddles two cache lines costs twice
+    active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
+    for lane in range(LANES):
+        who[lane] = -1
+        load_lane(block, lane, book, 0, start, times, own, table, shared, track, outline, limits)
+        idle_lane(block, lane)
+        block[FLAG * LANES + lane] = 1.0
+    flagged = True
+    while True:
+        for lane in range(LANES if flagged else 0):
+            if block[FLAG * LANES + lane] == 0.0:
+                continue
+            if who[lane] >= 0:
+                fate = attend(block, lane, book, table, shared, track, outline, limits)
+                if fate == RUNNING:
+                    continue
+                unload_lane(block, lane, book, who[lane], fate, end, time, codes)
+                who[lane], active = -1, active - 1
+                idle_lane(block, lane)
+            while queue < vessels:
+                fate = load_lane(block, lane, book, queue, start, times, own, table, shared, track, outline, limits)
+                queue += 1
+                if fate == RUNNING:
+                    who[lane], active = queue - 1, active + 1
+                    break
+                unload_lane(block, lane, book, queue - 1, fate, end, time, codes)
+                idle_lane(block, lane)
+        if active == 0:
+            return lane_steps
+        flagged = step(block, table, shared)
+        lane_steps += LANES

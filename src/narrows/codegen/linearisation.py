@@ -1,0 +1,196 @@
+"""Derivatives of the motion as matrices: by state, by control, by coefficient."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from narrows.codegen.choices import Actuated, control_names
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.quantities.names import FORCES, Number
+
+LINEARISED = ("x", "y", "psi", "u", "v", "r")
+"""The state of a linearised model; the heading is one angle [rad] again."""
+
+
+def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
+    """Return what a linearised model is driven by: forces from outside, and positions of actuators.
+
+    Parameters
+    ----------
+    actuators : sequence of Actuated
+        Of the model.
+    """
+    return (*INPUTS.values(), *(own.name for own in actuators))
+
+
+def arguments(actuators: Sequence[Actuated]) -> tuple[str, ...]:
+    """Return what the generated functions are given before the constants: state, forces from outside, controls.
+
+    Parameters
+    ----------
+    actuators : sequence of Actuated
+        Of the model.
+    """
+    return (*STATE, *INPUTS.values(), *(name for own in actuators for name in control_names(own)))
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Derivatives of the motion of one ship, or of a fleet where the values were columns.
+
+    Parameters
+    ----------
+    functions : mapping of str to callable
+        The generated functions, for floats and columns.
+    constants : tuple of number
+        Of the ship.
+    names : tuple of str
+        The coefficients, in the order of the columns of ``coefficients``.
+    actuators : tuple of Actuated
+        Of the model.
+    compiled : callable
+        Gives the module of the same functions, compiled.
+    """
+
+    functions: Mapping[str, Any]
+    constants: tuple[Number, ...]
+    names: tuple[str, ...]
+    actuators: tuple[Actuated, ...]
+    compiled: Callable[[], ModuleType]
+
+    @property
+    def controlled(self) -> tuple[str, ...]:
+        """The columns of ``controls``."""
+        return controlled(self.actuators)
+
+    def linear(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the rates of x, y, psi, u, v, r by the same six and by ``controlled``: (..., 6, 6 + n).
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            As for ``state``.
+        """
+        return self._matrix("linear", at, len(LINEARISED))
+
+    def batch(self, points: int) -> "JacobianBatch":
+        """Return the same, compiled, for many points of one ship, its arrays kept.
+
+        Parameters
+        ----------
+        points : int
+            How many.
+        """
+        columns = len(arguments(self.actuators))
+        size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
+        constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
+        values, out = np.zeros((points, columns)), np.zeros((points, size))
+        return JacobianBatch(self.compiled(), constants, values, out, self.actuators)
+
+    def state(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6).
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in,
+            Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given.
+        """
+        return self.linear(at)[..., : len(LINEARISED)]
+
+    def controls(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the same rates by ``controlled``: (..., 6, n).
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            As for ``state``.
+        """
+        return self.linear(at)[..., len(LINEARISED) :]
+
+    def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the same rates by every coefficient of the table: (..., 6, n).
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            As for ``state``.
+        """
+        found = self._matrix("coefficients", at, len(FORCES))
+        return np.concatenate([np.zeros_like(found), found], axis=-2)
+
+    def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
+        values = [*argument_values(at, self.actuators), *self.constants]
+        entries = self.functions[name](*values)
+        shape = np.broadcast_shapes(*(np.shape(value) for value in values))
+        stacked = np.stack([np.broadcast_to(entry, shape) for entry in entries], axis=-1)
+        return stacked.reshape(*shape, rows, -1)
+
+
+def argument_values(at: Mapping[str, Number], actuators: Sequence[Actuated]) -> list[Number]:
+    """Return what the generated functions are given before the constants.
+
+    Parameters
+    ----------
+    at : mapping of str to number
+        As for ``Linearisation.state``.
+    actuators : sequence of Actuated
+        Of the model.
+    """
+    given = dict(at)
+    for name in ("psi", *(own.name for own in actuators if own.angle)):
+        if f"cos_{name}" not in given:
+            position = given.get(name, 0.0)
+            given |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
+    return [given.get(name, 0.0) for name in arguments(actuators)]
+
+
+@dataclass(frozen=True)
+class JacobianBatch:
+    """Derivatives by state and control at many points of one ship, compiled.
+
+    Parameters
+    ----------
+    module : module
+        The generated functions.
+    constants : array
+        Of the ship.
+    values : array (points, arguments)
+        What the functions are given at each point; ``points`` fills it.
+    out : array (points, entries)
+        The derivatives, row by row.
+    actuators : tuple of Actuated
+        Of the model.
+    """
+
+    module: ModuleType
+    constants: np.ndarray
+    values: np.ndarray
+    out: np.ndarray
+    actuators: tuple[Actuated, ...]
+
+    def points(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Return what the functions are given at points, (points, arguments).
+
+        Parameters
+        ----------
+        at : mapping of str to number or array (points,)
+            As for ``Linearisation.state``.
+        """
+        for place, value in enumerate(argument_values(at, self.actuators)):
+            self.values[:, place] = value
+        return self.values
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites.
+
+        Parameters
+        ----------
+        values : array (points, arguments)
+            As ``points`` gives them.
+        """
+        self.module.batch(values, self.constants, self.out)
+        return self.out.reshape(len(self.out), len(LINEARISED), -1)

@@ -1,0 +1,159 @@
+"""Lines as loops over lanes, which LLVM vectorises: a block of vessels, field after field in one flat array.
+
+That every field lies at a constant offset of ONE array is how LLVM proves that nothing aliases. Each round of the
+program is a loop of its own (one long loop is a longer chain than a processor looks ahead) and no loop branches on
+data.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy
+
+from narrows.codegen.free_motion import Expr
+from narrows.codegen.lines import Assignment
+from narrows.codegen.lowering import rounds
+from narrows.codegen.printers.python import Arithmetic
+from narrows.codegen.step import Step
+
+BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
+"""Fields of a lane beside what is kept from step to step: what the queue of vessels reads and writes."""
+SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """A step laid out over a block of lanes.
+
+    Parameters
+    ----------
+    step : Step
+        The program.
+    kept : tuple of str
+        What goes from step to step.
+    own : tuple of str
+        Inputs that each vessel has of its own, if the program asks for them; all others are shared.
+    count : int
+        Lanes of a block.
+    """
+
+    step: Step
+    kept: tuple[str, ...]
+    own: tuple[str, ...]
+    count: int
+
+    @cached_property
+    def parts(self) -> list[list[Assignment]]:
+        """The rounds, without lines that nothing asks for."""
+        return rounds(self.step.lines.needed_for(list(self.step.out.values())))
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """What the program asks for beside what is kept and what the queue gives."""
+        made = {str(name) for part in self.parts for name, _ in part}
+        asked = {name for part in self.parts for _, value in part for name in _names(value)}
+        asked |= {name for value in self.step.out.values() for name in _names(value)}
+        asked |= set(SPEED_LIMITS.values())
+        return tuple(sorted(asked - made - {*self.kept, *BOOK}))
+
+    @property
+    def own_inputs(self) -> tuple[str, ...]:
+        """The inputs of each vessel's own."""
+        return tuple(name for name in self.inputs if name in self.own)
+
+    @property
+    def shared_inputs(self) -> tuple[str, ...]:
+        """The inputs that all vessels share."""
+        return tuple(name for name in self.inputs if name not in self.own)
+
+    @cached_property
+    def _last_use(self) -> dict[str, int]:
+        """The last round in which each number is read."""
+        found = {name: place for place, part in enumerate(self.parts) for _, value in part for name in _names(value)}
+        return found | {name: len(self.parts) - 1 for value in self.step.out.values() for name in _names(value)}
+
+    @cached_property
+    def fields(self) -> dict[str, int]:
+        """Where each number of a lane starts in the block; fields are used again once what was in them is dead."""
+        names = [*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.own_inputs]
+        place = {name: number for number, name in enumerate(names)}
+        total, free, busy = len(names), list[int](), list[str]()
+        for number, part in enumerate(self.parts):
+            for name in [name for name in busy if self._last_use[name] < number]:
+                busy.remove(name)
+                free.append(place[name])
+            for name in (str(target) for target, _ in part):
+                if self._last_use.get(name, -1) > number:
+                    place[name] = free.pop() if free else total
+                    total += place[name] == total
+                    busy.append(name)
+        return place
+
+    @property
+    def size(self) -> int:
+        """Fields of a lane."""
+        return max(self.fields.values()) + 1
+
+    def place(self, name: str) -> str:
+        """Return the text of a lane's entry in a field.
+
+        Parameters
+        ----------
+        name : str
+            Of the field.
+        """
+        return f"block[{self.fields[name] * self.count} + lane]"
+
+    def text(self, printer: Arithmetic) -> str:
+        """Print the function ``step(block, table, shared)``, that says whether any lane wants attention.
+
+        Parameters
+        ----------
+        printer : Arithmetic
+            Writes expressions.
+        """
+        head = [f"{name} = shared[{number}]" for number, name in enumerate(self.shared_inputs)]
+        body = [*head, "all_well = True"]
+        for number, part in enumerate(self.parts):
+            body.append(f"for lane in range({self.count}):")
+            body += [f"    {line}" for line in self._round(number, part, printer)]
+        return "\n    ".join(["@jit\ndef step(block, table, shared):", *body, "return not all_well"]) + "\n"
+
+    def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic) -> Iterator[str]:
+        last = number == len(self.parts) - 1
+        made = {str(target) for target, _ in part}
+        read = {name for _, value in part for name in _names(value)}
+        if last:
+            read |= {name for value in self.step.out.values() for name in _names(value)} | set(self.kept)
+        for name in sorted(read - made - set(self.shared_inputs)):
+            yield f"{name} = {self.place(name)}"
+        for target, value in part:
+            yield f"{target} = {printer.doprint(value)}"
+        for name in sorted(made):
+            if self._last_use.get(name, -1) > number:
+                yield f"{self.place(name)} = {name}"
+        if last:
+            yield from self._close(printer)
+
+    def _close(self, printer: Arithmetic) -> Iterator[str]:
+        """Keep what was before the step and what is after it, and say whether the lane sails on."""
+        out = {name: printer.doprint(sympy.sympify(value)) for name, value in self.step.out.items()}
+        for name in self.kept:
+            yield f"{self.place(f'old {name}')} = {name}"
+        yield f"{self.place('room_before')} = {self.place('room')}"
+        for name in ("room", "lean", *self.kept):
+            if name in out:
+                yield f"{self.place(name)} = {out[name]}"
+        yield f"left = {self.place('left')} - {printer.number('1.0')}"
+        yield f"{self.place('left')} = left"
+        zero, one = printer.number("0.0"), printer.number("1.0")
+        yield f"well = (left > {zero}) & ({out['room']} > {zero})"
+        for name, most in SPEED_LIMITS.items():
+            yield f"well = well & (abs({out[name]}) < {most})"
+        yield f"{self.place('flag')} = {zero} if well else {one}"
+        yield "all_well = all_well & well"
+
+
+def _names(value: Expr) -> set[str]:
+    return {str(s) for s in sympy.sympify(value).free_symbols}

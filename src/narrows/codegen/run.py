@@ -1,0 +1,227 @@
+"""A prepared run: arrays laid out once, so that a call costs what the kernel costs."""
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError
+
+MOST_STEPS_SINGLE = 2**24
+LARGEST_SLICE, SMALLEST_SLICE = 16_384, 1024
+SLICES_PER_WORKER = 4
+BOOK_PLACES = 9
+
+
+@dataclass(frozen=True)
+class Water:
+    """Where vessels sail, as a kernel asks for it.
+
+    Parameters
+    ----------
+    table : array
+        Of a waterway, a row a cell; empty in a straight canal.
+    track : array
+        Nodes of line and banks, for the exact room.
+    outline : array [m]
+        Points of the hull, forward and starboard in turn.
+    """
+
+    table: np.ndarray
+    track: np.ndarray
+    outline: np.ndarray
+
+
+NOWHERE = Water(np.zeros(16), np.zeros(27), np.zeros(6))
+"""A straight canal: nothing to look up."""
+
+
+@dataclass
+class PreparedRun:
+    """Vessels laid out for a kernel; calling it sails them all, from ``start`` as it then stands.
+
+    Parameters
+    ----------
+    kernel : module
+        The generated kernel.
+    start : array (n, kept)
+        What is kept from step to step, at the start.
+    times : array (n, 3) [s]
+        Length of a step, whole steps, length of the last and shorter one.
+    own : array (n, own inputs)
+        Inputs of each vessel's own.
+    shared : array (shared inputs,)
+        Inputs that all share.
+    water : Water
+        Where they sail.
+    limits : array (2,) [m]
+        How closely a contact is located, and how near a bank a motion that runs away has met it.
+    workers : int
+        Threads.
+    """
+
+    kernel: ModuleType
+    start: np.ndarray
+    times: np.ndarray
+    own: np.ndarray
+    shared: np.ndarray
+    water: Water
+    limits: np.ndarray
+    workers: int
+    end: np.ndarray = field(init=False)
+    time: np.ndarray = field(init=False)
+    codes: np.ndarray = field(init=False)
+    lane_steps: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        vessels = len(self.start)
+        self.end, self.time = self.start.copy(), np.zeros(vessels)
+        self.codes = np.zeros((vessels, 2), np.int64)
+        parts = slices(vessels, self.workers)
+        memory = [self._memory() for _ in range(min(self.workers, len(parts)))]
+        self._calls, self._memories = [self._arguments(part) for part in parts], memory
+
+    def _memory(self) -> tuple[np.ndarray, ...]:
+        size = (self.kernel.FIELDS + 1) * self.kernel.LANES
+        lanes = self.kernel.LANES
+        return np.zeros(size, self.start.dtype), np.zeros((lanes, BOOK_PLACES)), np.zeros(lanes, np.int64)
+
+    def _arguments(self, part: slice) -> tuple[Any, ...]:
+        water = self.water
+        given = (
+            self.start[part],
+            self.times[part],
+            self.own[part],
+            water.table,
+            self.shared,
+            water.track,
+            water.outline,
+        )
+        return (*given, self.limits, self.end[part], self.time[part], self.codes[part])
+
+    def __call__(self) -> int:
+        """Sail every vessel, and return the lane-steps that it took."""
+        if not len(self.start):
+            return 0
+        sail = self.kernel.sail
+        if len(self._memories) == 1:
+            memory = self._memories[0]
+            self.lane_steps = sum(sail(*arguments, *memory) for arguments in self._calls)
+            return self.lane_steps
+        free = list(self._memories)
+
+        def one(arguments: tuple[Any, ...]) -> int:
+            memory = free.pop()
+            try:
+                return int(sail(*arguments, *memory))
+            finally:
+                free.append(memory)
+
+        self.lane_steps = sum(in_threads(one, self._calls, len(self._memories)))
+        return self.lane_steps
+
+
+def in_threads(work: Any, parts: Sequence[Any], workers: int) -> list[Any]:
+    """Work on parts in threads; an interrupt does not wait for the whole queue (ours).
+
+    Parameters
+    ----------
+    work : callable
+        Takes a part.
+    parts : sequence
+        What there is to do.
+    workers : int
+        Threads.
+    """
+    pool = ThreadPoolExecutor(workers)
+    try:
+        return list(pool.map(work, parts))
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def cores() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def slices(vessels: int, workers: int) -> list[slice]:
+    """Part vessels for threads (ours).
+
+    Parameters
+    ----------
+    vessels : int
+        How many.
+    workers : int
+        Threads.
+    """
+    if workers == 1:
+        return [slice(0, vessels)]
+    size = max(SMALLEST_SLICE, min(LARGEST_SLICE, -(-vessels // (workers * SLICES_PER_WORKER))))
+    return [slice(first, min(first + size, vessels)) for first in range(0, vessels, size)]
+
+
+def step_counts(dt: np.ndarray, duration: np.ndarray) -> np.ndarray:
+    """Return length of a step, whole steps and length of the last, shorter one, (n, 3) [s].
+
+    Parameters
+    ----------
+    dt : array (n,) [s]
+        Time step.
+    duration : array (n,) [s]
+        Longest voyage.
+    """
+    count = np.floor(duration / dt + 1e-9)
+    rest = duration - count * dt
+    return np.ascontiguousarray(np.stack([dt, count, np.where(rest > 1e-9 * dt, rest, 0.0)], axis=1))
+
+
+def prepare(
+    kernel: ModuleType, inputs: Mapping[str, Any], start: Mapping[str, Any], times: np.ndarray, water: Water,
+    limits: np.ndarray, workers: int, precision: str = "float64",
+) -> PreparedRun:  # fmt: skip
+    """Lay out vessels for a kernel (ours).
+
+    Parameters
+    ----------
+    kernel : module
+        The generated kernel.
+    inputs : mapping of str to number or array (n,)
+        Everything that its step asks for, by name.
+    start : mapping of str to number or array (n,)
+        What is kept from step to step.
+    times : array (n, 3) [s]
+        As ``step_counts`` gives them.
+    water : Water
+        Where they sail.
+    limits : array (2,) [m]
+        As in ``PreparedRun``.
+    workers : int
+        Threads.
+    precision : str
+        Of the lanes.
+
+    Raises
+    ------
+    InputError
+        Where single precision cannot count the steps.
+    """
+    vessels = len(times)
+    if precision == "float32" and times[:, 1].max(initial=0) >= MOST_STEPS_SINGLE:
+        raise InputError(f"single precision counts fewer than {MOST_STEPS_SINGLE} steps; lengthen dt or use float64")
+
+    def table(names: tuple[str, ...], given: Mapping[str, Any]) -> np.ndarray:
+        columns = [np.broadcast_to(np.asarray(given[name], float), vessels) for name in names]
+        stacked = np.stack(columns, axis=1) if columns else np.zeros((vessels, 0))
+        return np.ascontiguousarray(stacked.astype(precision))
+
+    shared = np.array([np.ravel(inputs[name])[0] for name in kernel.SHARED], precision)
+    kept = table(kernel.KEPT_NAMES, start)
+    own = table(kernel.OWN, inputs)
+    return PreparedRun(kernel, kept, times, own, shared, water, limits.astype(precision), workers)

@@ -1,0 +1,224 @@
+"""One step of one ship in one waterway under one law: the whole of it, once, in lines.
+
+Control law, actuators, the section of the water at the ship's place, Runge-Kutta, contact: a straight canal is a
+waterway whose section does not change. Every engine prints these lines.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import sympy
+
+from narrows.codegen.choices import COLUMNS, LENGTH, SHARE, TIME, Choices
+from narrows.codegen.contact import bank_room, reaches
+from narrows.codegen.free_motion import INPUTS, STATE, Expr, exact_number
+from narrows.codegen.lines import FUNCTIONS, Lines, clipped, least, real
+from narrows.codegen.rates import Rates
+from narrows.codegen.shapes import MIDSHIP, OPEN
+
+NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
+SIXTH = sympy.Rational(1, 6)
+"""The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last
+weigh."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """The lines of a step.
+
+    Parameters
+    ----------
+    lines : Lines
+        The program.
+    out : mapping of str to expression
+        What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and
+        to the limit of heading; ``lean`` [m], positive where the starboard bank is nearer.
+    """
+
+    lines: Lines
+    out: Mapping[str, Expr]
+
+    def with_whole_steps(self) -> "Step":
+        """Return the step for engines that take no share of one."""
+        whole = {real(SHARE): sympy.Integer(1)}
+        lines = Lines()
+        where: dict[Expr, Expr] = dict(whole)
+        for line in self.lines.program:
+            if line is None:
+                lines.cut()
+            else:
+                where[line[0]] = lines.put(str(line[0]), line[1].xreplace(where))
+        return Step(lines, {name: sympy.sympify(value).xreplace(where) for name, value in self.out.items()})
+
+
+def step_of(rates: Rates, choices: Choices) -> Step:
+    """Write one step.
+
+    Parameters
+    ----------
+    rates : Rates
+        Of the state.
+    choices : Choices
+        What the step holds.
+    """
+    lines, z = Lines(), {name: real(name) for name in choices.kept}
+    h = lines.put("h", real(LENGTH) * real(SHARE))
+    moves, out = _orders(lines, choices, z)
+    controls = _controls(lines, choices, z, moves)
+    pushes = _pushes(lines, choices, z)
+
+    def rate(at: Mapping[str, Expr], node: int) -> dict[str, Expr]:
+        values = {**{name: at[name] for name in STATE}, **controls(NODES[node]), **pushes}
+        return _rate(lines, rates, choices, values, str(node))
+
+    after = _runge_kutta(lines, z, h, rate, _felt_states(rates, choices))
+    if TIME in z:
+        out[TIME] = lines.put("t_new", z[TIME] + h)
+    out |= after
+    out["room"], out["lean"] = room_left(lines, choices, after)
+    return Step(lines, out)
+
+
+def _felt_columns(rates: Rates) -> tuple[str, ...]:
+    return ("starboard", "port", *(("depth",) if rates.feels("depth") else ()), "curvature")
+
+
+def _felt_states(rates: Rates, choices: Choices) -> tuple[str, ...]:
+    """What of the state the rates depend on, so that it is moved to each stage."""
+    along = ("x", "y") if choices.waterway else ()
+    return tuple(name for name in STATE if name in along or rates.feels(name))
+
+
+def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
+    """Write the water at a place from the table, straight between its nodes."""
+    place = lines.put(f"place_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
+    cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](place, real("last_cell"))))
+    part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](place - cell, 1))
+    found = {}
+    for name in columns:
+        first = 2 * COLUMNS.index(name)
+        start, rise = (lines.put(f"{name}_{k}_{tag}", FUNCTIONS["entry"](first + k, cell)) for k in range(2))
+        found[name] = lines.put(f"{name}_{tag}", start + part * rise)
+    return found
+
+
+def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict[str, Expr], dict[str, Expr]]:
+    """Write what the law asks for: how far each actuator moves in the step, and what is kept after it."""
+    if choices.law is None:
+        return {}, {}
+    asked = {**z, "dt": real(LENGTH)}
+    given = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
+    results = choices.law.tape.replay(given, exact_number, FUNCTIONS)
+    moves, out = {}, {}
+    for own in choices.law.ordered:
+        wanted = lines.put(f"{own.name}_order", clipped(results[own.name], real(f"{own.name}_limit")))
+        furthest = lines.put(f"{own.name}_reach", real(f"{own.name}_rate") * real(LENGTH))
+        whole = lines.put(f"{own.name}_whole", clipped(wanted - z[own.name], furthest))
+        moves[own.name] = lines.put(f"{own.name}_move", real(SHARE) * whole)
+        out[own.name] = lines.put(f"{own.name}_new", z[own.name] + moves[own.name])
+    return moves, out | {name: lines.put(f"{name}_new", results[name]) for name in choices.law.memory}
+
+
+def _controls(
+    lines: Lines, choices: Choices, z: Mapping[str, Expr], moves: Mapping[str, Expr]
+) -> Callable[[Expr], dict[str, Expr]]:
+    """Return what the actuators that move are at a place within the step."""
+    known: dict[Expr, dict[str, Expr]] = {}
+
+    def at(node: Expr) -> dict[str, Expr]:
+        if node not in known:
+            known[node] = found = {}
+            for own in choices.law.ordered if choices.law else ():
+                position = lines.put(f"{own.name}_at{len(known)}", z[own.name] + node * moves[own.name])
+                if own.angle:
+                    found[f"cos_{own.name}"] = lines.put(f"cos_{own.name}{len(known)}", FUNCTIONS["cosine"](position))
+                    found[f"sin_{own.name}"] = lines.put(f"sin_{own.name}{len(known)}", FUNCTIONS["sine"](position))
+                else:
+                    found[own.name] = position
+        return known[node]
+
+    return at
+
+
+def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
+    """Forces from outside, while the middle of the step lies before their end."""
+    if choices.pushed != "until":
+        return {}
+    left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
+    return {name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), 0)) for name in INPUTS.values()}
+
+
+def _rate(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
+    """The rates in the waterway, by those of the straight canal that the water is here."""
+    if not choices.waterway:
+        return rates.written(lines, tag, values)
+    now = _section(lines, values["x"], _felt_columns(rates), f"stage{tag}")
+    y = values["y"]
+    values = {
+        **values,
+        "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
+        "depth": now.get("depth", real("depth")),
+        "y": lines.put(f"off_{tag}", y - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
+    }
+    found = rates.written(lines, tag, values)
+    pace = lines.put(f"pace_{tag}", (found["x"] + real("current")) / (1 - now["curvature"] * y))
+    turn = lines.put(f"turn_{tag}", values["r"] - now["curvature"] * pace)
+    heading = {"cos_psi": -turn * values["sin_psi"], "sin_psi": turn * values["cos_psi"]}
+    return {**found, "x": pace, **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()}}
+
+
+Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
+
+
+def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, felt: tuple[str, ...]) -> dict[str, Expr]:
+    """Write the classical Runge-Kutta step, and bring the heading back to the unit circle."""
+    at, k, middle = dict(z), [], {}
+    for node in range(4):
+        k.append(rate(at, node))
+        if node == 2:
+            middle = {name: lines.put(f"middle_{name}", k[1][name] + k[2][name]) for name in STATE}
+        if node < 3:
+            ahead = lines.put(f"h_{node}", NODES[node + 1] * h)
+            moved = [name for name in felt if k[node][name] != 0]
+            at = {**z, **{name: lines.put(f"{name}_at{node + 1}", z[name] + ahead * k[node][name]) for name in moved}}
+            lines.cut()
+    sixth, after = lines.put("sixth", h * SIXTH), {}
+    for name in STATE:
+        # Additions, for processors whose multipliers are the narrow place.
+        total = (k[0][name] + k[3][name]) + (middle[name] + middle[name])
+        after[name] = lines.put(f"{name}_new", z[name] + sixth * total) if k[3][name] != 0 else z[name]
+    size = after["cos_psi"] * after["cos_psi"] + after["sin_psi"] * after["sin_psi"]
+    unit = lines.put("unit", sympy.Rational(3, 2) - sympy.Rational(1, 2) * size)
+    return {**after, **{name: lines.put(f"{name}_unit", after[name] * unit) for name in ("cos_psi", "sin_psi")}}
+
+
+def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Expr, Expr]:
+    """Write what is left to whatever ends the voyage, and how much nearer the starboard bank is [m].
+
+    Parameters
+    ----------
+    lines : Lines
+        The program.
+    choices : Choices
+        What the step holds.
+    z : mapping of str to expression
+        The state.
+    """
+    left = [lines.put("heading_left", z["cos_psi"] - real("least_cos"))]
+    if choices.waterway:
+        left += [lines.put("left_ahead", real("x_last") - z["x"]), lines.put("left_astern", z["x"] - real("x_first"))]
+    lean: Expr = sympy.Integer(0)
+    if choices.contact != OPEN:
+        reach = reaches(lines, choices.contact, z["cos_psi"], z["sin_psi"])
+        bank, lean = bank_room(lines, _walls(lines, choices, z["x"]), reach, z["y"])
+        left.insert(0, bank)
+    return lines.put("room_new", least(*left)), lean
+
+
+def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
+    if not choices.waterway:
+        return real("wall_starboard"), real("wall_port")
+    kind = "keel" if choices.contact == MIDSHIP else "near"
+    names = (f"{kind}_starboard", f"{kind}_port")
+    found = _section(lines, x, names, "after")
+    return found[names[0]], found[names[1]]

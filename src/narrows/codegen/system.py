@@ -1,0 +1,214 @@
+"""The door to the engine: one table of terms under some choices, printed and compiled as far as each use needs."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from types import ModuleType, SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.codegen.cache import generated, source
+from narrows.codegen.tape import Tape, tape_of_terms
+from narrows.errors import InputError
+from narrows.quantities.names import Number
+from narrows.terms.term import TermTable
+
+if TYPE_CHECKING:
+    from narrows.codegen.choices import Actuated, Choices
+    from narrows.codegen.free_motion import Surge
+    from narrows.codegen.linearisation import Linearisation
+    from narrows.codegen.rates import Rates
+    from narrows.codegen.step import Step
+
+FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
+DEFAULTS = dict.fromkeys((*FORCES_FROM_OUTSIDE, "heave", "surge_inertia"), 0.0)
+"""What numbers are where nothing is said of them."""
+
+
+@dataclass(frozen=True)
+class System:
+    """Terms, pose, actuators, section of the water, control law and contact as one traced system.
+
+    Coefficients, ship, canal and water are arguments: a new fit compiles nothing.
+
+    Parameters
+    ----------
+    table : TermTable
+        The terms.
+    surge : {"held", "free"}
+        Whether the surge velocity is constant.
+    coriolis : bool
+        Whether -m u r in sway and m v r in surge are added to the terms.
+    choices : Choices
+        What a step holds.
+    """
+
+    table: TermTable
+    surge: "Surge"
+    coriolis: bool
+    choices: "Choices"
+
+    @cached_property
+    def tape(self) -> Tape:
+        """What the regressors do."""
+        return tape_of_terms(self.table)
+
+    @cached_property
+    def rates(self) -> "Rates":
+        """The rates of the state, in symbols."""
+        from narrows.codegen.free_motion import trace
+        from narrows.codegen.rates import Rates
+
+        forces = {term.name: force for force, terms in self.table.forces.items() for term in terms}
+        motion = trace(self.tape, forces, self.surge, self.coriolis)
+        return Rates(motion, self.choices.moving, self.choices.pushed != "never")
+
+    @cached_property
+    def step(self) -> "Step":
+        """One step, in lines."""
+        from narrows.codegen.step import step_of
+
+        return step_of(self.rates, self.choices)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the values that ``constants`` asks for."""
+        return tuple(self.scalar.PARAMETERS)
+
+    @cached_property
+    def scalar(self) -> SimpleNamespace:
+        """The functions of floats: ``constants``, ``rates``, ``step``, ``room`` with the names that they ask for."""
+        from narrows.codegen.choices import ROW
+        from narrows.codegen.functions import scalar_functions
+
+        return self._plain(scalar_functions(ROW))
+
+    @cached_property
+    def columns(self) -> SimpleNamespace:
+        """The same functions for floats and columns alike; ``step`` and ``room`` only where no table is read."""
+        from narrows.codegen.functions import column_functions
+
+        return self._plain(column_functions())
+
+    def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
+        def text() -> str:
+            from narrows.codegen.printers.modules import plain_text
+
+            return plain_text(self.choices, self.rates, self.step)
+
+        scope: dict[str, Any] = dict(functions)
+        exec(compile(source("plain", self.key, text), "<plain>", "exec"), scope)
+        return SimpleNamespace(**scope)
+
+    @cached_property
+    def key(self) -> tuple[object, ...]:
+        """What names this system in the cache."""
+        law = self.choices.law
+        told = (law.tape.text, law.memory, law.ordered) if law else ()
+        choices = (self.choices.contact, self.choices.waterway, self.choices.pushed, told)
+        forces = [(term.name, force) for force, terms in self.table.forces.items() for term in terms]
+        return (self.tape.text, forces, self.surge, self.coriolis, *choices)
+
+    def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
+        """Evaluate what stays the same through a voyage, by the names of the lines.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            Coefficients and particulars by name, each in its SI unit, as columns for a fleet; more is welcome.
+
+        Raises
+        ------
+        InputError
+            Where a value is missing, or no mass resists an acceleration.
+        """
+        scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)
+        functions = self.scalar if scalar else self.columns
+        return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
+
+    def linearisation(self, values: Mapping[str, Number], actuators: Sequence["Actuated"]) -> "Linearisation":
+        """Return the exact derivatives of the motion.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            As for ``constants``.
+        actuators : sequence of Actuated
+            Of the model, whose positions are to be differentiated by.
+
+        Raises
+        ------
+        InputError
+            Where a value is missing, or no mass resists an acceleration.
+        """
+        from narrows.codegen.functions import column_functions
+        from narrows.codegen.linearisation import Linearisation
+
+        def text() -> str:
+            from narrows.codegen.jacobian import jacobian_text
+
+            return jacobian_text(self.rates.motion, self.table.names, tuple(actuators))
+
+        scope: dict[str, Any] = dict(column_functions())
+        exec(compile(source("jacobian", (*self.key, tuple(actuators)), text), "<jacobian>", "exec"), scope)
+        constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
+        return Linearisation(scope, constants, self.table.names, tuple(actuators), self._batch(tuple(actuators)))
+
+    def _batch(self, actuators: tuple["Actuated", ...]) -> Callable[[], ModuleType]:
+        def text() -> str:
+            from narrows.codegen.jacobian import batch_text
+
+            return batch_text(self.rates.motion, actuators, version("narrows"))
+
+        return lambda: generated("jacobian_batch", (*self.key, actuators), text)
+
+    def kernel(self, own: tuple[str, ...], precision: str) -> ModuleType:
+        """Return the module that sails a fleet; its ``sail`` compiles when first called.
+
+        Parameters
+        ----------
+        own : tuple of str
+            Inputs that each vessel has of its own; with ``k`` among them all constants of the ship are.
+        precision : {"float64", "float32"}
+            Of a lane.
+        """
+
+        def text() -> str:
+            from narrows.codegen.kernel import LANES, kernel_text
+            from narrows.codegen.printers.lanes import Lanes
+
+            names = {*own, *(self.rates.constants.names if "k" in own else ())}
+            step = self.step.with_whole_steps()
+            lanes = Lanes(step, self.choices.kept, tuple(sorted(names)), LANES)
+            return kernel_text(lanes, self.choices, precision, version("narrows"))
+
+        return generated("kernel", (*self.key, own, precision), text)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Another process finds the generated modules, or makes its own.
+        return System, (self.table, self.surge, self.coriolis, self.choices)
+
+
+def _evaluated(
+    constants: Callable[..., tuple[Number, ...]], parameters: Sequence[str], values: Mapping[str, Number]
+) -> tuple[Number, ...]:
+    """Evaluate constants of their parameters, or say what is missing."""
+    given = DEFAULTS | dict(values)
+    for name in parameters:
+        if given.get(name) is None:
+            raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
+    numbers = [np.ravel(given[name])[0] if np.size(given[name]) == 1 else given[name] for name in parameters]
+    with np.errstate(all="ignore"):
+        try:
+            result = constants(*(float(number) if np.ndim(number) == 0 else number for number in numbers))
+        except (ZeroDivisionError, OverflowError):
+            result = (math.nan,)
+    if not all(np.isfinite(value).all() for value in result):
+        raise InputError(
+            "the mass matrix cannot be inverted; check that the coefficients are finite and those of inertia "
+            "not zero, and where surge is free give surge_inertia"
+        )
+    return result

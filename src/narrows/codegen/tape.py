@@ -1,0 +1,239 @@
+"""Run a function once on placeholders and write down what it does: one line an operation, no SymPy.
+
+The text is canonical (equal operations share a line), so it names a model or a control law in the cache, and a second
+run finds its compiled form without a symbol being made. Replayed with floats, columns or symbols it gives the same
+again.
+"""
+
+import math
+import operator
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from numbers import Integral, Real
+from types import SimpleNamespace
+from typing import Any, NoReturn
+
+from narrows.errors import InputError
+from narrows.quantities.arithmetic import COLUMNS
+from narrows.quantities.names import Number
+from narrows.terms.term import TermTable
+
+Line = tuple[str, ...]
+"""``("input", name)``, ``("number", text)``, or an operation and the numbers of the lines that it works on."""
+
+OPERATORS: dict[str, Callable[..., Number]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "**": operator.pow,
+    "negative": operator.neg,
+    "abs": abs,
+}
+REFUSED = {
+    "compares": "__lt__ __le__ __gt__ __ge__ __eq__ __ne__",
+    "branches on a value": "__bool__",
+    "turns a value into a plain number": "__float__ __int__ __complex__ __index__ __round__ __trunc__",
+    "rounds": "__floor__ __ceil__ __floordiv__ __rfloordiv__ __mod__ __rmod__ __divmod__ __rdivmod__",
+    "treats a value as an array": "__len__ __iter__ __getitem__ __array__ __matmul__ __rmatmul__",
+}
+
+
+class NotArithmeticError(Exception):
+    """A regressor did something that cannot be written down."""
+
+
+class Recorded:
+    """A placeholder that notes what is done to it."""
+
+    __array_ufunc__ = None  # a NumPy scalar then leaves the operation to us; a NumPy function fails
+    __hash__ = object.__hash__
+
+    def __init__(self, notes: "Notes", line: int) -> None:
+        self.notes, self.line = notes, line
+
+    def __neg__(self) -> "Recorded":
+        return self.notes.operation("negative", self)
+
+    def __pos__(self) -> "Recorded":
+        return self
+
+    def __abs__(self) -> "Recorded":
+        return self.notes.operation("abs", self)
+
+    def apply_function(self, name: str, values: Iterable[Any]) -> "Recorded":
+        """Note a function of ``quantities.arithmetic``."""
+        return self.notes.operation(name, *values)
+
+
+def _forward(sign: str) -> Callable[[Recorded, Any], Recorded]:
+    return lambda self, other: self.notes.operation(sign, self, other)
+
+
+def _backward(sign: str) -> Callable[[Recorded, Any], Recorded]:
+    return lambda self, other: self.notes.operation(sign, other, self)
+
+
+def _refusal(deed: str) -> Callable[..., NoReturn]:
+    def refuse(*_: Any) -> NoReturn:
+        raise NotArithmeticError(f"it {deed}")
+
+    return refuse
+
+
+for _sign, _name in {"+": "add", "-": "sub", "*": "mul", "/": "truediv", "**": "pow"}.items():
+    setattr(Recorded, f"__{_name}__", _forward(_sign))
+    setattr(Recorded, f"__r{_name}__", _backward(_sign))
+for _deed, _names in REFUSED.items():
+    for _name in _names.split():
+        setattr(Recorded, _name, _refusal(_deed))
+
+
+class Notes:
+    """The lines written so far; the same operation on the same lines is written once."""
+
+    def __init__(self) -> None:
+        self.lines: dict[Line, int] = {}
+
+    def note(self, line: Line) -> Recorded:
+        """Write a line, or find it."""
+        return Recorded(self, self.lines.setdefault(line, len(self.lines)))
+
+    def operation(self, sign: str, *operands: Any) -> Recorded:
+        """Write an operation on placeholders and numbers."""
+        return self.note((sign, *(str(self.of(operand).line) for operand in operands)))
+
+    def of(self, value: Any) -> Recorded:
+        """Return the placeholder of a value, which may be a plain number."""
+        if isinstance(value, Recorded):
+            return value
+        if not isinstance(value, Real):
+            raise NotArithmeticError(f"it works with a {type(value).__name__}")
+        number = int(value) if isinstance(value, Integral) else float(value)
+        if not math.isfinite(number):
+            raise NotArithmeticError(f"it works with {number}")
+        return self.note(("number", repr(number)))
+
+
+@dataclass(frozen=True, eq=False)
+class Tape:
+    """What a function does.
+
+    Parameters
+    ----------
+    lines : tuple of Line
+        The operations, in order.
+    results : mapping of str to int
+        The line of each result.
+    """
+
+    lines: tuple[Line, ...]
+    results: Mapping[str, int]
+
+    @cached_property
+    def text(self) -> str:
+        """The whole tape in words, the same for functions that do the same."""
+        body = [f"{number} = {' '.join(line)}" for number, line in enumerate(self.lines)]
+        return "\n".join([*body, *(f"{name} = {line}" for name, line in self.results.items())])
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another tape does the same."""
+        return isinstance(other, Tape) and self.text == other.text
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that the function was given and that its lines use."""
+        used = {int(n) for sign, *operands in self.lines if sign not in ("input", "number") for n in operands}
+        used |= set(self.results.values())
+        return tuple(line[1] for number, line in enumerate(self.lines) if line[0] == "input" and number in used)
+
+    def replay(
+        self,
+        inputs: Mapping[str, Number],
+        number: Callable[[int | float], Number] = lambda value: value,
+        functions: Mapping[str, Callable[..., Number]] = COLUMNS,
+    ) -> dict[str, Number]:
+        """Evaluate every result.
+
+        Parameters
+        ----------
+        inputs : mapping of str to number
+            Floats, columns or symbols by name; more than needed is welcome.
+        number : callable
+            Makes of a plain number what goes with the inputs.
+        functions : mapping of str to callable
+            The functions of ``quantities.arithmetic`` for these inputs.
+        """
+        values: list[Number] = []
+        for sign, *operands in self.lines:
+            if sign == "input":
+                values.append(inputs.get(operands[0]))
+            elif sign == "number":
+                values.append(number(int(operands[0]) if operands[0].lstrip("-").isdigit() else float(operands[0])))
+            else:
+                operation = OPERATORS.get(sign) or functions[sign]
+                values.append(operation(*(values[int(operand)] for operand in operands)))
+        return {name: values[line] for name, line in self.results.items()}
+
+
+def tape_of_terms(table: TermTable) -> Tape:
+    """Write down what the regressors of a table do, a result for each term.
+
+    Parameters
+    ----------
+    table : TermTable
+        The terms.
+
+    Raises
+    ------
+    InputError
+        Where a regressor does more than arithmetic and ``abs()``.
+    """
+    notes, results = Notes(), {}
+    inputs = {name: notes.note(("input", name)) for name in sorted(table.quantities)}
+    for term in table.terms:
+        try:
+            results[term.name] = notes.of(term.column(inputs)).line
+        except Exception as error:
+            raise InputError(
+                f"term {term.name}: its regressor cannot be compiled ({error}); "
+                "write it with arithmetic and abs() alone"
+            ) from error
+    return Tape(tuple(notes.lines), results)
+
+
+def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Tape:
+    """Write down what a function of named quantities does.
+
+    Parameters
+    ----------
+    function : callable
+        Takes an object with the quantities as attributes; gives results by name.
+    names : mapping of str to str
+        What the function calls each quantity, and what the tape is to call it.
+    what : str
+        What the function is called in messages.
+
+    Raises
+    ------
+    InputError
+        Where it does more than arithmetic and the functions of ``quantities.arithmetic``, or asks for another quantity.
+    """
+    notes = Notes()
+    given = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
+    try:
+        results = {name: notes.of(value).line for name, value in function(given).items()}
+    except InputError:
+        raise
+    except AttributeError as error:
+        raise InputError(f"{what} asks for what is not there ({error}); known: {', '.join(names)}") from error
+    except Exception as error:
+        raise InputError(
+            f"{what} cannot be compiled ({error}); write it with arithmetic, abs() and minimum, maximum, clip, choice "
+            "and angle of narrows.quantities.arithmetic"
+        ) from error
+    return Tape(tuple(notes.lines), results)

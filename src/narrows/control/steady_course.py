@@ -1,0 +1,154 @@
+"""The rudder and the drift that hold a ship at an offset: steady, straight along the canal, every force in balance."""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from narrows.codegen.balance import balance_module
+from narrows.codegen.choices import Actuated, Law
+from narrows.codegen.free_motion import INPUTS as FORCES
+from narrows.codegen.run import cores, in_threads
+from narrows.codegen.tape import tape_of
+from narrows.control.self_propulsion import with_propulsion
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.simulation.grid import INPUTS, grid_of
+from narrows.simulation.ship import SimulatedShip
+
+SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
+"""What a steady course answers or does not feel."""
+RUDDER = "rudder"
+BLOCK = 16_384
+
+
+def steady_course(
+    model: Model, *, samples: int = 0, seed: int = 0, workers: int | None = None, **vary: Any
+) -> xr.Dataset:  # fmt: skip
+    """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal (ours).
+
+    The speed is held; a propeller turns as the speed asks straight ahead. Where no angle below 69 degrees holds her,
+    there is no such course: the answer is NaN.
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    samples : int
+        Of the coefficients, from the fit's covariance: a dimension ``sample``.
+    seed : int
+        Of the samples.
+    workers : int, optional
+        Threads; all cores unless given.
+    **vary : number, sequence or DataArray
+        As in ``ensemble``: y [m], u [m/s], heave [m], Y [N], N [N m], particulars, coefficients.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies.
+
+    Raises
+    ------
+    InputError
+        Where the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
+    """
+    check_rudder(model)
+    for name in SOUGHT:
+        if name in vary:
+            raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
+    ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, {"u": 1.0, **vary}), samples, seed)
+    check_inside(grid.values["y"], grid.values["width"], grid.values["beam"])
+    if not (grid.values["u"] > 0).all():
+        raise InputError("a steady course needs a speed over 0; give u in m/s")
+    values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
+    v, rudder = solved(ship, values, grid.vessels, workers)
+    psi = -np.arctan(v / values["u"])
+    columns = {"rudder": (rudder, "rad"), "psi": (psi, "rad"), "v": (v, "m/s")}
+    data = {name: (list(grid.sizes), c.reshape(shape), {"units": unit}) for name, (c, unit) in columns.items()}
+    found = xr.Dataset(data, coords=grid.coordinates())
+    return found.squeeze("vessel") if list(grid.sizes) == ["vessel"] else found
+
+
+def check_rudder(model: Model) -> None:
+    """Raise where a model cannot be steered (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+
+    Raises
+    ------
+    InputError
+        Where it has no terms of a rudder.
+    """
+    if "sin_rudder" not in model.terms.inputs:
+        raise InputError(
+            "this model has no terms of a rudder; identify it with the terms steered, or borrow a rudder from one"
+        )
+
+
+def check_inside(y: Any, width: Any, beam: Any) -> None:
+    """Raise where a hull beside her line is in a bank (ours).
+
+    Parameters
+    ----------
+    y : array [m]
+        From the middle.
+    width, beam : array [m]
+        Of canal and ship.
+
+    Raises
+    ------
+    InputError
+        Names the farthest offset.
+    """
+    if not np.all(np.abs(y) < (width - beam) / 2):
+        far, room = float(np.abs(y).max()), float(np.min((width - beam) / 2))
+        raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
+
+
+def solved(
+    ship: SimulatedShip, values: Mapping[str, Any], count: int, workers: int | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses (ours).
+
+    By Newton's method with exact slopes, compiled.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The model.
+    values : mapping of str to float or array (count,)
+        As ``Grid.flat`` gives them.
+    count : int
+        How many.
+    workers : int, optional
+        Threads.
+    """
+    rudder = tuple(own for own in ship.actuators if own.name == RUDDER)
+    system = ship.system(law=_steered(rudder), pushed="until")
+    module = balance_module(system)
+    given = {**dict.fromkeys(INPUTS, 0.0), **ship.values(), **values}
+    given |= {FORCES[name]: given[name] for name in INPUTS}
+    drift, angle = np.empty(count), np.empty(count)
+
+    def run(rows: slice) -> None:
+        part = {name: value[rows] if np.size(value) > 1 else value for name, value in given.items()}
+        part |= system.constants(part)
+        size = rows.stop - rows.start
+        columns = [np.broadcast_to(np.asarray(part[name], float), size) for name in module.GIVEN]
+        module.solve(np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
+
+    workers = workers or cores()
+    in_threads(run, [slice(i, min(i + BLOCK, count)) for i in range(0, count, BLOCK)], workers)
+    return drift * np.asarray(given["u"], float), angle
+
+
+@lru_cache(maxsize=4)
+def _steered(rudder: tuple[Actuated, ...]) -> Law:
+    """A law that moves the rudder: what it orders is not asked, only that the rudder is a variable."""
+    return Law(tape_of(lambda at: {RUDDER: at.rudder}, {RUDDER: RUDDER}, "the rudder"), (), rudder)

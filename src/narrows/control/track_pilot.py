@@ -1,0 +1,101 @@
+"""A course-keeping autopilot: the best linear one for the ship on the centreline, with the gear that she has."""
+
+import math
+
+import numpy as np
+
+from narrows.codegen.linearisation import LINEARISED
+from narrows.control.self_propulsion import self_propulsion
+from narrows.control.steady_course import check_inside, check_rudder, solved
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.simulation.controllers import Autopilot
+from narrows.simulation.ship import SimulatedShip
+
+FELT = ("y", "psi", "v", "r")
+OFF_COURSE = math.radians(5)
+"""A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder."""
+HARD = math.radians(10)
+SETTLES = 1e-6
+"""Least decay of the slowest motion over the fastest that counts; rounding moves a double pole at zero by some 1e-8."""
+IN_VAIN = "no autopilot holds this ship on the centreline: her rudder turns nothing"
+
+
+def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
+    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold her there (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    y : float [m]
+        To starboard of the middle.
+    u : float [m/s]
+        Surge velocity.
+    **values : float [SI]
+        Particulars and coefficients other than the model's, as in ``ensemble``.
+
+    Raises
+    ------
+    InputError
+        Where no rudder holds her there, or no autopilot on the centreline.
+    """
+    check_rudder(model)
+    check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
+    ship, limit = SimulatedShip(model), model.configuration.gear.limit
+    own = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
+    (v,), (rudder,) = solved(ship, {"y": y, "u": u, **own, **values}, 1, 1)
+    if not abs(rudder) <= limit:
+        raise InputError(
+            f"no rudder to {math.degrees(limit):g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose "
+            "a place nearer to it"
+        )
+    gains = track_gains(ship, u, **own, **values)
+    by_y, by_psi, by_v, by_r = gains.tolist()
+    return Autopilot(y, (by_y, by_psi, by_v, by_r), float(rudder), -math.atan(v / u), float(v))
+
+
+def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
+    """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s].
+
+    Linear-quadratic, by Bryson's rule: half a beam off the line, 5 degrees off the course and 10 degrees of rudder
+    weigh alike. It is told the sway velocity, as a track pilot with a good fix is.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        Model with a rudder.
+    speed : float [m/s]
+        Surge velocity.
+    **values : float [SI]
+        Particulars and coefficients other than the model's, as in ``ensemble``.
+
+    Raises
+    ------
+    InputError
+        Where no autopilot can hold her on the centreline.
+
+    References
+    ----------
+    Bryson and Ho (1975), Applied optimal control, section 5.2.
+    """
+    from scipy.linalg import LinAlgError, solve_continuous_are
+
+    given = {**ship.values(), **values}
+    linear = ship.system().linearisation(given, ship.actuators)
+    at = {"u": speed, "revolutions": given.get("revolutions", 0.0)}
+    place = [LINEARISED.index(name) for name in FELT]
+    motion = linear.state(at)[np.ix_(place, place)]
+    push = linear.controls(at)[place][:, [linear.controlled.index("rudder")]]
+    half_beam = ship.model.configuration.ship.beam / 2
+    weights = np.diag([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0])
+    try:
+        cost = solve_continuous_are(motion, push, weights, np.array([[HARD**-2]]))
+    except (LinAlgError, ValueError):
+        raise InputError(IN_VAIN) from None
+    gains = np.asarray(HARD**2 * (push.T @ cost)[0])
+    # Where nothing stabilises her, SciPy gives an error or a matrix of rounding, by its release.
+    poles = np.linalg.eigvals(motion - push * gains)
+    if not poles.real.max() < -SETTLES * np.abs(poles).max():
+        raise InputError(IN_VAIN)
+    return gains

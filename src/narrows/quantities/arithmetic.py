@@ -1,0 +1,84 @@
+"""What physics and control laws may do beside sums, products, powers and ``abs()``, on floats, columns and symbols."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from narrows.quantities.names import Number
+
+COLUMNS: dict[str, Callable[..., Any]] = {
+    "minimum": np.minimum,
+    "maximum": np.maximum,
+    "choice": lambda test, over, under: np.where(np.asarray(test) > 0, over, under),
+    "angle": lambda cosine, sine: np.arctan2(sine, cosine),
+    "sine": np.sin,
+    "cosine": np.cos,
+}
+"""The functions for floats and columns, by name."""
+
+
+def minimum(one: Number, other: Number) -> Number:
+    """Return the lesser of two numbers.
+
+    Parameters
+    ----------
+    one, other : number
+        In the same unit.
+    """
+    return _evaluated("minimum", one, other)
+
+
+def maximum(one: Number, other: Number) -> Number:
+    """Return the greater of two numbers.
+
+    Parameters
+    ----------
+    one, other : number
+        In the same unit.
+    """
+    return _evaluated("maximum", one, other)
+
+
+def clip(value: Number, most: Number) -> Number:
+    """Return a number brought to between ``-most`` and ``most``.
+
+    Parameters
+    ----------
+    value, most : number
+        In the same unit.
+    """
+    return minimum(maximum(value, -most), most)
+
+
+def choice(test: Number, over: Number, under: Number) -> Number:
+    """Return ``over`` where ``test`` is over 0, else ``under``.
+
+    Parameters
+    ----------
+    test : number
+        What decides.
+    over, under : number
+        In the same unit.
+    """
+    return _evaluated("choice", test, over, under)
+
+
+def angle(cosine: Number, sine: Number) -> Number:
+    """Return the angle from its cosine and sine, between -pi and pi [rad].
+
+    Parameters
+    ----------
+    cosine, sine : number [1]
+        Of one length.
+    """
+    return _evaluated("angle", cosine, sine)
+
+
+def _evaluated(name: str, *values: Number) -> Number:
+    """By the value that knows how it is to be done (a placeholder that is being recorded), or by NumPy."""
+    for value in values:
+        apply = getattr(value, "apply_function", None)
+        if apply is not None:
+            return apply(name, values)
+    return COLUMNS[name](*values)

@@ -1,0 +1,186 @@
+"""Where ships sail, as the engine asks for it: a straight canal, a waterway as a table, open water."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from narrows.codegen.choices import COLUMNS, ROW
+from narrows.codegen.run import NOWHERE, Water
+from narrows.codegen.shapes import OPEN, Outline
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.quantities.names import Number
+from narrows.ship.particulars import Ship
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+HEADING_LIMIT = math.radians(85)
+"""Beyond this size of heading [rad] a ship lies across the canal and the model says nothing."""
+SPEED_LIMIT, RATE_LIMIT = 100.0, 10.0
+"""Surge or sway velocity [m/s] and yaw rate [rad/s] that no ship has."""
+NO_LIMIT = -2.0
+"""Cosine that no heading has: in open water none lies across."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What the equations ask for of where a ship sails.
+
+    Parameters
+    ----------
+    inputs : mapping of str to number
+        By the names of the lines.
+    water : Water
+        The table of a waterway, its nodes, and the hull that meets its banks.
+    start, length : float [m]
+        Along the line: where it begins, and how far it goes; infinite in a straight canal.
+    """
+
+    inputs: Mapping[str, Number]
+    water: Water
+    start: float = -math.inf
+    length: float = math.inf
+
+
+def limits_of(contact: str | Outline | int) -> dict[str, float]:
+    """Return what ends a voyage beside a bank and time (ours).
+
+    Parameters
+    ----------
+    contact : str or points or int
+        Of the hull; in open water any heading will do.
+    """
+    least = NO_LIMIT if contact == OPEN else math.cos(HEADING_LIMIT)
+    return {"least_cos": least, "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT}
+
+
+def straight_channel(values: Mapping[str, Number], contact: str | Outline) -> Channel:
+    """Return the model's own canal, without end (ours).
+
+    Parameters
+    ----------
+    values : mapping of str to number
+        Particulars by name: width [m], and walls where a keel meets the banks nearer than that.
+    contact : str or points [m]
+        Of the hull.
+    """
+    half = values["width"] / 2
+    walls = {name: values.get(name, half) for name in ("wall_starboard", "wall_port")}
+    return Channel({**hull_inputs(values, contact), **walls, **limits_of(contact)}, NOWHERE)
+
+
+def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -> Channel:
+    """Return a waterway as a table (ours).
+
+    Parameters
+    ----------
+    waterway : Waterway
+        The waterway.
+    model : Model
+        Its ship is what the table is as fine as; where the waterway has no depth, the model's canal has.
+    contact : str or points [m]
+        Of the hull.
+
+    Raises
+    ------
+    InputError
+        Where the ship does not fit it.
+    """
+    from narrows.waterway.nearest import least_walls
+    from narrows.waterway.table import STEPS_A_BEAM, tabulate
+
+    ship = model.configuration.ship
+    waterway.check_fits(ship)
+    table = tabulate(waterway, ship.draft, waterway.step or ship.beam / STEPS_A_BEAM)
+    outline = points_of(ship, contact)
+    near = least_walls(table, np.array(outline))
+    own_depth = model.configuration.canal.depth or math.nan
+    columns = {
+        "starboard": table.starboard, "port": table.port,
+        "depth": np.where(np.isnan(table.depth), own_depth, table.depth), "curvature": table.curvature,
+        "near_starboard": near[0], "near_port": near[1],
+        "keel_starboard": table.keel_starboard, "keel_port": table.keel_port,
+    }  # fmt: skip
+    cells = np.empty((len(table.s) - 1, ROW))
+    for place, name in enumerate(COLUMNS):
+        cells[:, 2 * place], cells[:, 2 * place + 1] = columns[name][:-1], np.diff(columns[name])
+    inputs = {
+        "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
+        "last_cell": float(len(cells) - 1), "current": waterway.current,
+    }  # fmt: skip
+    water = Water(cells.ravel(), table.track, np.array(outline).ravel())
+    hull = hull_inputs(model.configuration.values(), contact)
+    return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]))
+
+
+def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:
+    """Return the hull as the rule of contact asks for it (ours).
+
+    Parameters
+    ----------
+    values : mapping of str to number
+        Length and beam [m].
+    contact : str or points [m]
+        What of the hull meets a bank.
+    """
+    found = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
+    if isinstance(contact, str):
+        return found
+    points = {f"outline_forward_{i}": forward for i, (forward, _) in enumerate(contact)}
+    return found | points | {f"outline_starboard_{i}": starboard for i, (_, starboard) in enumerate(contact)}
+
+
+def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
+    """Return the hull's outline, convex and in order [m] (ours).
+
+    Parameters
+    ----------
+    ship : Ship
+        Its rectangle is the outline where no other is given.
+    contact : str or points [m]
+        What of the hull meets a bank.
+    """
+    a, b = ship.length / 2, ship.beam / 2
+    if isinstance(contact, str):
+        return [(a, b), (-a, b), (-a, -b), (a, -b)]
+    from scipy.spatial import ConvexHull
+
+    points = np.array(contact)
+    return [(float(forward), float(starboard)) for forward, starboard in points[ConvexHull(points).vertices]]
+
+
+def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
+    """Raise where an outline lies inside the beam, so that the suction would end infinite before the hull touches.
+
+    Parameters
+    ----------
+    ship : Ship
+        The ship.
+    contact : str or points [m]
+        What of the hull meets a bank.
+    feels_bank : bool
+        Whether the model's terms do.
+
+    Raises
+    ------
+    InputError
+        Where the outline has no area, or is narrower than the beam.
+    """
+    if isinstance(contact, str):
+        return
+    from scipy.spatial import QhullError
+
+    try:
+        points = np.array(points_of(ship, contact))
+    except QhullError:
+        raise InputError("contact: an outline's points lie on one line; give the outline of a hull") from None
+    reach = points[:, 1].max(), -points[:, 1].min()
+    if feels_bank and min(reach) < ship.beam / 2 * (1 - 1e-9):
+        raise InputError(
+            f"contact: the outline reaches {min(reach):.4g} m from the centreline and the beam is {ship.beam:.4g} m: "
+            "the bank's suction is infinite before it touches; make it as wide as the beam"
+        )

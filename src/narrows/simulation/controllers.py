@@ -1,0 +1,307 @@
+"""Controllers: what gives orders to rudder and propeller, step by step.
+
+A control law is written as a term is: arithmetic of named quantities, with a few numbers of memory. Such a law runs in
+every engine, a million ships at once too. Any other object that gives orders steers single voyages.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.quantities.arithmetic import angle, choice
+from narrows.quantities.names import Number
+
+Named = Mapping[str, Number]
+EARLY = 1e-6
+"""Of a step, by which an order of a schedule may come early: times of steps are sums, and rounding must not delay
+it."""
+
+
+@runtime_checkable
+class ControlLaw(Protocol):
+    """A controller in arithmetic, for single voyages, fleets and the envelope alike."""
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return its numbers by names of its own: floats, or DataArrays where they vary over a fleet."""
+
+    def memory(self, start: Named) -> Named:
+        """Return what it keeps from step to step, as it is at the start.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            x, y [m], cos_psi, sin_psi, u, v [m/s], r [rad/s] and positions of actuators.
+        """
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return orders by the names of actuators (``rudder`` [rad]), and the new memory.
+
+        Parameters
+        ----------
+        at : object
+            With attributes: t, dt [s], the state, psi [rad], positions of actuators, parameters and memory.
+        """
+
+
+class VoyageState(NamedTuple):
+    """A state as a controller of Python sees it.
+
+    Parameters
+    ----------
+    x, y : float [m]
+        Midship along the canal, and to starboard of its line.
+    psi : float [rad]
+        Heading to the line.
+    u, v : float [m/s]
+        Through the water.
+    r : float [rad/s]
+        Yaw rate.
+    rudder : float [rad]
+        Its angle.
+    """
+
+    x: float
+    y: float
+    psi: float
+    u: float
+    v: float
+    r: float
+    rudder: float
+
+
+Order = Callable[[float, VoyageState], float]
+"""The rudder angle [rad] that is asked for at a time [s] in a state."""
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """Any object that gives orders to the rudder of a single voyage."""
+
+    def begin(self) -> Order:
+        """Return what gives the orders of one voyage, with a memory of its own."""
+
+
+class _WithoutMemory:
+    def memory(self, start: Named) -> Named:
+        """Return nothing: this law looks at the present alone.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            The state at the start.
+        """
+        return {}
+
+
+@dataclass(frozen=True)
+class ConstantRudder(_WithoutMemory):
+    """One rudder angle, ordered at the start: a turning circle.
+
+    Parameters
+    ----------
+    rudder : float or DataArray [rad]
+        Positive where it turns the bow to starboard.
+
+    Raises
+    ------
+    InputError
+        Where it is not finite.
+    """
+
+    rudder: Any
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.rudder).all():
+            raise InputError(f"a rudder held at {self.rudder} is no order; give its angle")
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return the angle."""
+        return {"angle": self.rudder}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the angle.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        return {"rudder": at.angle}, {}
+
+
+@dataclass(frozen=True)
+class RudderSchedule(_WithoutMemory):
+    """Rudder angles by time: each is ordered from its time until the next; amidships before the first.
+
+    Parameters
+    ----------
+    pairs : sequence of (float [s], float [rad])
+        Times, rising, and orders. A voyage hears an order at the first of its steps that begins then or later.
+
+    Raises
+    ------
+    InputError
+        Where there is no pair, a number is not finite, or the times do not rise.
+    """
+
+    pairs: Sequence[tuple[float, float]]
+
+    def __post_init__(self) -> None:
+        try:
+            table = np.array([(float(time), float(order)) for time, order in self.pairs])
+        except (TypeError, ValueError, OverflowError):
+            raise InputError("a schedule of the rudder is pairs of time [s] and angle [rad]; mend it") from None
+        if not len(table) or not np.isfinite(table).all() or (np.diff(table[:, 0]) <= 0).any():
+            raise InputError("a schedule of the rudder needs finite times that rise, each with an angle; mend it")
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return times and orders."""
+        numbered = list(enumerate(self.pairs))
+        return {f"time_{i}": float(t) for i, (t, _) in numbered} | {f"order_{i}": float(o) for i, (_, o) in numbered}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the order of the present.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        order: Number = 0.0
+        for number in range(len(self.pairs)):
+            early = getattr(at, f"time_{number}") - at.t - EARLY * at.dt
+            order = choice(early, order, getattr(at, f"order_{number}"))
+        return {"rudder": order}, {}
+
+
+@dataclass(frozen=True)
+class Zigzag:
+    """The zigzag test: the rudder is put over each time the heading has come as far to the other side.
+
+    Parameters
+    ----------
+    rudder : float or DataArray [rad]
+        Of the first order; negative for a first turn to port.
+    heading : float or DataArray [rad]
+        Change of heading at which the order is reversed.
+
+    Raises
+    ------
+    InputError
+        Where an angle is zero or not finite, or the heading is negative.
+
+    References
+    ----------
+    ITTC (2017), Recommended procedure 7.5-04-02-01, Full scale manoeuvring trials.
+    """
+
+    rudder: Any
+    heading: Any
+
+    def __post_init__(self) -> None:
+        rudder, heading = np.asarray(self.rudder, float), np.asarray(self.heading, float)
+        finite = np.isfinite(rudder).all() and np.isfinite(heading).all()
+        if not (finite and (heading > 0).all() and (rudder != 0).all()):
+            raise InputError("a zigzag needs a rudder angle and a positive change of heading; give both")
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return rudder, heading, and the side of the first turn."""
+        return {"angle": self.rudder, "change": self.heading, "first": np.sign(self.rudder)}
+
+    def memory(self, start: Named) -> Named:
+        """Return the side of the present order over that of the first, and the heading at the start.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            The state at the start.
+        """
+        return {"side": 1.0, "cos_start": start["cos_psi"], "sin_start": start["sin_psi"]}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the order, reversed where the heading has come far enough.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        turned = angle(
+            at.cos_psi * at.cos_start + at.sin_psi * at.sin_start, at.sin_psi * at.cos_start - at.cos_psi * at.sin_start
+        )
+        side = choice(at.change - at.side * at.first * turned, at.side, -at.side)
+        return {"rudder": side * at.angle}, {"side": side, "cos_start": at.cos_start, "sin_start": at.sin_start}
+
+
+@dataclass(frozen=True)
+class Autopilot(_WithoutMemory):
+    """A track pilot: rudder in proportion to what is off, from the rudder that holds the ship.
+
+    Parameters
+    ----------
+    y : float or DataArray [m]
+        Offset to hold.
+    gains : four floats or DataArrays [rad/m, 1, rad s/m, s]
+        Rudder for offset, heading, sway velocity and yaw rate off; positive ones bring the ship back.
+    rudder : float or DataArray [rad]
+        That holds it there.
+    psi : float or DataArray [rad]
+        Heading that holds it there.
+    v : float or DataArray [m/s]
+        Sway velocity that holds it there.
+
+    Raises
+    ------
+    InputError
+        Where there are not four gains, or a number is not finite.
+    """
+
+    y: Any
+    gains: tuple[Any, Any, Any, Any]
+    rudder: Any = 0.0
+    psi: Any = 0.0
+    v: Any = 0.0
+
+    def __post_init__(self) -> None:
+        if len(self.gains) != 4:
+            raise InputError(f"an autopilot has four gains, for y, psi, v and r; these are {len(self.gains)}")
+        for number in (self.y, *self.gains, self.rudder, self.psi, self.v):
+            if not np.isfinite(number).all():
+                raise InputError(f"an autopilot with {number} steers nothing; give finite numbers")
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return what is held, and the gains."""
+        held = {"held_y": self.y, "held_psi": self.psi, "held_v": self.v, "held_rudder": self.rudder}
+        return held | dict(zip(("by_y", "by_psi", "by_v", "by_r"), self.gains, strict=True))
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the order.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        off = at.by_y * (at.y - at.held_y) + at.by_psi * (at.psi - at.held_psi)
+        return {"rudder": at.held_rudder - (off + at.by_v * (at.v - at.held_v) + at.by_r * at.r)}, {}
+
+
+class Asked(_WithoutMemory):
+    """The law of a controller of Python: its order is a number that is set before each step (ours)."""
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return the order, amidships until the controller gives one."""
+        return {"order": 0.0}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the order.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        return {"rudder": at.order}, {}

@@ -1,0 +1,140 @@
+"""Many voyages at once: grids and samples over anything, labelled in and out, on all cores or on a cluster."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from narrows.errors import InputError
+from narrows.files import path_of
+from narrows.model.model import Model
+from narrows.simulation.ensemble_notes import notes_of
+from narrows.simulation.grid import Grid, grid_of, with_values
+from narrows.simulation.inputs import MOST_STEPS, check_precision, check_steps, check_vessels, check_workers
+from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
+from narrows.simulation.output_columns import attributes_of, empty_of
+from narrows.simulation.progress import bar
+from narrows.simulation.ship import Points, SimulatedShip
+from narrows.simulation.steering import steering_of
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+BLOCK_VESSELS = 65_536
+"""Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard."""
+OF_THE_WATERWAY = ("width", "depth")
+OF_THE_TABLE = ("length", "beam", "draft")
+
+
+def ensemble(
+    model: Model, *, duration: float = 60.0, dt: float = 0.02, samples: int = 0, seed: int = 0,
+    surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
+    contact: str | Points = "corners", precision: str = "float64", waterway: "Waterway | None" = None,
+    controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
+    client: Any = None, **vary: Any,
+) -> xr.Dataset:  # fmt: skip
+    """Simulate a voyage for every combination of what varies.
+
+    Parameters
+    ----------
+    model : Model
+        Gives whatever does not vary.
+    duration : float [s]
+        Longest time of a voyage.
+    dt : float [s]
+        Step of the Runge-Kutta method.
+    samples : int
+        Of the coefficients, from the fit's covariance: a dimension ``sample``.
+    seed : int
+        Of the samples.
+    surge : str
+        ``held`` or ``free``.
+    surge_inertia : float [kg], optional
+        Mass in surge for a free speed where a_udot was not identifiable.
+    coriolis : bool
+        Add the rigid body's Coriolis force.
+    contact : str or points [m]
+        ``corners``, ``midship`` or an outline; ``none`` in open water.
+    precision : str
+        ``float64`` or ``float32``; single precision is for maps, not for numbers.
+    waterway : Waterway, optional
+        Where the ships sail instead of the model's own canal, as in ``simulate``.
+    controller : ControlLaw, optional
+        A law in arithmetic that gives orders each step; its numbers may be DataArrays.
+    workers : int, optional
+        Threads; all cores unless given. The answer does not depend on it.
+    progress : bool
+        Show a bar on stderr.
+    store : str or Path, optional
+        Zarr folder to write to block by block; a run that was stopped goes on from there.
+    client : dask.distributed.Client, optional
+        Run on a cluster, with ``store`` where all its workers can reach it.
+    **vary : number, sequence or DataArray
+        Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], rudder [rad],
+        particulars (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients
+        by name.
+        A sequence is a dimension of that name; DataArrays that share a dimension vary together.
+
+    Returns
+    -------
+    xarray.Dataset
+        outcome, side, time [s], distance [m] and the state at the end, over the dimensions of what varies.
+        Interrupted, it holds what is done, and ``complete`` is 0.
+
+    Raises
+    ------
+    InputError
+        Where a name is unknown, a value does not fit, or a cluster has no store.
+    """
+    duration, dt = check_steps(duration, dt, MOST_STEPS)
+    check_workers(workers)
+    check_precision(precision)
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    steering = steering_of(controller, ship.actuators)
+    grid = with_values(grid_of(model, vary, samples, seed), steering.parameters if steering else {})
+    check_vessels(grid.vessels, stored=store is not None)
+    run = KernelRun(ship, duration, dt, precision, steering, waterway)
+    _check_waterway(run, grid, vary)
+    if store is not None:
+        from narrows.simulation.store import run_into
+
+        return run_into(path_of("store", store), run, grid, client, progress)
+    if client is not None:  # One that is none is refused here too.
+        raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
+    found = _labelled(grid, *_run_here(run, grid, workers, progress))
+    return found.assign_attrs(notes="\n".join(notes_of(run, grid, found)))
+
+
+def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:
+    if run.waterway is None:
+        return
+    for name in (*OF_THE_WATERWAY, *OF_THE_TABLE):
+        if name in vary:
+            where = "comes from the waterway" if name in OF_THE_WATERWAY else "is built into the waterway's table"
+            raise InputError(f"{name} {where}, so it cannot vary in one; leave it out")
+    length, x = run.waterway.line.length, grid.values["x"]
+    if not ((x >= 0) & (x < length)).all():
+        raise InputError(f"x lies off {run.waterway.name}, 0 to {length:.0f} m, in some of these voyages; start on it")
+
+
+def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -> tuple[Result, bool]:
+    shape = tuple(grid.sizes.values())
+    kept: Result = {name: np.full(shape, empty_of(kind), kind) for name, kind in OUTPUTS.items()}
+    with bar(grid.vessels, progress) as advance:
+        try:
+            for block in grid.blocks(BLOCK_VESSELS):
+                values, part = grid.flat(block)
+                for name, column in run.run(values, math.prod(part), workers).items():
+                    kept[name][grid.region(block)] = column.reshape(part)
+                advance(math.prod(part))
+        except KeyboardInterrupt:
+            return kept, False
+    return kept, True
+
+
+def _labelled(grid: Grid, kept: Result, complete: bool) -> xr.Dataset:
+    data = {name: (list(grid.sizes), column, attributes_of(name)) for name, column in kept.items()}
+    return xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})

@@ -1,0 +1,264 @@
+"""One voyage marched in Python, step by step of the engine's own lines, a controller asked before each."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+from narrows.codegen.choices import LENGTH, SHARE, Choices
+from narrows.codegen.kernels import event
+from narrows.codegen.shapes import MIDSHIP, OPEN
+from narrows.simulation.channel import Channel
+from narrows.simulation.controllers import Order, VoyageState
+from narrows.simulation.steering import PARAMETER
+
+State = tuple[float, ...]
+"""What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first."""
+CONTACT_TOLERANCE = 1e-9
+"""How near to contact the end is placed [m]."""
+NEAR_THE_BANK = 1e-3
+"""Of the width: a hull that runs away so near a bank has met it, for at midship the suction ends infinite."""
+WRONG = (ZeroDivisionError, OverflowError, ValueError)
+"""What arithmetic of floats raises where a compiled one gives infinity or no number."""
+
+
+class Row(NamedTuple):
+    """A moment of a voyage.
+
+    Parameters
+    ----------
+    t : float [s]
+        When.
+    state : tuple of float
+        What is kept from step to step.
+    ahead : float [s]
+        Length of the step that begins here.
+    order : float [rad]
+        What a controller of Python asks for in it.
+    whole : bool
+        Not within a step that was cut short, where a contact is located.
+    """
+
+    t: float
+    state: State
+    ahead: float = 0.0
+    order: float = 0.0
+    whole: bool = True
+
+
+class End(NamedTuple):
+    """How a march ended.
+
+    Parameters
+    ----------
+    fate : int
+        As ``event`` says.
+    lean : float [m]
+        How much more room there is to port than to starboard.
+    """
+
+    fate: int
+    lean: float
+
+
+@dataclass
+class March:
+    """A ship on its way: the lines of its step, and every number that they ask for.
+
+    Parameters
+    ----------
+    functions : namespace
+        Of the system, for floats.
+    choices : Choices
+        What a step holds.
+    inputs : mapping of str to float
+        Everything that the lines ask for.
+    channel : Channel
+        Where it sails.
+    near : float [m]
+        So near a bank a motion that runs away has met it.
+    order : callable, optional
+        Of a controller of Python.
+    """
+
+    functions: SimpleNamespace
+    choices: Choices
+    inputs: Mapping[str, float]
+    channel: Channel
+    near: float
+    order: Order | None = None
+    _step_inputs: list[float] = field(init=False)
+    _asked: float = field(init=False, default=math.nan)
+
+    def __post_init__(self) -> None:
+        given = {LENGTH: 0.0, SHARE: 1.0, **self.inputs}
+        self._names = self.functions.STEP_INPUTS
+        self._step_inputs = [float(given[name]) for name in self._names]
+        self._room_inputs = [float(given[name]) for name in self.functions.ROOM_INPUTS]
+        self._length, self._share = self._names.index(LENGTH), self._names.index(SHARE)
+        self._order = self._names.index(PARAMETER("order")) if self.order else -1
+        self._count = len(self.choices.kept)
+        self._exact = self.choices.waterway and self.choices.contact not in (MIDSHIP, OPEN)
+        self._table = self.channel.water.table.tolist()
+        self._track, self._outline = self.channel.water.track.tolist(), self.channel.water.outline.tolist()
+
+    def set(self, **values: float) -> None:
+        """Change numbers that the step asks for.
+
+        Parameters
+        ----------
+        **values : float
+            By the names of the lines.
+        """
+        for name, value in values.items():
+            if name in self._names:
+                self._step_inputs[self._names.index(name)] = value
+
+    def stepped(self, state: State, length: float, share: float = 1.0) -> tuple[State, float, float]:
+        """Return the state after a step or a share of it, its room and its lean [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Before it.
+        length : float [s]
+            Of the whole step.
+        share : float [1]
+            Of it.
+        """
+        inputs = self._step_inputs
+        inputs[self._length], inputs[self._share] = length, share
+        try:
+            *after, room, lean = self.functions.step(self._table, *state, *inputs)
+        except WRONG:
+            return (math.nan,) * self._count, math.nan, 0.0
+        return tuple(after), room, lean
+
+    def room(self, state: State, exact: bool = True) -> tuple[float, float]:
+        """Return what is left to whatever ends the voyage, and the lean [m].
+
+        Parameters
+        ----------
+        state : tuple of float
+            Where the ship is.
+        exact : bool
+            Ask the banks of a waterway where the cheap lower bound is used up.
+        """
+        room, lean = self.functions.room(self._table, *state[:4], *self._room_inputs)
+        return self._from_banks(state) if exact and self._exact and room <= 0 else (room, lean)
+
+    def _from_banks(self, state: State) -> tuple[float, float]:
+        from narrows.waterway.room import exact_room
+
+        x, y, cosine, sine = state[:4]
+        inputs = self.inputs
+        room, lean = exact_room(self._track, 1.0 / inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
+        ends = min(inputs["x_last"] - x, x - inputs["x_first"])
+        return min(room, ends, cosine - inputs["least_cos"]), lean
+
+    def sane(self, state: State, room: float) -> bool:
+        """Whether the numbers of a state are those of a ship.
+
+        Parameters
+        ----------
+        state : tuple of float
+            The state.
+        room : float [m]
+            What is left there.
+        """
+        u, v, r = state[4:7]
+        fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
+        return abs(u) < fast and abs(v) < fast and abs(r) < turning and room == room
+
+    def sail(self, rows: list[Row], stop: float, dt: float) -> End | None:
+        """March from the last row to a time, or to what ends the voyage before; None where the time was reached.
+
+        Parameters
+        ----------
+        rows : list of Row
+            Of the voyage; grows.
+        stop : float [s]
+            Until when.
+        dt : float [s]
+            Length of a step.
+        """
+        begun, state, *_ = rows.pop()
+        count = math.floor((stop - begun) / dt + 1e-9)
+        rest = stop - begun - count * dt
+        book = [0.0] * event.PLACES
+        event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
+        left, whole, within = book[event.COUNT], 0, False
+        while book[event.COUNT] > 0:
+            length = book[event.NEXT]
+            t = begun + book[event.CLOCK] + whole * length
+            self._ask(t, state)
+            after, ahead, lean = self.stepped(state, length)
+            left -= 1.0
+            sane, trying = self.sane(after, ahead), book[event.TRIES] > 0
+            if self._exact and sane and (ahead <= 0 or trying):
+                ahead, lean = self._from_banks(after)
+            passed = Row(t, state, length, self._step_inputs[self._order], not within)
+            if sane and ahead > 0 and left > 0 and not trying:
+                rows.append(passed)
+                state, whole = after, whole + 1
+                continue
+            before = self.room(state)[0] if trying or not (sane and ahead > 0) else math.nan
+            fate = event.judge(book, left, ahead, before, sane, CONTACT_TOLERANCE, self.near)
+            if fate == event.LOST:
+                rows.append(Row(t, state))
+                return End(event.CLOSED if before <= self.near else event.LOST, self.room(state)[1])
+            if fate != event.BACK:
+                rows.append(passed)
+                state = after
+            if fate == event.CLOSED:
+                rows.append(Row(begun + book[event.CLOCK], state))
+                return End(fate, lean)
+            if fate == event.FINISHED:
+                break
+            left, whole = book[event.COUNT], 0
+            within = within or fate == event.ON if book[event.TRIES] > 0 else False
+        rows.append(Row(stop, state))
+        return None
+
+    def _ask(self, t: float, state: State) -> None:
+        """Ask a controller of Python for its order, once at each time."""
+        if self.order is None or t == self._asked:
+            return
+        self._asked = t
+        x, y, cosine, sine, u, v, r = state[:7]
+        seen = VoyageState(x, y, math.atan2(sine, cosine), u, v, r, state[self.choices.kept.index("rudder")])
+        self._step_inputs[self._order] = float(self.order(t, seen))
+
+    def dense(self, rows: Sequence[Row], times: Sequence[float]) -> list[Row]:
+        """Return the voyage at times of one's own, each by a share of the step that it lies in.
+
+        Parameters
+        ----------
+        rows : sequence of Row
+            Of the voyage.
+        times : sequence of float [s]
+            Rising.
+        """
+        found, place = [], 0
+        for time in times:
+            while place < len(rows) - 1 and rows[place + 1].t <= time:
+                place += 1
+            row = rows[place]
+            if time <= row.t or not row.ahead:
+                found.append(Row(time, row.state))
+                continue
+            self._step_inputs[self._order] = row.order if self.order else self._step_inputs[self._order]
+            found.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0]))
+        return found
+
+
+def near_the_bank(values: Mapping[str, Any]) -> float:
+    """Return how near a bank a motion that runs away has met it [m] (ours).
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        With the width [m].
+    """
+    return NEAR_THE_BANK * float(values["width"])

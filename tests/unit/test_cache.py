@@ -1,0 +1,203 @@
+"""The cache: made once, by however many processes at once, and mended where it is spoilt."""
+
+import os
+import pickle
+import random
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import narrows as nw
+from narrows.codegen import cache
+from narrows.codegen.choices import Choices
+from narrows.codegen.system import System
+
+SAIL = """
+import sys
+import narrows as nw
+from narrows.simulation.ship import SimulatedShip
+model = nw.published("mikkelsen2025_dtc")
+nw.simulate(model, y=0.5, duration=1.0)
+plain = not {"sympy", "numba"} & set(sys.modules)
+ends = nw.ensemble(model, y=0.5, duration=40.0)
+stats = SimulatedShip(model).system().kernel((), "float64").sail.stats
+hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
+print(plain, "sympy" in sys.modules, hits, misses, ends["distance"].item().hex())
+"""
+VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).configuration.values(), **DTC.coefficients}
+
+
+def system() -> System:
+    """One of its own, that has read nothing yet."""
+    return System(nw.PAPER, "held", False, Choices())
+
+
+def started(folder: Path, seed: str) -> subprocess.Popen[str]:
+    environment = {**os.environ, "NARROWS_CACHE_DIR": str(folder), "PYTHONHASHSEED": seed}
+    return subprocess.Popen([sys.executable, "-c", SAIL], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def said(process: subprocess.Popen[str]) -> list[str]:
+    answer, _ = process.communicate(timeout=300)
+    assert process.returncode == 0
+    return answer.split()
+
+
+@pytest.mark.slow
+def test_two_processes_at_once_then_a_third_that_compiles_nothing(tmp_path: Path) -> None:
+    """Different hash seeds: the text does not depend on the order of a set."""
+    both = [started(tmp_path, seed) for seed in ("1", "2")]
+    first, second = (said(process) for process in both)
+    files = {path.name: path.read_text() for path in (tmp_path / "compiled").glob("*.py")}
+    plain, with_sympy, hits, misses, x = said(started(tmp_path, "3"))
+    assert (plain, with_sympy, hits, misses) == ("True", "False", "1", "0")
+    assert first[-1] == second[-1] == x
+    assert len(files) == 2
+    assert files == {path.name: path.read_text() for path in (tmp_path / "compiled").glob("*.py")}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("NARROWS_CACHE_DIR", str(tmp_path))
+    return tmp_path / "compiled"
+
+
+def test_a_new_fit_makes_no_new_file(folder: Path) -> None:
+    for b_v in (100.0, 120.0):
+        system().constants({**VALUES, "b_v": b_v})
+    assert len(list(folder.glob("*.py"))) == 1
+
+
+@pytest.mark.parametrize("spoilt", ["", "def rates(x, y", "\0\1\2"])
+def test_a_spoilt_file_is_made_again(folder: Path, monkeypatch: pytest.MonkeyPatch, spoilt: str) -> None:
+    before = system().constants(VALUES)
+    (path,) = folder.glob("*.py")
+    path.write_text(spoilt)
+    monkeypatch.setattr(cache, "_TEXTS", {})
+    assert system().constants(VALUES) == before
+    assert path.read_text().endswith(cache.LAST_LINE)
+
+
+def test_a_closed_folder_is_done_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("no folder can be made below a file")
+    monkeypatch.setenv("NARROWS_CACHE_DIR", str(tmp_path / "file"))
+    assert system().constants(VALUES)
+    assert cache.cache_folder().parent != tmp_path / "file"
+
+
+def test_versions_are_part_of_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = cache.key_of(["a", "b"])
+    assert before == cache.key_of(["a", "b"]) != cache.key_of(["a", "c"])
+    monkeypatch.setattr(cache, "versions", lambda: "another world")
+    assert before != cache.key_of(["a", "b"])
+
+
+TEXT = """import numba
+
+cached = numba.njit(cache=True)
+
+
+@cached
+def twice(x):
+    return 2 * x
+"""
+
+
+def twice() -> tuple[float, int]:
+    """What a generated function says in a process that has not read it yet, and whether it was compiled before."""
+    function = cache.generated("twice", ["part"], lambda: TEXT).twice
+    return function(21.0), sum(function.stats.cache_hits.values())
+
+
+@pytest.fixture
+def anew(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], tuple[float, int]]:
+    def run() -> tuple[float, int]:
+        monkeypatch.setattr(cache, "_MODULES", {})
+        return twice()
+
+    assert run() == (42.0, 0)
+    assert run() == (42.0, 1)
+    return run
+
+
+def middle(content: bytes) -> bytes:
+    at = len(content) // 2
+    return content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
+
+
+DAMAGE = {
+    "empty": lambda content: b"",
+    "cut short": lambda content: content[: len(content) // 2],
+    "a byte short": lambda content: content[:-1],
+    "zeros": lambda content: bytes(len(content)),
+    "garbage": lambda content: random.Random(0).randbytes(len(content)),
+    "one bit": middle,
+    "another pickle": lambda content: pickle.dumps("0.1") + pickle.dumps(("stamp", 3)),
+    "more": lambda content: content + b"#",
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+@pytest.mark.parametrize("suffix", [".py", ".nbi", ".nbc"])
+def test_a_damaged_file_is_made_again(kind: str, suffix: str, folder: Path, anew) -> None:
+    (path,) = folder.rglob(f"*{suffix}")
+    path.write_bytes(DAMAGE[kind](path.read_bytes()))
+    assert anew()[0] == 42.0
+    assert anew() == (42.0, 1)
+
+
+def test_nothing_of_pythons_own_is_read(folder: Path, anew) -> None:
+    assert not list(folder.rglob("*.pyc"))
+
+
+@pytest.mark.parametrize("suffix", [".py", ".nbi", ".nbc"])
+def test_a_folder_in_the_place_of_a_file(suffix: str, folder: Path, anew) -> None:
+    (path,) = folder.rglob(f"*{suffix}")
+    path.unlink()
+    path.mkdir()
+    assert anew()[0] == 42.0
+
+
+def test_a_folder_that_vanishes(folder: Path, anew) -> None:
+    shutil.rmtree(folder)
+    assert anew() == (42.0, 0)
+    assert anew() == (42.0, 1)
+
+
+def test_a_folder_that_vanishes_before_the_function_compiles(folder: Path) -> None:
+    function = cache.generated("twice", ["part"], lambda: TEXT).twice
+    shutil.rmtree(folder)
+    folder.write_text("no folder can be made here now")
+    assert function(21.0) == 42.0
+
+
+FULL = """
+import resource, sys
+from narrows.codegen import cache
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
+function = cache.generated("twice", ["part"], lambda: sys.argv[2]).twice
+print(function(21.0), function.__code__.co_filename)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a limit on the size of files is one of Unix")
+@pytest.mark.parametrize("room", [0, 1, 300, 2000])
+def test_a_disk_without_room(room: int, tmp_path: Path) -> None:
+    """No file may grow beyond so many bytes: none at all, no module, the module but not its machine code."""
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(room), TEXT], env={**os.environ, "NARROWS_CACHE_DIR": str(tmp_path)},
+        capture_output=True, text=True, timeout=100,
+    )  # fmt: skip
+    assert done.stdout.startswith("42.0"), done.stderr
+    assert not done.stderr
+    assert not [path for path in tmp_path.rglob("*") if path.is_file() and (room < 300 or path.suffix == ".nbc")]
+
+
+def test_a_mistake_in_what_is_generated_is_not_hidden(folder: Path) -> None:
+    with pytest.raises(SyntaxError):
+        cache.generated("wrong", [], lambda: "def f(:")
+    assert not [name for name in sys.modules if name.startswith("narrows_wrong")]

@@ -1,0 +1,132 @@
+"""Elementary functions of the kernels, compiled as there, against NumPy and the C library."""
+
+import math
+from types import SimpleNamespace
+
+import numba
+import numpy as np
+import pytest
+
+from narrows.codegen.choices import ROW
+from narrows.codegen.functions import column_functions, scalar_functions
+from narrows.codegen.kernels.elementary import elementary_text
+
+BODY = "exp( sine( cosine( angle("
+
+
+def compiled(precision: str) -> SimpleNamespace:
+    """All of them, for numbers of a precision, on whole columns."""
+    jit = numba.njit(fastmath={"nsz", "contract"}, error_model="numpy")
+    scope = {"np": np, "real": getattr(np, precision), "jit": jit, "CELL_ENTRIES": ROW}
+    exec(elementary_text(BODY, precision), scope)
+
+    def column(name: str, arguments: int):
+        given = ", ".join("abc"[:arguments])
+        exec(f"@jit\ndef of({given}): return {name}({given})", scope)
+        function = scope["of"]
+        kind = scope["real"]
+        return lambda *columns: np.array([function(*map(kind, row)) for row in zip(*columns, strict=True)])
+
+    one = {name: column(name, 1) for name in ("exp", "sine", "cosine", "whole", "positive")}
+    two = {name: column(name, 2) for name in ("minimum", "maximum", "angle", "power")}
+    return SimpleNamespace(**one, **two, choice=column("choice", 3), entry=scope["entry"])
+
+
+@pytest.fixture(scope="module")
+def double() -> SimpleNamespace:
+    return compiled("float64")
+
+
+@pytest.fixture(scope="module")
+def single() -> SimpleNamespace:
+    return compiled("float32")
+
+
+def test_the_exponential_is_good_to_the_last_place(double: SimpleNamespace, single: SimpleNamespace) -> None:
+    for functions, kind, top, accuracy in ((double, float, 700.0, 3e-16), (single, np.float32, 80.0, 2e-7)):
+        x = np.random.default_rng(0).uniform(-top, top, 2000).astype(kind)
+        np.testing.assert_allclose(functions.exp(x), [math.exp(own) for own in x], rtol=accuracy)
+
+
+@pytest.mark.parametrize(("name", "exact"), [("sine", np.sin), ("cosine", np.cos)])
+def test_sine_and_cosine_up_to_a_quarter_turn(double, single, name: str, exact) -> None:
+    for functions, kind, accuracy in ((double, float, 3e-16), (single, np.float32, 2e-7)):
+        x = np.linspace(-np.pi / 2, np.pi / 2, 4001).astype(kind)
+        found = getattr(functions, name)(x)
+        assert np.abs(found - exact(x.astype(float))).max() < accuracy
+        np.testing.assert_array_equal(getattr(functions, name)(-x), found if name == "cosine" else -found)
+
+
+def test_the_angle_over_the_whole_circle(double: SimpleNamespace, single: SimpleNamespace) -> None:
+    """Of vectors of any length; odd to the bit, the eighths of the circle and their neighbours too."""
+    eighths = np.arange(-8, 9) * np.pi / 8
+    turns = np.sort(np.concatenate([np.linspace(-np.pi, np.pi, 4001), eighths, eighths + 1e-9, eighths - 1e-9]))
+    for functions, kind, accuracy in ((double, float, 4e-16), (single, np.float32, 3e-7)):
+        for length in (1.0, 3.7e-3, 1e4):
+            c, s = (length * np.cos(turns)).astype(kind), (length * np.sin(turns)).astype(kind)
+            found, expected = functions.angle(c, s), np.arctan2(s.astype(float), c.astype(float))
+            # Relative: half a turn is known to no more than the last place of half a turn.
+            error = np.abs(found - expected) / np.maximum(1.0, np.abs(expected))
+            assert error.max() < accuracy
+            seen = s != 0
+            np.testing.assert_array_equal(functions.angle(c, -s)[seen], -found[seen])
+
+
+def test_the_angle_on_the_axes(double: SimpleNamespace) -> None:
+    c, s = np.array([1.0, 0.0, -1.0, 0.0]), np.array([0.0, 1.0, 0.0, -1.0])
+    np.testing.assert_array_equal(double.angle(c, s), [0.0, np.pi / 2, np.pi, -np.pi / 2])
+
+
+def test_a_small_angle_keeps_its_digits(double: SimpleNamespace) -> None:
+    small = 10.0 ** np.arange(-300.0, -1.0, 7)
+    np.testing.assert_allclose(double.angle(np.ones_like(small), small), np.arctan(small), rtol=4e-16)
+
+
+PAIRS = np.random.default_rng(2).uniform(-3, 3, (3, 200))
+
+
+def test_the_simple_ones_are_those_of_floats_and_of_columns(double: SimpleNamespace) -> None:
+    """One meaning in kernels, in single voyages and in columns."""
+    a, b, c = PAIRS
+    floats, columns = scalar_functions(ROW), column_functions()
+    cases = {
+        "minimum": (a, b), "maximum": (a, b), "choice": (a, b, c), "positive": (a,), "whole": (3 * a,),
+        "power": (np.abs(a), b),
+    }  # fmt: skip
+    for name, given in cases.items():
+        found = getattr(double, name)(*given)
+        np.testing.assert_allclose(found, columns[name](*given), rtol=1e-15, err_msg=name)
+        alone = [floats[name](*map(float, row)) for row in zip(*given, strict=True)]
+        np.testing.assert_allclose(found, alone, rtol=1e-15, err_msg=name)
+
+
+def test_nought_is_not_over_nought(double: SimpleNamespace) -> None:
+    zero = np.zeros(1)
+    for functions in (vars(double), column_functions()):
+        assert functions["positive"](zero)[0] == 0.0
+        assert functions["choice"](zero, zero + 1, zero + 2)[0] == 2.0
+    assert scalar_functions(ROW)["choice"](0.0, 1.0, 2.0) == 2.0
+
+
+@pytest.mark.parametrize("exponent", [-3.0, -1.0, 0.5, 1.5, 2.0, 5.0, 7.0])
+def test_powers_of_negative_numbers(double: SimpleNamespace, exponent: float) -> None:
+    """Whole ones are; no other is a number, and none is an error or complex."""
+    base = np.array([-2.0, -0.3, 0.7, 3.0])
+    with np.errstate(invalid="ignore"):
+        expected = np.power(base, exponent)
+    np.testing.assert_allclose(double.power(base, np.full(4, exponent)), expected, rtol=1e-15)
+    alone = [scalar_functions(ROW)["power"](float(own), exponent) for own in base]
+    np.testing.assert_allclose(alone, expected, rtol=1e-15)
+
+
+def test_a_root_of_a_negative_number_is_none() -> None:
+    assert math.isnan(scalar_functions(ROW)["sqrt"](-1e-300))
+    assert scalar_functions(ROW)["sqrt"](2.25) == 1.5
+
+
+def test_entries_are_read_cell_by_cell(double: SimpleNamespace) -> None:
+    table = np.arange(3.0 * ROW)
+    for column, cell in ((0, 0.0), (5, 1.0), (ROW - 1, 2.0)):
+        expected = table.reshape(3, ROW)[int(cell), column]
+        assert double.entry(table, column, cell) == expected
+        assert scalar_functions(ROW)["entry"](table.tolist(), column, cell) == expected
