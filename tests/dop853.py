@@ -37,7 +37,7 @@ def rates_of(model: nw.Model, rudder: float = 0.0, **options: object) -> Callabl
     """Return the rates of ``STATE`` as a function of it and of forces from outside."""
     ship = SimulatedShip(model, **options)  # type: ignore[arg-type]
     system = ship.system(pushed="until")
-    numbers = system.constants(ship.values(rudder))
+    numbers = system.constants(ship.values(rudder=rudder))
     names, function = system.scalar.RATES_INPUTS, system.scalar.rates
 
     def rates(state: Sequence[float], forces: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:

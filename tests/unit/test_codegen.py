@@ -48,7 +48,7 @@ def test_printed_rates_are_the_accelerations_of_the_terms(name: str) -> None:
     ship = SimulatedShip(model, "free", None if name == "mmg+delta" else 280.0)
     system, state = ship.system(), {key: float(column[3]) for key, column in states(4).items()}
     motion = nw.Motion(**{key: state[key] for key in ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")})
-    found = rates(system, ship.values(rudder), state)[4:]
+    found = rates(system, ship.values(rudder=rudder), state)[4:]
     at_rest = accelerations(model, motion, surge_inertia=ship.surge_inertia)
     assert not np.allclose(found, at_rest, rtol=1e-3)
     still = model.forces(motion, rudder=rudder)
@@ -65,7 +65,7 @@ def test_the_rates_are_those_of_the_straight_canal_in_one_that_does_not_change()
     """The step of a waterway, its section that of the canal, without bend and current."""
     model = steered()
     ship, length = SimulatedShip(model), 200.0
-    values, state = ship.values(0.1), (50.0, 0.7, np.cos(0.05), np.sin(0.05), 1.0, 0.02, -0.01)
+    values, state = ship.values(rudder=0.1), (50.0, 0.7, np.cos(0.05), np.sin(0.05), 1.0, 0.02, -0.01)
     way = nw.straight_waterway(model.configuration.canal, length)
     stepped = []
     for waterway, channel in (

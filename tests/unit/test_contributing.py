@@ -3,8 +3,6 @@
 import re
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "contributing.md").read_text(encoding="utf-8")
 PACKAGE = ROOT / "src" / "narrows"
@@ -12,15 +10,12 @@ ROOMS = re.findall(r"^\| `([a-z_]+)` \|", PAGE, re.MULTILINE)
 NAMED = re.findall(r"`((?:[\w.]+/)+[\w.]*)`", PAGE)
 PLACES = (ROOT, PACKAGE, PACKAGE / "identification")
 """Where paths on the page begin: at the repository, in the package, or in the room that is spoken of."""
-MOVING = pytest.mark.skipif((PACKAGE / "compile").exists(), reason="the map has the engine in codegen, not in compile")
 
 
-@MOVING
 def test_every_room_is_on_the_map_and_no_other() -> None:
     assert sorted(ROOMS) == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 
 
-@MOVING
 def test_every_file_that_is_named_is_there() -> None:
     inside = (*PLACES, *(PACKAGE / room for room in ROOMS))
     assert len(NAMED) > 30

@@ -126,7 +126,7 @@ def test_the_plain_step_is_the_kernels(name: str, along: bool, law: str | None, 
     assert (found["outcome"] == Code.AFLOAT).all()
     steering = steering_of(controller, ship.actuators)
     system = ship.system(along, steering.law if steering else None, "until" if pushed else "never")
-    values = ship.values(0.05)
+    values = ship.values(rudder=0.05)
     channel = along_waterway(way, model, ship.shape) if along else straight_channel(values, ship.shape)
     inputs = {
         **values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {}),

@@ -18,7 +18,7 @@ BOOK_PLACES = 9
 
 
 @dataclass(frozen=True)
-class Water:
+class WaterTable:
     """Where vessels sail, as a kernel asks for it.
 
     Parameters
@@ -36,7 +36,7 @@ class Water:
     outline: np.ndarray
 
 
-NOWHERE = Water(np.zeros(16), np.zeros(27), np.zeros(6))
+NOWHERE = WaterTable(np.zeros(16), np.zeros(27), np.zeros(6))
 """A straight canal: nothing to look up."""
 
 
@@ -56,7 +56,7 @@ class PreparedRun:
         Inputs of each vessel's own.
     shared : array (shared inputs,)
         Inputs that all share.
-    water : Water
+    water : WaterTable
         Where they sail.
     limits : array (2,) [m]
         How closely a contact is located, and how near a bank a motion that runs away has met it.
@@ -69,7 +69,7 @@ class PreparedRun:
     times: np.ndarray
     own: np.ndarray
     shared: np.ndarray
-    water: Water
+    water: WaterTable
     limits: np.ndarray
     workers: int
     end: np.ndarray = field(init=False)
@@ -183,7 +183,7 @@ def step_counts(dt: np.ndarray, duration: np.ndarray) -> np.ndarray:
 
 
 def prepare(
-    kernel: ModuleType, inputs: Mapping[str, Any], start: Mapping[str, Any], times: np.ndarray, water: Water,
+    kernel: ModuleType, inputs: Mapping[str, Any], start: Mapping[str, Any], times: np.ndarray, water: WaterTable,
     limits: np.ndarray, workers: int, precision: str = "float64",
 ) -> PreparedRun:  # fmt: skip
     """Lay out vessels for a kernel (ours).
@@ -198,7 +198,7 @@ def prepare(
         What is kept from step to step.
     times : array (n, 3) [s]
         As ``step_counts`` gives them.
-    water : Water
+    water : WaterTable
         Where they sail.
     limits : array (2,) [m]
         As in ``PreparedRun``.

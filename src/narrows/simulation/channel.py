@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narrows.codegen.choices import COLUMNS, ROW
-from narrows.codegen.run import NOWHERE, Water
+from narrows.codegen.run import NOWHERE, WaterTable
 from narrows.codegen.shapes import OPEN, Outline
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -34,14 +34,14 @@ class Channel:
     ----------
     inputs : mapping of str to number
         By the names of the lines.
-    water : Water
+    water : WaterTable
         The table of a waterway, its nodes, and the hull that meets its banks.
     start, length : float [m]
         Along the line: where it begins, and how far it goes; infinite in a straight canal.
     """
 
     inputs: Mapping[str, Number]
-    water: Water
+    water: WaterTable
     start: float = -math.inf
     length: float = math.inf
 
@@ -112,7 +112,7 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
         "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
         "last_cell": float(len(cells) - 1), "current": waterway.current,
     }  # fmt: skip
-    water = Water(cells.ravel(), table.track, np.array(outline).ravel())
+    water = WaterTable(cells.ravel(), table.track, np.array(outline).ravel())
     hull = hull_inputs(model.configuration.values(), contact)
     return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]))
 
