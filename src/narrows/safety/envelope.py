@@ -162,7 +162,8 @@ def _in_words(model: Model) -> str:
 
 
 def _notes(model: Model, under: Keel, least: float, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
-    notes, configuration = [*_beyond(model, offsets, speeds), *under.notes], model.configuration
+    bank = [model.bank_note] if model.bank_note else []
+    notes, configuration = [*bank, *_beyond(model, offsets, speeds), *under.notes], model.configuration
     if model.covariance is None:
         notes.append("no covariance of the coefficients is known: the samples are of disturbances alone")
     if configuration.canal.depth is not None:

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.codegen.shapes import OPEN
 from narrows.model.data_range import DataRange
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
+from narrows.terms.about import TermKind
 
 TAKEN_AGAIN = 64
 """Voyages that are sailed again at half the step."""
@@ -31,7 +33,10 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
     voyages : Dataset
         Their ends.
     """
-    return (*_coarse(run, grid, voyages), *_diverged(voyages), *_beyond(run.ship.model.data_range, grid, voyages))
+    model = run.ship.model
+    varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
+    bank = () if run.ship.shape == OPEN or varied or not model.bank_note else (model.bank_note,)
+    return (*bank, *_coarse(run, grid, voyages), *_diverged(voyages), *_beyond(model.data_range, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.kernels import event
+from narrows.codegen.shapes import OPEN
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
@@ -311,7 +312,9 @@ class _Log:
     def _outcome(self, columns: dict[str, np.ndarray], dt: float) -> Outcome:
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
         kind, side = self._kind_and_side(self.rows[-1].state)
-        notes = (*beyond_envelope(self.ship.model.data_range, columns), *self._coarse(dt))
+        model = self.ship.model
+        bank = () if self.ship.shape == OPEN or not model.bank_note else (model.bank_note,)
+        notes = (*bank, *beyond_envelope(model.data_range, columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         return Outcome(kind, last["t"], last["x"] - float(columns["x"][0]), side, state, notes)
 
