@@ -44,10 +44,10 @@ def fleet(case: Case, **changed: Any) -> xr.Dataset:
 
 
 def kinds(ended: xr.Dataset) -> list[str]:
-    """The outcomes in words, as voyages say them."""
+    """The outcomes in words, as voyages say them; by which end of a waterway is told in the sentence."""
     attributes = ended["outcome"].attrs
     words = dict(zip(attributes["flag_values"], attributes["flag_meanings"].split(), strict=True))
-    return [words[int(code)].replace("_", " ") for code in np.ravel(ended["outcome"])]
+    return [words[int(code)].replace("_", " ").partition(" by its ")[0] for code in np.ravel(ended["outcome"])]
 
 
 def sides(ended: xr.Dataset) -> list[str | None]:

@@ -71,7 +71,7 @@ def test_a_voyage_ends_as_the_reference(name: str) -> None:
     near = 1e-6 if ending.dt < 1 else 1e-3
     assert alone.time == pytest.approx(exact.time, abs=near)
     assert float(ended["time"][0]) == pytest.approx(alone.time, abs=1e-9)
-    assert alone.side is None
+    assert alone.side is None or ending.kind == "left the waterway", "where it may be the end of the waterway"
     assert alone.state["y"] == pytest.approx(exact.state["y"], abs=10 * near)
 
 
