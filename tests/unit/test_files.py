@@ -12,13 +12,16 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 import narrows as nw
 from narrows.files import is_stream, write_whole
 from narrows.report.fit_page import write_report
 from narrows.report.plan_table import write_plan
 from narrows.report.voyage_figures import save_figure, voyage_figure
+from narrows.simulation.netcdf import save_netcdf
 from tables import short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -189,6 +192,16 @@ def test_what_cannot_be_written_is_said(name: str, said: str, tmp_path: Path) ->
     with pytest.raises(nw.InputError, match=f"cannot be written .*{said}"):
         write_whole(tmp_path / name, "new")
     assert len(list(tmp_path.iterdir())) == 3
+
+
+@pytest.mark.parametrize("labels", [[10**12, 1], [(1, 2), "a"]])
+def test_labels_that_the_format_does_not_hold(labels: list, tmp_path: Path) -> None:
+    coordinate = np.empty(2, object) if not isinstance(labels[0], int) else np.array(labels)
+    coordinate[:] = labels
+    dataset = xr.Dataset({"u": ("ship", [0.5, 1.0])}, coords={"ship": coordinate})
+    with pytest.raises(nw.InputError, match="NetCDF does not hold these labels"):
+        save_netcdf(dataset, tmp_path / "fleet.nc")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_name_as_long_as_names_may_be(tmp_path: Path) -> None:

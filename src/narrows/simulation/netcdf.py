@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from narrows.errors import InputError, reason
 from narrows.files import write_whole
 
 if TYPE_CHECKING:
@@ -22,6 +23,10 @@ def save_netcdf(dataset: "xarray.Dataset", path: str | Path) -> None:
     Raises
     ------
     InputError
-        Where the file cannot be written.
+        Where the file cannot be written, or its format does not hold the labels of the dataset.
     """
-    write_whole(path, bytes(dataset.to_netcdf(engine="scipy")))
+    try:
+        content = bytes(dataset.to_netcdf(engine="scipy"))
+    except (TypeError, ValueError, OverflowError, NotImplementedError) as error:
+        raise InputError(f"{path}: NetCDF does not hold these labels ({reason(error)}); give others") from None
+    write_whole(path, content)
