@@ -29,11 +29,11 @@ OWN = nw.PAPER.with_terms(
     surge=[nw.Term("a_vr", "a_{vr}", lambda v, r: v * r, dim.KG)],
     sway=[
         nw.Term("b_uv", "b_{uv}", cross_flow, dim.KG_PER_M),
-        nw.Term("b_|odd|", "b_o", odd_shapes, dim.NUMBER, kind=nw.TermKind.BANK),
+        nw.Term("b_odd", "b_o", odd_shapes, dim.NUMBER, kind=nw.TermKind.BANK),
     ],
 )
 TABLES = {table.name: table for table in (nw.PAPER, nw.TAPERED, OWN)}
-EXTRA = {"a_udot": 20.0, "a_u": 3.0, "a_vr": 40.0, "b_uv": 60.0, "b_|odd|": 900.0}
+EXTRA = {"a_udot": 20.0, "a_u": 3.0, "a_vr": 40.0, "b_uv": 60.0, "b_odd": 900.0}
 MASS, SURGE_INERTIA = 245.0, 280.0
 PUSHES = {"X_in": 3.0, "Y_in": -2.0, "N_in": 5.0}
 

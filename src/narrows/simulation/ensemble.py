@@ -13,7 +13,14 @@ from narrows.files import path_of
 from narrows.model.model import Model
 from narrows.simulation.ensemble_notes import notes_of
 from narrows.simulation.grid import Grid, grid_of, with_values
-from narrows.simulation.inputs import MOST_STEPS, check_precision, check_steps, check_vessels, check_workers
+from narrows.simulation.inputs import (
+    MOST_STEPS,
+    check_precision,
+    check_steps,
+    check_vessels,
+    check_waterway,
+    check_workers,
+)
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.output_columns import attributes_of, empty_of
 from narrows.simulation.progress import bar
@@ -91,6 +98,7 @@ def ensemble(
     """
     duration, dt = check_steps(duration, dt, MOST_STEPS)
     check_workers(workers)
+    check_waterway(waterway)
     check_precision(precision)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     steering = steering_of(controller, ship.actuators)

@@ -262,3 +262,20 @@ def check_vessels(vessels: int, stored: bool) -> None:
         )
     if vessels > MOST_STORED:
         raise InputError(f"{vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
+
+
+def check_waterway(waterway: object) -> None:
+    """Raise where what should be a waterway is none (ours).
+
+    Parameters
+    ----------
+    waterway : Waterway, optional
+        As a caller gave it.
+
+    Raises
+    ------
+    InputError
+        Where it has no line.
+    """
+    if waterway is not None and not hasattr(waterway, "line"):
+        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")

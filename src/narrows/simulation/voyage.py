@@ -11,12 +11,21 @@ import numpy as np
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.kernels import event
 from narrows.codegen.shapes import OPEN
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
-from narrows.simulation.inputs import MOST_ROWS, Schedule, Stretch, check_steps, check_times, finite_numbers, stretches
+from narrows.simulation.inputs import (
+    MOST_ROWS,
+    Schedule,
+    Stretch,
+    check_steps,
+    check_times,
+    check_waterway,
+    finite_numbers,
+    stretches,
+)
 from narrows.simulation.march import March, Row, near_the_bank
 from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.outcome import Outcome
@@ -174,7 +183,7 @@ def simulate(
         Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
         rudder.
     """
-    _check_waterway(waterway)
+    check_waterway(waterway)
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     times = None if at is None else check_times(at, duration)
     longest = times[-1] if times else LONGEST
@@ -186,11 +195,6 @@ def simulate(
     march, start = _march(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows, fate = _rows(march, start, pushes, dt)
     return _Log(ship, march, rows, fate, float(psi), float(rudder)).voyage(times, dt)
-
-
-def _check_waterway(waterway: object) -> None:
-    if waterway is not None and not hasattr(waterway, "line"):
-        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
 
 
 def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
