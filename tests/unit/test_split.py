@@ -81,7 +81,7 @@ def test_a_block_without_a_drawn_row_does_no_harm(size: int, monkeypatch: pytest
     assert nw.identify(short_twin(), split="random", seed=1).coefficients == pytest.approx(whole.coefficients, rel=1e-7)
 
 
-@pytest.mark.parametrize(("options", "word"), [({"seed": -1}, "seed -1"), ({"split": "rows"}, "'rows'")])
+@pytest.mark.parametrize(("options", "word"), [({"seed": -1}, "seed = -1"), ({"split": "rows"}, "'rows'")])
 def test_options_that_make_no_sense(short: nw.CaptiveTests, options: dict, word: str) -> None:
     with pytest.raises(nw.InputError, match=word):
         nw.identify(short, **{"split": "random", **options})
