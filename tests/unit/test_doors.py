@@ -152,14 +152,12 @@ def test_sound_matlab_files_pass(packed: bool) -> None:
     check_elements(memory.getvalue())
 
 
-@pytest.mark.parametrize(
-    "name", ["__debug__", "__class__", "lambda", "None", "", "a b", "é", "1a", "a\n", "a-b", "width", "u"]
-)
+@pytest.mark.parametrize("name", ["__debug__", "__class__", "lambda", "None", "", "a b", "a\n", "width", "u"])
 def test_names_of_coefficients(name: str) -> None:
     assert "cannot be called" in sentence(lambda: replace(nw.PAPER.sway[0], name=name))
 
 
-@pytest.mark.parametrize("name", ["abs", "sqrt", "lane", "np", "rhs", "I", "E", "exp"])
+@pytest.mark.parametrize("name", ["abs", "sqrt", "lane", "np", "rhs", "I", "E", "exp", "é", "1a", "a-b"])
 def test_names_that_programs_use_too(name: str) -> None:
     table = replace(nw.PAPER, name="mine", sway=(replace(nw.PAPER.sway[0], name=name), *nw.PAPER.sway[1:]))
     coefficients = {name if own == "b_vdot" else own: value for own, value in DTC.coefficients.items()}

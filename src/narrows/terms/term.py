@@ -18,8 +18,8 @@ FREE: Bound = (float("-inf"), float("inf"))
 NONNEGATIVE: Bound = (0.0, float("inf"))
 BANKS, DEPTH = "width", "depth"
 """What says where the banks are, and how deep the water is."""
-NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
-"""Of a coefficient: generated programs in several languages call it so."""
+NAME = re.compile(r"(?!__)\S+")
+"""Of a coefficient: nothing that Python keeps for itself, and no blank."""
 LETTERS = ("a", "b", "c")
 """What the names of the paper's coefficients begin with, by force."""
 
