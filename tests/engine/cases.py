@@ -92,7 +92,7 @@ def bent(length: float, width: float, mirrored: bool = False) -> Waterway:
         starboard, port = port, starboard
     current = 0.08 * length**0.5
     return Waterway(
-        line, Bank("starboard", s, starboard), Bank("port", s, port), current=current, name="bent", step=length / 1000
+        line, Bank("starboard", s, starboard), Bank("port", s, port), current=current, name="bent", step=length / 800
     )
 
 

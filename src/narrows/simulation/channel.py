@@ -3,7 +3,8 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from narrows.quantities.names import Number
 from narrows.ship.particulars import Ship
 
 if TYPE_CHECKING:
+    from narrows.waterway.centreline import Centreline
+    from narrows.waterway.table import WaterwayTable
     from narrows.waterway.waterway import Waterway
 
 HEADING_LIMIT = math.radians(85)
@@ -90,24 +93,16 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
     InputError
         Where the ship does not fit it.
     """
-    from narrows.waterway.nearest import least_walls
-    from narrows.waterway.table import STEPS_A_BEAM, tabulate
+    from narrows.waterway.table import STEPS_A_BEAM
 
     ship = model.configuration.ship
     waterway.check_fits(ship)
-    table = tabulate(waterway, ship.draft, waterway.step or ship.beam / STEPS_A_BEAM)
     outline = points_of(ship, contact)
-    near = least_walls(table, np.array(outline))
-    own_depth = model.configuration.canal.depth or math.nan
-    columns = {
-        "starboard": table.starboard, "port": table.port,
-        "depth": np.where(np.isnan(table.depth), own_depth, table.depth), "curvature": table.curvature,
-        "near_starboard": near[0], "near_port": near[1],
-        "keel_starboard": table.keel_starboard, "keel_port": table.keel_port,
-    }  # fmt: skip
-    cells = np.empty((len(table.s) - 1, ROW))
-    for place, name in enumerate(COLUMNS):
-        cells[:, 2 * place], cells[:, 2 * place + 1] = columns[name][:-1], np.diff(columns[name])
+    table, cells = _tabulated(waterway, ship.draft, waterway.step or ship.beam / STEPS_A_BEAM, tuple(outline))
+    if np.isnan(table.depth).all():
+        cells = cells.copy()
+        cells[:, 2 * COLUMNS.index("depth")] = model.configuration.canal.depth or math.nan
+        cells[:, 2 * COLUMNS.index("depth") + 1] = 0.0
     inputs = {
         "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
         "last_cell": float(len(cells) - 1), "current": waterway.current,
@@ -115,6 +110,32 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
     water = WaterTable(cells.ravel(), table.track, np.array(outline).ravel())
     hull = hull_inputs(model.configuration.values(), contact)
     return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]))
+
+
+_TABLES: "WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray]]]" = WeakKeyDictionary()
+"""Tables that were made, for as long as their centreline is in use: voyage after voyage asks for the same."""
+
+
+def _tabulated(
+    waterway: "Waterway", draft: float, step: float, outline: tuple[tuple[float, float], ...]
+) -> "tuple[WaterwayTable, np.ndarray]":
+    """The table of a waterway, and its cells as the engine looks them up."""
+    from narrows.waterway.nearest import least_walls
+    from narrows.waterway.table import tabulate
+
+    known = _TABLES.setdefault(waterway.line, {})
+    key = (draft, step, outline, waterway.level, id(waterway.starboard), id(waterway.port), id(waterway.depths))
+    if key not in known:
+        table = tabulate(waterway, draft, step)
+        near = least_walls(table, np.array(outline))
+        columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
+        cells = np.empty((len(table.s) - 1, ROW))
+        for place, name in enumerate(COLUMNS):
+            cells[:, 2 * place], cells[:, 2 * place + 1] = columns[name][:-1], np.diff(columns[name])
+        # The parts of the waterway are kept with the table, so that no other can take their place in memory.
+        known[key] = (table, cells)
+        known[key, "parts"] = (waterway.starboard, waterway.port, waterway.depths)  # type: ignore[assignment]
+    return known[key]
 
 
 def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:

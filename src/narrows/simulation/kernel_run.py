@@ -1,5 +1,6 @@
 """Many voyages of one model at once: numbers and columns by name in, columns of ends out."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -168,10 +169,17 @@ class KernelRun:
         """What tells this run from others, beside the values that vary."""
         law = self.steering.law.tape.text if self.steering else ""
         options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact)
-        where = repr(self.waterway)
+        where = self._where()
         return (
             f"{self.ship.system().tape.text} {options!r} {law} {where} {sorted(self.ship.values().items(), key=str)!r}"
         )
+
+    def _where(self) -> str:
+        """The waterway in as many letters as tell it from others."""
+        if self.waterway is None:
+            return ""
+        channel = along_waterway(self.waterway, self.ship.model, self.ship.shape)
+        return hashlib.sha256(channel.water.table.tobytes() + channel.water.track.tobytes()).hexdigest()
 
 
 def _own_names(system: System, inputs: Mapping[str, Any], steering: Steering | None) -> tuple[str, ...]:

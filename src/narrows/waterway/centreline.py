@@ -23,7 +23,7 @@ FARTHEST = 1e8
 """Farther [m] than any two places on earth."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Centreline:
     """A smooth line through points, and places along it.
 
