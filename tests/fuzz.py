@@ -54,7 +54,7 @@ WORDS = (
 
 
 UNITS = ("deg", "rad", "m", "mm", "kN", "1", "", "((", "m/s2", "°", "x" * 99)
-CHOICES = "surge surge_inertia coriolis contact waterway"
+CHOICES = "surge surge_inertia coriolis contact waterway controller"
 STARTS = f"y u duration dt x psi v r X Y N rudder {CHOICES}"
 VARIED = "beam width depth draft density length heave b_rdot c_vdot b_v nonsense block_coefficient mass"
 

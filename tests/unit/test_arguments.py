@@ -3,6 +3,7 @@
 import math
 import time
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,6 +69,15 @@ def test_a_voyage_keeps_its_steps_and_an_ensemble_does_not() -> None:
 )
 def test_output_times_rise_and_are_finite(at) -> None:
     assert sentence(lambda: nw.simulate(DTC, at=at)).startswith("at")
+
+
+@pytest.mark.parametrize("duration", [b"1", "1", 1j, math.nan, 0.5])
+def test_output_times_lie_within_a_duration(duration: object) -> None:
+    assert "duration" in sentence(lambda: nw.simulate(DTC, at=[1.0], duration=duration))
+
+
+def test_a_client_that_is_none(tmp_path: Path) -> None:
+    assert "client" in sentence(lambda: nw.ensemble(DTC, store=tmp_path / "fleet.zarr", client=3))
 
 
 def test_too_many_steps_to_an_output_time() -> None:

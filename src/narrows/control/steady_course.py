@@ -16,6 +16,7 @@ from narrows.control.self_propulsion import with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import INPUTS, grid_of
+from narrows.simulation.inputs import check_workers
 from narrows.simulation.ship import SimulatedShip
 
 SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
@@ -59,6 +60,7 @@ def steady_course(
     for name in SOUGHT:
         if name in vary:
             raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
+    check_workers(workers)
     ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, {"u": 1.0, **vary}), samples, seed)
     check_inside(grid.values["y"], grid.values["width"], grid.values["beam"])
     if not (grid.values["u"] > 0).all():

@@ -16,6 +16,7 @@ from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import Walls, trials
 from narrows.safety.underkeel import Keel, keel_at
 from narrows.ship.actuators import PROPELLER
+from narrows.simulation.inputs import check_workers
 
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""
@@ -76,6 +77,7 @@ def safe_envelope(
         Where the model has no rudder, nothing says how fast, or a number is out of range.
     """
     check_rudder(model)
+    check_workers(workers)
     configuration = model.configuration
     least = KEEL_SHARE * configuration.ship.draft if keel is None else keel
     if not 0 <= reserve < 1 or not 0 <= least < math.inf:

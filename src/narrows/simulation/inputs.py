@@ -144,7 +144,7 @@ def check_steps(duration: object, dt: object, most: float) -> tuple[float, float
     return longest, step
 
 
-def check_times(at: object, duration: float | None = None) -> list[float]:
+def check_times(at: object, duration: object = None) -> list[float]:
     """Return output times after the start [s] (ours).
 
     Parameters
@@ -166,8 +166,8 @@ def check_times(at: object, duration: float | None = None) -> list[float]:
     times = [time for time in (_finite("at", time) for time in times) if time > 0]
     if not times or sorted(set(times)) != times:
         raise InputError("at: give rising output times after 0 s")
-    if duration is not None and times[-1] > duration:
-        raise InputError(f"at: {times[-1]:g} s lies beyond the duration of {duration:g} s; lengthen it")
+    if duration is not None and times[-1] > (longest := _finite("duration", duration)):
+        raise InputError(f"at: {times[-1]:g} s lies beyond the duration of {longest:g} s; lengthen it")
     return times
 
 
@@ -228,6 +228,23 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
         _check_outline(contact)
 
 
+def check_waterway(waterway: object) -> None:
+    """Raise where what should be a waterway is none (ours).
+
+    Parameters
+    ----------
+    waterway : Waterway, optional
+        As a caller gave it.
+
+    Raises
+    ------
+    InputError
+        Where it has no line.
+    """
+    if waterway is not None and not hasattr(waterway, "line"):
+        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
+
+
 def _check_outline(contact: Any) -> None:
     try:
         points = np.asarray(contact)
@@ -262,20 +279,3 @@ def check_vessels(vessels: int, stored: bool) -> None:
         )
     if vessels > MOST_STORED:
         raise InputError(f"{vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
-
-
-def check_waterway(waterway: object) -> None:
-    """Raise where what should be a waterway is none (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway, optional
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Where it has no line.
-    """
-    if waterway is not None and not hasattr(waterway, "line"):
-        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")

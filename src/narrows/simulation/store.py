@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.errors import InputError, shown
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.progress import bar
@@ -37,8 +38,10 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
     Raises
     ------
     InputError
-        Where Zarr is not installed, the folder holds something else, or the disk is full.
+        Where Zarr is not installed, the folder holds something else, the client is none, or the disk is full.
     """
+    if client is not None and not hasattr(client, "submit"):
+        raise InputError(f"client = {shown(client)} is none; give a dask.distributed.Client")
     blocks = list(grid.blocks(TASK_VESSELS))
     with storing(path), bar(grid.vessels, progress) as advance:
         group = opened(path, _identity(fleet, grid), grid, blocks)
