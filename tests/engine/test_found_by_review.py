@@ -250,7 +250,7 @@ def test_a_turning_circle_is_counted_between_the_rows(rudder: float) -> None:
     assert sparse.outcome.state["psi"] == close.psi[-1]
 
 
-@awaits_engine
+@pytest.mark.xfail(strict=True, reason="a fleet keeps no track, so that its headings at the end are within half a turn")
 def test_a_fleet_counts_whole_turns_as_voyages_do() -> None:
     told = {"duration": 240.0, "dt": 0.05, "contact": "none", "rudder": 0.4}
     model = steered().in_open_water()

@@ -57,6 +57,7 @@ def steady_course(
         Where the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
     """
     check_rudder(model)
+    check_workers(workers)
     for name in SOUGHT:
         if name in vary:
             raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
