@@ -38,7 +38,7 @@ def expected(case: Case) -> End:
 
 
 def endless_suction(case: Case) -> None:
-    """Where the suction ends infinite, at midship, the steps before the last err: times agree to 1e-4 s, not to 1e-6."""
+    """At midship the suction ends infinite and the steps before the last err: times agree to 1e-4 s, not to 1e-6."""
     if case.contact == "midship":
         pytest.xfail("a midship contact is located to 1e-4 s at this step")
 
