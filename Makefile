@@ -1,10 +1,10 @@
-# `make demo` runs the main job on the bundled tests, `make test` the tests, `make check` all that a change must pass.
-# Each sets up its own environment in .venv from the locked requirements.
+# `make demo` runs the main job on the bundled tests, `make test` the tests, `make docs` builds the site, `make check` all
+# that a change must pass. Each sets up its own environment in .venv from the locked requirements.
 
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: check demo test test-fast lint bench lock clean
+.PHONY: check demo test test-fast lint docs bench package lock clean
 
 demo: .venv/base
 	$(BIN)/narrows demo --out out
@@ -22,8 +22,13 @@ lint: .venv/dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# What CI runs: the demo, lint, types, the import contracts, the tests with README, docs, examples and small benchmarks.
-check: demo lint test
+# What CI runs: the demo, lint, types, the import contracts, the package, the tests with README, docs, examples and
+# small benchmarks.
+check: demo lint package test
+
+# The site, in out/site; it takes minutes, and `check` leaves it out.
+docs: .venv/docs
+	$(BIN)/sphinx-build --fresh-env --fail-on-warning --keep-going docs out/site
 
 bench: .venv/dev
 	$(BIN)/python -m pip install --quiet 'pip>=25.1'
@@ -31,7 +36,7 @@ bench: .venv/dev
 	for work in $(filter-out benchmarks/common.py benchmarks/former_kernel.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$work || exit 1; done
 
 .venv/base: requirements/base.txt pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "narrows needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
+	@$(PYTHON) requirements/check_machine.py
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/base.txt
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
@@ -41,12 +46,29 @@ bench: .venv/dev
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/dev.txt
 	@touch $@
 
+# Builds sdist and wheel from it, and installs each into an empty environment where the demo must run.
+package: .venv/package
+	PYTHON=$(PYTHON) .ci/package
+
+.venv/package: .venv/base requirements/package.txt
+	$(PYTHON) -m venv .venv/tools
+	.venv/tools/bin/python -m pip install --quiet --require-hashes -r requirements/package.txt
+	@touch $@
+
+.venv/docs: .venv/base requirements/docs.txt
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/docs.txt
+	@touch $@
+
 # Needs uv; writes the locked requirements anew.
 lock:
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
 		pyproject.toml --group build -o requirements/base.txt
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
 		pyproject.toml --all-extras --group build --group test --group lint -o requirements/dev.txt
+	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
+		--group package -o requirements/package.txt
+	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
+		pyproject.toml --group build --group docs -c requirements/dev.txt -o requirements/docs.txt
 
 clean:
-	rm -rf .venv out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv out build dist docs/gallery docs/pictures docs/reference/api .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -9,7 +9,7 @@ import pytest
 from sybil import Sybil
 from sybil.example import Example
 from sybil.integration.pytest import SybilItem
-from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
+from sybil.parsers.myst import CodeBlockParser, PythonCodeBlockParser
 
 import console
 

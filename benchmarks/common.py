@@ -6,7 +6,7 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rich.console import Console
@@ -39,6 +39,18 @@ def median_seconds(work: Callable[[], object], runs: int = 7) -> float:
         work()
         times.append(time.perf_counter() - start)
     return statistics.median(times)
+
+
+def interleaved(works: Mapping[str, Callable[[], object]], rounds: int = 7) -> dict[str, float]:
+    """Run each once to warm up, then all in turn for some rounds: medians of process time, of all threads [s]."""
+    times: dict[str, list[float]] = {name: [] for name in works}
+    for round in range(rounds + 1):
+        for name, work in works.items():
+            start = time.process_time()
+            work()
+            if round:
+                times[name].append(time.process_time() - start)
+    return {name: statistics.median(own) for name, own in times.items()}
 
 
 def machine() -> str:

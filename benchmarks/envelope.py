@@ -25,7 +25,7 @@ TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and a
 def full_scale() -> nw.Model:
     """The KCS at 50 % clearance, 230 m long in a canal 300 m wide."""
     terms = table_named("speed+helm")
-    tests = nw.read_captive(*measured_files("kcs"), terms, TURNED).by_condition()["C0101A02"]
+    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
     return nw.scale_model(nw.identify(tests, terms).model, 230.0, 1025.0, width=300.0, depth=16.2).model
 
 

@@ -26,7 +26,7 @@ def formed(tests: nw.CaptiveTests) -> tuple[DesignMatrix, np.ndarray]:
 
 def ours(layout: DesignMatrix, design: np.ndarray) -> dict[str, float]:
     """Columns to coefficients."""
-    return fitted(NormalEquations(layout.columns, products(design)[None], ("all",), np.ones(1)))
+    return fitted(NormalEquations(layout.columns, products(design)[None], ("all",), {}, 1.0))
 
 
 def from_motions(tests: nw.CaptiveTests) -> dict[str, float]:
@@ -43,7 +43,7 @@ def fitted(equations: NormalEquations) -> dict[str, float]:
 
 def stacked(layout: DesignMatrix, design: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     """The three regressor matrices over the 16 parameters, the forces, and the lower bounds."""
-    slots = reduced(NormalEquations(layout.columns, products(design)[None], ("all",), np.ones(1)), nw.PAPER).slot
+    slots = reduced(NormalEquations(layout.columns, products(design)[None], ("all",), {}, 1.0), nw.PAPER).slot
     size, lower = max(slots.values()) + 1, np.full(max(slots.values()) + 1, -np.inf)
     matrices, forces = [], []
     for force, terms in nw.PAPER.forces.items():

@@ -1,16 +1,17 @@
-"""Every form of the bank term on the measured tests: the tables and the figure of docs/bank-forms.md.
+"""Every form of the bank term on the measured tests: tables and figure of docs/bank-forms.md (drawn by `make docs`).
 
 python decisions/bank_forms.py          # prints them
 python decisions/bank_forms.py --write  # and puts them into docs/
 """
 
-import sys
 from collections.abc import Iterator
 
 import numpy as np
-from pages import DOCS, publish
+from matplotlib.figure import Figure
+from pages import publish
 
 import narrows as nw
+from narrows.terms.bank_forms import without_bank
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
 KCS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
@@ -25,7 +26,7 @@ def steady(names: str) -> nw.CaptiveTests:
 def sets() -> dict[str, nw.Comparison]:
     """Fit every form to every set of tests."""
     kcs = nw.measured_tests("kcs").by_condition()
-    named = [nw.with_bank(nw.CROSSFLOW, form, form) for form in nw.FORMS]
+    named = [*(nw.with_bank(nw.CROSSFLOW, form, form) for form in nw.FORMS), without_bank(nw.CROSSFLOW)]
     alone = [nw.bank_only(form) for form in nw.FORMS]
     found = {
         f"KCS, harmonic tests in a tank 7 m wide, {clearance} under-keel clearance, terms `crossflow`": nw.compare(
@@ -37,6 +38,7 @@ def sets() -> dict[str, nw.Comparison]:
         (NO_DRIFT, "the seven without drift"),
         (PROPELLER_ON, "those with the propeller on"),
         (PROPELLER_OFF, "those with it stopped"),
+        (NO_DRIFT.replace("D", ""), "the seven but D"),
     ):
         label = f"Lataire et al. (2009), steady tests along banks, {said} ({', '.join(names)})"
         found[label] = nw.compare(steady(names), alone)
@@ -52,6 +54,15 @@ def cell(row: dict, name: str) -> str:  # type: ignore[type-arg]
     return f"{name} {own['value']:.3f} ({low:.3f} to {high:.3f}), {own['verdict']}"
 
 
+def without_any(comparison: nw.Comparison) -> list[float]:
+    """Errors of Y and N on tests left out where no bank is modelled: hull terms alone, or nothing."""
+    name = next((name for name in comparison.fits if name.endswith("open_water")), None)
+    if name:
+        return [comparison.fits[name].left_out[force].rmse for force in "YN"]
+    columns = next(iter(comparison.fits.values())).tests.columns
+    return [float(np.sqrt(np.mean(columns[force] ** 2))) for force in "YN"]
+
+
 def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
     """Yield the lines: one table for each set of tests."""
     for label, comparison in found.items():
@@ -59,12 +70,14 @@ def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
         yield "| form | Y left out [N] | sway force | N left out [N m] | yaw moment |"
         yield "|---|---|---|---|---|"
         rows = {(row["table"], row["force"]): row for row in comparison.rows()}
-        for name in comparison.fits:
-            sway, yaw = rows[name, "Y"], rows[name, "N"]
+        for name in nw.FORMS:
+            sway, yaw = (rows[name if (name, force) in rows else f"bank only: {name}", force] for force in "YN")
             cells = ("; ".join(cell(row, own) for own in row["bank"]) for row in (sway, yaw))
             errors = (f"{row['rmse_left_out']:.3g}" for row in (sway, yaw))
             parts = [part for pair in zip(errors, cells, strict=True) for part in pair]
-            yield f"| {name.removeprefix('bank only: ')} | {' | '.join(parts)} |"
+            yield f"| {name} | {' | '.join(parts)} |"
+        errors = [f"{error:.3g}" for error in without_any(comparison)]
+        yield f"| no bank at all | {errors[0]} | | {errors[1]} | |"
 
 
 def sign_change() -> Iterator[str]:
@@ -117,16 +130,19 @@ def text() -> str:
     return "\n".join([*forms, *tables(found), *sign_change(), *signs()])
 
 
-def figure() -> None:
+def figure() -> Figure:
     """Draw the errors of the forms on tests left out."""
     from narrows.report.uncertainty_figures import forms_figure
-    from narrows.report.voyage_figures import save_figure
 
-    compared = {label.partition(", terms")[0]: comparison for label, comparison in sets().items()}
-    save_figure(forms_figure(compared), DOCS / "bank-forms.svg")
+    compared = {
+        label.partition(", terms")[0]: nw.Comparison(
+            {name: fit for name, fit in comparison.fits.items() if not name.endswith("open_water")}, {}
+        )
+        for label, comparison in sets().items()
+        if "but D" not in label
+    }
+    return forms_figure(compared)
 
 
 if __name__ == "__main__":
     publish(__file__, "bank-forms.md", text())
-    if "--write" in sys.argv:
-        figure()

@@ -20,7 +20,7 @@ def fits(straightening: float) -> dict[str, nw.Fit]:
     table, ship = measured_files("kcs")
     configuration = nw.read_ship(ship)
     configuration = replace(configuration, ship=replace(configuration.ship, flow_straightening=straightening))
-    return nw.identify_conditions(nw.read_captive(table, configuration, nw.STEERED, TURNED), terms=nw.STEERED)
+    return nw.identify_conditions(nw.read_captive(table, configuration, TURNED), terms=nw.STEERED)
 
 
 def text() -> str:

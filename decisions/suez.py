@@ -2,15 +2,14 @@
 
 python decisions/suez.py [--write]
 
-With --write it draws docs/suez.svg too. The ship and the canal are those of the Ever Given's grounding of March 2021 as
-an idealisation: 399.94 m long, h/T about 1.5, a canal 205 m wide and 24 m deep as a rectangle. No model of her exists:
-the published model of the DTC and the KCS as measured are brought to her length.
+`make docs` draws its figure. The ship and the canal are those of the Ever Given's grounding of March 2021 as an
+idealisation: 399.94 m long, h/T about 1.5, a canal 205 m wide and 24 m deep as a rectangle. No model of it exists:
+the published model of the DTC and the KCS as measured are brought to its length.
 """
 
-import sys
-
 import numpy as np
-from pages import DOCS, markdown, publish
+from matplotlib.figure import Figure
+from pages import markdown, publish
 
 import narrows as nw
 from narrows.captive.measured import measured_files
@@ -34,9 +33,9 @@ def published() -> nw.Model:
 
 
 def measured() -> dict[str, nw.Model]:
-    """The KCS by condition, each in water as deep for her draft as in her tests."""
+    """The KCS by condition, each in water as deep for its draft as in its tests."""
     table, ship = measured_files("kcs")
-    fits = nw.identify_conditions(nw.read_captive(table, ship, nw.STEERED, TURNED), terms=nw.STEERED)
+    fits = nw.identify_conditions(nw.read_captive(table, ship, TURNED), terms=nw.STEERED)
     return {label: nw.scale_model(fit.model, LENGTH, DENSITY, width=WIDTH).model for label, fit in fits.items()}
 
 
@@ -63,7 +62,7 @@ def water() -> str:
 
 
 def adrift(models: dict[str, nw.Model]) -> str:
-    """From 2 m off the middle, the rudder amidships: how fast it grows, and how far she gets."""
+    """From 2 m off the middle, the rudder amidships: how fast it grows, and how far it gets."""
     rows = []
     for name, model in models.items():
         for knots in (SPEEDS[0], SPEEDS[-1]):
@@ -76,7 +75,7 @@ def adrift(models: dict[str, nw.Model]) -> str:
 
 
 def steered(models: dict[str, nw.Model]) -> str:
-    """The rudder that holds her, by offset: median of the samples, where 90 % of them are, how many there are."""
+    """The rudder that holds it, by offset: median of the samples, where 90 % of them are, how many there are."""
     rows = []
     for name, model in models.items():
         samples = {} if model.covariance is None else {"samples": SAMPLES}
@@ -108,17 +107,10 @@ def text() -> str:
     return "\n\n".join((water(), adrift({"DTC as published": dtc, **kcs}), steered({**borrowed, **kcs})))
 
 
-def draw() -> None:
+def figure() -> Figure:
     """The envelope of the KCS at 50 %, on which the depth over the draft is the canal's."""
-    from narrows.report.envelope_chart import envelope_chart
-    from narrows.report.style import svg
-
-    model = measured()["C0101A02"]
-    chart = envelope_chart(nw.safe_envelope(model, np.linspace(-40, 40, 33), samples=SAMPLES), model)
-    (DOCS / "suez.svg").write_text(svg(chart), encoding="utf-8")
+    return nw.safe_envelope(measured()["C0101A02"], np.linspace(-40, 40, 33)).plot()
 
 
 if __name__ == "__main__":
     publish(__file__, "suez.md", text())
-    if "--write" in sys.argv:
-        draw()

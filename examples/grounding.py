@@ -1,4 +1,8 @@
-"""Where the paper's ship grounds, from either side of the switch between the banks, and how sure that is."""
+"""Where the ship grounds
+======================
+
+Where the paper's ship grounds, from either side of the switch between the banks, and how sure that is.
+"""
 
 import numpy as np
 
@@ -6,7 +10,9 @@ import narrows as nw
 
 model = nw.published("mikkelsen2025_dtc")
 for y in (2.30, 2.40):
-    print(f"y(0) = {y:.2f} m: {nw.simulate(model, y=y).outcome.sentence}")
+    voyage = nw.simulate(model, y=y)
+    print(f"y(0) = {y:.2f} m: {voyage.outcome.sentence}")
+picture = voyage.plot()
 
 fit = nw.identify(nw.twin(model, seed=1))
 fleet = nw.ensemble(fit.model, y=np.linspace(0.2, 2.4, 12), samples=100, seed=2)

@@ -1,4 +1,8 @@
-"""Bank coefficients of the KCS at three water depths, with their intervals and what is to be said of them."""
+"""Three water depths
+==================
+
+Bank coefficients of the KCS at three water depths, with their intervals and what is to be said of them.
+"""
 
 import narrows as nw
 
@@ -9,3 +13,7 @@ for label, tests in nw.measured_tests("kcs").by_condition().items():
     for name in ("b_bank", "c_bank"):
         low, high = fit.intervals[name]
         print(f"  {name} = {fit.coefficients[name]:+.3f} ({low:+.3f} to {high:+.3f}), {fit.verdicts[name].status}")
+
+# %%
+# All coefficients of the last of them, each with its interval.
+picture = fit.plot()

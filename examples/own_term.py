@@ -1,4 +1,7 @@
-"""A term of your own goes through identification without a change to the package.
+"""A term of your own
+==================
+
+A term of your own goes through identification without a change to the package.
 
 The regressor's arguments say what it needs; here the u r term, which a harmonic-yaw test at several speeds sees
 and the paper's table leaves out.
@@ -24,3 +27,7 @@ tests = nw.measured_tests("kcs").by_condition()["C0101A01"]
 for terms in (nw.PAPER, table):
     fit = nw.identify(tests, terms)
     print(f"{terms.name:15s} b_bank = {fit.coefficients['b_bank']:.3f}, R2 of Y left out = {fit.left_out['Y'].r2:.3f}")
+
+# %%
+# Tests and speeds that were left out say whether the term is worth its place.
+picture = nw.compare(tests, [nw.PAPER, table, nw.CROSSFLOW]).plot()

@@ -40,7 +40,15 @@ SLOW = 120.0
 DTC, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")
 PUBLISHED = Path(nw.__file__).parent / "model" / "published"
 TESTS = short_twin()
-CSV = frame_of(TESTS).iloc[:40:4].to_csv(index=False)
+FRAME = frame_of(TESTS).iloc[:40:4]
+CSV = FRAME.to_csv(index=False)
+DIALECTS = (
+    CSV.encode(), FRAME.to_csv(index=False, sep=";", decimal=",").encode("utf-8-sig"),
+    FRAME.to_csv(index=False, sep="\t", decimal=",").encode("utf-16"), CSV.replace("\n", "\n# remark\n", 4).encode(),
+    ("lab\n\n" + CSV.replace("\n", "\n" + "m,rad;".join(",," for _ in range(7)) + "\n", 1)).encode(),
+    CSV.replace(",", " ").encode(), b"# " + CSV.encode(),
+)  # fmt: skip
+MAPPING = {"columns": {"y": "y", "X": "x", "x": "X", "N": ""}, "units": {"psi": "rad"}, "positive": {"y": "port"}}
 
 NUMBERS = (
     0, 1, -1, 2, 3, 7, 10**18, 2**63, 2**64, 10**400, -(10**400), 0.0, -0.0, 0.5, -0.5, 1.5, 100.0, 1e-300, 5e-324,
@@ -193,6 +201,9 @@ class Doors:
             frame.to_parquet(folder / "good.parquet", index=False)
         self.parquet = (folder / "good.parquet").read_bytes() if (folder / "good.parquet").exists() else b"PAR1"
         self.mat = self._mat(frame)
+        with contextlib.suppress(ImportError):
+            frame.to_excel(folder / "good.xlsx", index=False)
+        self.xlsx = (folder / "good.xlsx").read_bytes() if (folder / "good.xlsx").exists() else b"PK"
         self.dat = (
             b"\t".join(b"%s" % name.encode() for name in frame) + b"\n" + b"\t" * 14 + b"\n" + b"1\t" * 15 + b"\n"
         )
@@ -228,7 +239,11 @@ class Doors:
         nw.read_ship(self._file("s.toml", dumped(struck(tomllib.loads(chance.choice(self.ships).decode()), chance))))
 
     def csv_bytes(self, chance: random.Random) -> None:
-        self._read(self._file("t.csv", bytes_of(CSV.encode(), chance)), chance)
+        self._read(self._file("t.csv", bytes_of(chance.choice(DIALECTS), chance)), chance)
+
+    def mappings(self, chance: random.Random) -> None:
+        path = self._file("c.toml", dumped(struck(MAPPING, chance)))
+        self._read(self._file("t.csv", chance.choice(DIALECTS)), chance, path)
 
     def csv_cells(self, chance: random.Random) -> None:
         rows = [line.split(",") for line in CSV.splitlines()]
@@ -249,21 +264,38 @@ class Doors:
         self._read(self._file("t.csv", "\n".join(map(",".join, rows)).encode("utf-8", "replace")), chance)
 
     def other_tables(self, chance: random.Random) -> None:
-        suffix = chance.choice([".parquet", ".mat", ".dat"])
-        content = {".parquet": self.parquet, ".mat": self.mat, ".dat": self.dat}[suffix]
+        suffix = chance.choice([".parquet", ".mat", ".dat", ".xlsx"])
+        content = {".parquet": self.parquet, ".mat": self.mat, ".dat": self.dat, ".xlsx": self.xlsx}[suffix]
         self._read(self._file(f"t{suffix}", bytes_of(content, chance)), chance)
 
-    def _read(self, path: Path, chance: random.Random) -> None:
+    def _read(self, path: Path, chance: random.Random, mapping: Path | None = None) -> None:
         where = None
         if chance.random() < 0.1:
             where = chance.choice(
-                ["u > 0.3", "u", "u >", "(" * 500, "-" * 5000 + "u", "@x", "test == 'yaw'", "", "y.no", "u > 1j"]
+                [
+                    "u > 0.3",
+                    "u",
+                    "u >",
+                    "(" * 500,
+                    "-" * 5000 + "u",
+                    "@x",
+                    "test == 'yaw'",
+                    "",
+                    "y.no",
+                    "u > 1j",
+                    "psi_deg > 1",
+                    "u_deg > 1",
+                    "r_degps > 1 and u > 0",
+                    "rudder > 0",
+                    "psi_deg",
+                    "condition == 3",
+                ]
             )
         if chance.random() < 0.2 and path.suffix in (".csv", ".parquet"):
-            for _ in nw.stream_captive(path, TESTS.configuration, where=where).blocks():
+            for _ in nw.stream_captive(path, TESTS.configuration, where=where, mapping=mapping).blocks():
                 pass
             return
-        tests = nw.read_captive(path, TESTS.configuration, where=where)
+        tests = nw.read_captive(path, TESTS.configuration, where=where, mapping=mapping)
         if chance.random() < 0.05:
             nw.identify(tests)
 
@@ -328,20 +360,30 @@ class Doors:
     def _commands(self) -> list[list[str]]:
         where = str(self.folder)
         return [
-            ["simulate", f"{where}/good.toml", "--y", "0.5", "--u", "1", "--duration", "0.1", "--dt", "0.05", "--json"],
+            [
+                "simulate",
+                f"{where}/good.toml",
+                "--y",
+                "0.5",
+                "--speed",
+                "1",
+                "--duration",
+                "0.1",
+                "--dt",
+                "0.05",
+                "--json",
+            ],
             [
                 "simulate",
                 "yasukawa2015_kvlcc2",
                 "--contact",
                 "none",
-                "--u",
-                "7",
+                "--speed",
+                "7kn",
                 "--duration",
                 "0.1",
-                "--method",
-                "rk4",
             ],
-            ["map", "mikkelsen2025_dtc", "--y", "0:1:3", "--u", "1", "--duration", "0.1", "--dt", "0.05", "--json"],
+            ["map", "mikkelsen2025_dtc", "--y", "0:1:3", "--speed", "1", "--duration", "0.1", "--dt", "0.05", "--json"],
             [
                 "map",
                 f"{where}/fitted.toml",
@@ -397,9 +439,9 @@ def command(words: list[str]) -> tuple[int, str]:
 
 
 SHARES = {
-    "model_bytes": 14, "model_tables": 16, "ship_bytes": 14, "ship_tables": 14, "csv_bytes": 6, "csv_cells": 8,
-    "other_tables": 4, "simulate": 5, "ensemble": 6, "identify": 1, "scale": 4, "particulars": 5, "terms": 2,
-    "command_line": 1,
+    "model_bytes": 14, "model_tables": 16, "ship_bytes": 14, "ship_tables": 14, "csv_bytes": 6, "csv_cells": 6,
+    "mappings": 2, "other_tables": 4, "simulate": 5, "ensemble": 6, "identify": 1, "scale": 4, "particulars": 5,
+    "terms": 2, "command_line": 1,
 }  # fmt: skip
 """How often each door is tried, of a hundred: the dear ones less."""
 

@@ -25,13 +25,45 @@ def write(folder: Path) -> None:
     shutil.copy(ship, folder / "ship.toml")
     frame_of(nw.measured_tests("kcs").by_condition()[DEPTH]).to_csv(folder / "tests.csv", index=False)
     terms = table_named("speed+helm")
-    model = nw.identify(nw.read_captive(table, ship, terms, TURNED).by_condition()[DEPTH], terms).model
+    model = nw.identify(nw.read_captive(table, ship, TURNED).by_condition()[DEPTH], terms).model
     nw.save_model(model, folder / "model.toml")
     nw.save_model(nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model, folder / "full.toml")
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})
     write_chart(folder / "1W7RH001.000")
+    write_laboratory(folder)
+    shutil.copy(Path(__file__).parents[1] / "examples" / "waterway.geojson", folder / "bend.geojson")
+
+
+COLUMNS = """\
+[columns]
+test = "Run"
+y = "Ycarr"
+psi = "Heading"
+X = "Fx"
+Y = "Fy"
+N = "Mz"
+
+[positive]
+y = "port"
+"""
+"""Of the laboratory whose table ``lab.csv`` is."""
+
+
+def write_laboratory(folder: Path) -> None:
+    """Write a table as a laboratory may: its own names, y to port, degrees, a row of units, semicolons and commas."""
+    frame = frame_of(nw.measured_tests("kcs").by_condition()[DEPTH])
+    frame = frame.assign(y=-frame.y, **{name: np.degrees(frame[name]) for name in ("psi", "r", "rdot")})
+    units = {"x": "m", "y": "mm", "psi": "deg", "u": "m/s", "v": "m/s", "r": "deg/s", "udot": "m/s2", "vdot": "m/s2",
+             "rdot": "deg/s2", "heave": "m", "X": "N", "Y": "N", "N": "Nm"}  # fmt: skip
+    frame = frame.assign(y=frame.y * 1e3)[["test", *units]]
+    names = {"test": "Run", "y": "Ycarr", "psi": "Heading", "X": "Fx", "Y": "Fy", "N": "Mz"}
+    rows = frame.rename(columns=names).to_csv(index=False, sep=";", decimal=",").splitlines()
+    below = ";".join(["", *(f"[{unit}]" for unit in units.values())])
+    text = "\n".join(["Towing tank, project 4711", "2014-05-02", "", rows[0], below, *rows[1:], ""])
+    (folder / "lab.csv").write_text(text, encoding="utf-8-sig")
+    (folder / "columns.toml").write_text(COLUMNS, encoding="utf-8")
 
 
 def at(aside: float, reach: float = 0.0) -> list[Point]:

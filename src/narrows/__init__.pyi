@@ -1,6 +1,7 @@
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
 from .captive import StraightRun as StraightRun
+from .captive import concat as concat
 from .captive import read_captive as read_captive
 from .captive import stream_captive as stream_captive
 from .captive import twin as twin
@@ -16,6 +17,7 @@ from .experiment_design import plan_tests as plan_tests
 from .identification import Comparison as Comparison
 from .identification import Explanation as Explanation
 from .identification import Fit as Fit
+from .identification import RunErrors as RunErrors
 from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
@@ -63,15 +65,18 @@ from .simulation import Autopilot as Autopilot
 from .simulation import ConstantRudder as ConstantRudder
 from .simulation import ControlLaw as ControlLaw
 from .simulation import Controller as Controller
+from .simulation import Jacobian as Jacobian
 from .simulation import Outcome as Outcome
 from .simulation import RudderSchedule as RudderSchedule
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
 from .simulation import bank_stiffness as bank_stiffness
+from .simulation import derivative as derivative
 from .simulation import eigenvalues as eigenvalues
 from .simulation import ensemble as ensemble
 from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
+from .simulation import jacobian as jacobian
 from .simulation import simulate as simulate
 from .simulation import stability as stability
 from .terms.about import TermKind as TermKind

@@ -1,10 +1,17 @@
-"""What goes wrong with a user's input, said in one sentence with the place and the remedy."""
+"""What goes wrong with a user's input, in one sentence with the place and the remedy; what a thing says of itself."""
 
+import os
 import re
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
+from html import escape
+from importlib.metadata import PackageNotFoundError, requires
 from numbers import Integral
+from pathlib import Path
 from reprlib import Repr
+from typing import TYPE_CHECKING, Any
 
 UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
@@ -25,7 +32,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str) -> None:
-        line = UNPRINTABLE.sub(lambda found: ascii(found[0])[1:-1], " ".join(sentence.splitlines()))
+        line = UNPRINTABLE.sub(lambda match: ascii(match[0])[1:-1], " ".join(sentence.splitlines()))
         super().__init__(line if len(line) <= LONGEST_SENTENCE else f"{line[:900]} ... {line[-900:]}")
 
 
@@ -40,7 +47,7 @@ def near_miss(word: str, known: Iterable[str]) -> str:
         What would have been understood.
     """
     known = sorted(known)
-    same = [own for own in known if own.lower() == word.lower()]
+    same = [candidate for candidate in known if candidate.lower() == word.lower()]
     near = same or get_close_matches(word, known, n=1, cutoff=0.6)
     return f"; did you mean {near[0]!r}?" if near else ""
 
@@ -87,12 +94,63 @@ def reason(error: BaseException) -> str:
     error : exception
         As it was caught.
     """
-    said = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    text = (error.strerror if isinstance(error, OSError) else None) or str(error)
     if isinstance(error, MemoryError):
-        said = "too large for this computer's memory"
+        text = "too large for this computer's memory"
     if isinstance(error, RecursionError):
-        said = "nested too deeply"
-    return " ".join((said or type(error).__name__).split())[:LONGEST]
+        text = "nested too deeply"
+    return " ".join((text or type(error).__name__).split())[:LONGEST]
+
+
+@contextmanager
+def needs(extra: str, what: str) -> Iterator[None]:
+    """Turn a library that is not installed into one sentence with the command that installs it (ours).
+
+    Parameters
+    ----------
+    extra : str
+        Of the package, to which the library belongs.
+    what : str
+        What it is for.
+
+    Raises
+    ------
+    InputError
+        Where an import inside finds nothing.
+    """
+    try:
+        yield
+    except ImportError as error:
+        asked = libraries_of(extra) or [error.name or extra]
+        names = " and ".join(re.split(r"[^\w.-]", library)[0] for library in asked)
+        raise InputError(f"{what} needs {names}: {installing(asked)}") from None
+
+
+def libraries_of(extra: str) -> list[str]:
+    """Return what an extra of the package consists of, with the versions that it asks for (ours).
+
+    Parameters
+    ----------
+    extra : str
+        Its name.
+    """
+    try:
+        lines = requires("narrows") or []
+    except PackageNotFoundError:  # It runs out of a folder.
+        return []
+    return [line.split(";")[0].strip() for line in lines if re.search(f";.*extra == ['\"]{extra}['\"]", line)]
+
+
+def installing(libraries: Iterable[str]) -> str:
+    """Return the command that adds libraries to the Python that runs, be the package installed or a checkout (ours).
+
+    Parameters
+    ----------
+    libraries : iterable of str
+        Names with versions.
+    """
+    python = min(sys.executable, os.path.relpath(sys.executable), key=len)
+    return f"{python} -m pip install {' '.join(map(repr, libraries))}"
 
 
 def check_choice(name: str, value: object, known: Iterable[str]) -> None:
@@ -138,3 +196,82 @@ def check_count(name: str, value: object, least: int = 0, most: float = 2**63 - 
     if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         upto = f" to {most}" if most < 2**63 - 1 else ""
         raise InputError(f"{name} = {shown(value)}: give a whole number from {least}{upto}")
+
+
+def path_of(name: str, value: object) -> Path:
+    """Return an argument as a path (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : object
+        As a caller gave it.
+
+    Raises
+    ------
+    InputError
+        Where it is none.
+    """
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{name} = {shown(value)} is no path; give the name of a file")
+    return Path(value)
+
+
+REMEDIES = {
+    **dict.fromkeys(("params", "coef_", "coef", "popt"), ("coefficients",)),
+    **dict.fromkeys(("bse", "stderr", "standard_errors", "std_errors"), ("std",)),
+    **dict.fromkeys(("cov", "pcov", "cov_params"), ("covariance",)),
+    **dict.fromkeys(("confidence_intervals", "ci"), ("intervals", "conf_int()")),
+    **dict.fromkeys(("fittedvalues", "fitted"), ("predict()",)),
+    **dict.fromkeys(("replace", "set_params", "assign"), ("with_coefficients(...)", "with_parts(...)")),
+    **dict.fromkeys(("df", "to_frame", "to_pandas", "data", "values_"), ("to_dataframe()",)),
+    **dict.fromkeys(("write", "dump", "to_toml", "to_file"), ("save(path)",)),
+    **dict.fromkeys(("success", "status", "message"), ("outcome",)),
+    **dict.fromkeys(("time", "times"), ("t",)),
+    **dict.fromkeys(("show", "figure"), ("plot()",)),
+    "resid": ("residuals",), "heading": ("psi",), "speed": ("u",), "eigenvalues": ("poles()",),
+    "L": ("length",), "Lpp": ("length",), "B": ("beam",), "T": ("draft",), "Cb": ("block_coefficient",),
+}  # fmt: skip
+"""What other libraries and texts call something, and what is written here instead."""
+
+
+class Described:
+    """Something that says in a line what it is, in a notebook in more, and what to write for a name of elsewhere.
+
+    It has ``summary()``; ``to_dataframe()`` and ``notes`` where there is something to put there.
+    """
+
+    def __repr__(self) -> str:
+        said: Any = self
+        return f"<{type(self).__name__}: {shortened(said.summary())}>"
+
+    def _repr_html_(self) -> str:
+        said: Any = self
+        lines = "<br>".join(escape(line) for line in said.summary().splitlines())
+        notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(said, "notes", ()))
+        table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
+        return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")
+
+    if not TYPE_CHECKING:  # What is checked is the attributes that there are.
+
+        def __getattr__(self, name: str) -> Any:
+            known = {*dir(type(self)), *getattr(type(self), "__dataclass_fields__", ())}
+            remedy = next((it for it in REMEDIES.get(name, ()) if it.partition("(")[0] in known), None)
+            if remedy is None:
+                return object.__getattribute__(self, name)
+            raise AttributeError(f"a {type(self).__name__} has no {name!r}; write {remedy}", name=None, obj=None)
+
+
+def shortened(text: str, most: int = 120) -> str:
+    """Return the first line of a text, cut where it is long (ours).
+
+    Parameters
+    ----------
+    text : str
+        Lines.
+    most : int
+        Characters of it.
+    """
+    line = text.partition("\n")[0].rstrip(".")
+    return line if len(line) <= most else f"{line[: most - 3]}..."

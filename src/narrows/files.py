@@ -1,40 +1,29 @@
-"""Files: written whole or not at all, read or refused in one sentence."""
+"""Files: written whole or not at all, in the form that the suffix says; read or refused in one sentence."""
 
 import os
 import re
+import shutil
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from errno import EACCES
+from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
-from narrows.errors import InputError, reason, shown
+from narrows.errors import InputError, needs, reason
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+    from matplotlib.figure import Figure
 
 DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d+)")
 """What ``/dev/stdout`` and the like lead to: something that this process has open already."""
 MOST_LINKS = 40
-
-
-def path_of(name: str, value: object) -> Path:
-    """Return an argument as a path (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the argument.
-    value : object
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Where it is none.
-    """
-    if not isinstance(value, str | os.PathLike):
-        raise InputError(f"{name} = {shown(value)} is no path; give the name of a file")
-    return Path(value)
+PICTURES = (".png", ".svg", ".pdf")
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:
@@ -108,15 +97,156 @@ def reading(path: str | Path, kind: str) -> Iterator[None]:
         raise InputError(f"{path}: is not {kind} ({reason(error)}); mend it there") from None
 
 
+def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
+    """Return which form a file is to have: what its suffix says, or the first into a device without one (ours).
+
+    Parameters
+    ----------
+    path : str or Path
+        Where to.
+    forms : tuple of str
+        The suffixes that can be.
+
+    Raises
+    ------
+    InputError
+        Where the suffix is none of them.
+    """
+    suffix = Path(path).suffix.lower() or (forms[0] if is_stream(path) else "")
+    if suffix not in forms:
+        raise InputError(f"{path}: cannot write a {suffix[1:] or 'nameless'} file here; name it {', '.join(forms)}")
+    return suffix
+
+
+def netcdf_of(dataset: "xarray.Dataset", path: str | Path) -> bytes:
+    """Return a dataset as NetCDF (ours).
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a voyage, an ensemble, an envelope.
+    path : str or Path
+        Where it goes, for messages.
+
+    Raises
+    ------
+    InputError
+        Where the format does not hold the labels of the dataset.
+    """
+    try:
+        return bytes(dataset.to_netcdf(engine="scipy"))
+    except (TypeError, ValueError, OverflowError, NotImplementedError) as error:
+        raise InputError(f"{path}: NetCDF does not hold these labels ({reason(error)}); give others") from None
+
+
+def parquet_of(frame: "pd.DataFrame", path: str | Path) -> bytes:
+    """Return a table as Parquet (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    path : str or Path
+        Where it goes, for messages.
+
+    Raises
+    ------
+    InputError
+        Where pyarrow is not installed.
+    """
+    with needs("parquet", f"{path}: Parquet"):
+        return bytes(frame.to_parquet(None))
+
+
+def matlab_of(columns: Mapping[str, Any]) -> bytes:
+    """Return columns as a MATLAB file, up to version 7: vectors and arrays by name (ours).
+
+    Parameters
+    ----------
+    columns : mapping of str to array
+        By name; what MATLAB does not take in a name becomes an underscore.
+    """
+    from scipy.io import savemat
+
+    memory: Any = BytesIO()
+    names = {name: re.sub(r"\W+", "_", str(name)).strip("_") or "column" for name in columns}
+    savemat(memory, {names[name]: column for name, column in columns.items()}, long_field_names=True, oned_as="column")
+    return bytes(memory.getvalue())
+
+
+def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
+    """Write a dataset as a folder of Zarr, whole or not at all.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a voyage, an ensemble, an envelope.
+    path : str or Path
+        Where to; a folder of Zarr that is there is replaced.
+
+    Raises
+    ------
+    InputError
+        Where Zarr is not installed, something else is there, or the folder cannot be written.
+    """
+    target = Path(path)
+    if target.exists() and not (target / "zarr.json").exists():
+        raise InputError(f"{path}: is there and is no folder of Zarr; name another, or remove it")
+    temporary = target.parent / f".narrows-{uuid4().hex}"
+    try:
+        with needs("cluster", f"{path}: Zarr"):
+            import zarr  # noqa: F401  # xarray asks for it
+        dataset.to_zarr(temporary, mode="w", consolidated=False, zarr_format=3)
+        shutil.rmtree(target, ignore_errors=True)
+        os.replace(temporary, target)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({reason(error)}); check its folder and the disk") from None
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def picture_of(figure: "Figure", suffix: str) -> bytes:
+    """Return a figure as a picture (ours).
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    suffix : str
+        Its form: ``.png``, ``.svg`` or ``.pdf``.
+    """
+    memory = BytesIO()
+    figure.savefig(memory, format=suffix[1:], dpi=150)
+    return memory.getvalue()
+
+
+def save_figure(figure: "Figure", path: str | Path) -> None:
+    """Write a picture, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        The picture.
+    path : str or Path
+        Its suffix says which form: png, svg or pdf; png into a device without one.
+
+    Raises
+    ------
+    InputError
+        Where the suffix is no form of picture or the file cannot be written.
+    """
+    write_whole(path, picture_of(figure, form_of(path, PICTURES)))
+
+
 def _descriptor(path: str | Path) -> int | None:
     """The number of the open file that a path leads to."""
-    place = os.path.abspath(path)
+    target = os.path.abspath(path)
     for _ in range(MOST_LINKS):
-        if found := DESCRIPTOR.fullmatch(place.replace(f"/proc/{os.getpid()}/", "/proc/self/")):
-            return int(found[1])
-        if not os.path.islink(place):
+        if match := DESCRIPTOR.fullmatch(target.replace(f"/proc/{os.getpid()}/", "/proc/self/")):
+            return int(match[1])
+        if not os.path.islink(target):
             return None
-        place = os.path.normpath(os.path.join(os.path.dirname(place), os.readlink(place)))
+        target = os.path.normpath(os.path.join(os.path.dirname(target), os.readlink(target)))
     return None
 
 

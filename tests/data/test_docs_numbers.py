@@ -14,6 +14,7 @@ PAGES = {
     "bank_forms": "bank-forms.md",
     "term_tables": "uncertainty.md",
     "separation": "uncertainty.md",
+    "kcs_verdicts": "uncertainty.md",
     "squat": "squat.md",
     "shallow": "squat.md",
     "rudder": "rudder.md",

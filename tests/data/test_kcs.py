@@ -29,7 +29,7 @@ def test_the_bank_is_confounded_with_the_yaw_rate(kcs_fits: dict[int, nw.Fit], c
     for name in ("b_bank", "c_bank"):
         assert fit.verdicts[name].status == "confounded"
         assert fit.verdicts[name].partners == (f"{name[0]}_r",)
-        assert any("only mixing speeds" in reason for reason in fit.verdicts[name].reasons)
+        assert any("of their own at each speed" in reason for reason in fit.verdicts[name].reasons)
 
 
 @pytest.mark.parametrize(("clearance", "vif"), [(100, 329), (50, 220), (20, 220)])

@@ -11,8 +11,10 @@ import xarray as xr
 from cases import mmg, paper, steered, waterway_for
 
 import narrows as nw
+from narrows.captive.measured import measured_files
 from narrows.quantities.names import Quantity
 from narrows.ship.actuator import Actuator, Part
+from readers_files import TURNED
 from tables import DTC_SHIP, frame_of, short_twin, written
 
 
@@ -112,9 +114,10 @@ BOW = Actuator("thrust", "1", "share of the thrust", rest=0.0, parts=(Thruster,)
 STATE = {"x": under(2.0, waterway=waterway_for("paper")), "psi": 0.1, "v": 0.05, "r": 0.02}
 FORCES = {"X": under(20.0, surge="free", surge_inertia=300.0), "Y": 5.0, "N": 5.0}
 CHOICES = {
-    "surge": under("free", X=5.0, surge_inertia=300.0), "surge_inertia": under(400.0, surge="free", X=5.0, base=300.0),
+    "surge": under("free", model=mmg()), "surge_inertia": under(400.0, surge="free", X=5.0, base=300.0),
     "coriolis": under(True, model=steered()), "contact": "midship",
 }  # fmt: skip
+FREE = {name: value for name, value in CHOICES.items() if name != "contact"}
 VARIED = {
     "x": refused(np.nan), "y": 0.7, "psi": 0.1, "u": 1.1, "v": 0.05, "r": 0.02, "Y": 5.0, "N": 5.0, "width": 6.0,
     "length": 3.0, "beam": 0.7, "draft": 0.2, "density": 900.0, "b_bank": 1.5, "c_vv": 600.0, "depth": 0.4,
@@ -171,7 +174,7 @@ class Table:
         voyage = {
             "model": steered(), "y": 0.6, "u": 1.1, "duration": 5.0, "dt": 0.5, **STATE, **FORCES, **CHOICES,
             "rudder": under(0.1, model=steered()), "at": [1.0, 2.0], "waterway": under(waterway_for("paper"), x=3.0),
-            "controller": under(law, model=steered()), "helm": under(law, model=steered()), "method": "dop853",
+            "controller": under(law, model=steered()),
         }  # fmt: skip
         run = {
             "model": steered(), "duration": 5.0, "dt": 0.5, "samples": under(3, model=uncertain()),
@@ -185,6 +188,15 @@ class Table:
             "ensemble": Entry({**start, "model": shallow(), "y": [0.5, -1.0]}, {**run, "y": [0.5, -1.1]}),
             "stability": Entry({"model": paper(), "y": 0.5, "u": 1.0}, {"model": steered(), **modes}),
             "eigenvalues": Entry({"model": paper(), "y": 0.5, "u": 1.0}, {"model": steered(), **modes}),
+            "derivative": Entry(
+                {"model": steered(), "state": (0.0, 0.5, 0.0, 1.0, 0.1, 0.02)},
+                {"model": paper(), "state": (0.0, 0.6, 0.0, 1.0, 0.1, 0.02), **FORCES, **FREE},
+            ),
+            "jacobian": Entry(
+                {"model": steered(), "y": 0.5, "u": 1.0, "v": 0.1, "r": 0.02},
+                {"model": paper(), "y": 0.6, "u": 1.1, "x": 2.0, "psi": 0.1, "v": 0.05, "r": 0.01, **FORCES, **FREE},
+                answer=lambda found: found.to_dict(),
+            ),
             "grounding_distance": Entry({"voyages": fleet()}, {"voyages": fleet(0.05)}),
             "grounding_probability": Entry(
                 {"voyages": fleet(), "distance": 8.0, "over": "sample"},
@@ -210,7 +222,7 @@ class Table:
         others = {
             "model": replace(by_depth(), covariance=4 * by_depth().covariance), "y": np.array([0.0, 0.7]),
             "u": np.array([0.3, 0.5]), "disturbance": nw.Disturbance(gust=300.0, gust_lever=1.0),
-            "reserve": 0.9, "keel": 0.13, "samples": 5,
+            "reserve": 0.9, "keel": 0.13, "samples": 5, "most_revolutions": refused(1.0),
             "seed": 1, "walls": (3.0, 2.5), "workers": refused(-1), "progress": shown(True),
         }  # fmt: skip
         course = {"model": by_depth(), "y": 0.5, "u": 1.0}
@@ -278,13 +290,16 @@ class Table:
     @property
     def identification(self) -> dict[str, Entry]:
         own = {"tests": short_twin()}
-        fitted = {"tests": other_tests(), "terms": "speed", "weights": "variance", "split": "random",
-                  "seed": under(3, split="random")}  # fmt: skip
         conditions = nw.measured_tests("kcs")
+        fitted = {"tests": other_tests(), "terms": "speed", "weights": "variance", "split": "random",
+                  "seed": under(3, split="random"), "accelerations": "motion",
+                  "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
+                  "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
         plan = {"configuration": paper().configuration, "runs": 6}
         quick = {"runs": (nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1),), "rate": 5.0}
         return {
-            "identify": Entry(own, fitted),
+            "identify": Entry(own, {**fitted, "ship": under(self.wider, tests=self.captive(0), base=self.ship)}),
+            "concat": Entry({"tests": (short_twin(), short_twin())}, {"tests": (short_twin(), other_tests())}),
             "identify_conditions": Entry(
                 {"tests": conditions}, {"tests": short_twin(), "condition": "C0101A02", "weights": "variance"}
             ),
@@ -301,7 +316,7 @@ class Table:
                 {"configuration": mmg().configuration, "runs": 4, "tank": nw.Tank(speeds=(0.6,)), "terms": nw.SPEED,
                  "targets": ("b_v",), "criterion": under("d", targets=("b_vv", "c_rr", "b_v")),
                  "noise": {"X": 1.0, "Y": 0.1, "N": 0.1},
-                 "correlation_time": 2.0, "after": short_twin()},
+                 "correlation_time": 2.0, "after": short_twin(), "errors": nw.RunErrors(0.0, 0.0, 0.0)},
             ),
             "twin": Entry(
                 quick,
@@ -314,14 +329,20 @@ class Table:
 
     @property
     def files(self) -> dict[str, Entry]:
-        out, elsewhere = self.folder / "out", self.folder / "elsewhere"
-        read = {"path": self.captive(0), "ship": self.ship}
-        reading = {"path": self.captive(1), "ship": self.wider, "terms": refused(nw.MMG), "where": "u < 0.9"}
+        models = [self.folder / name for name in ("out.toml", "elsewhere.toml")]
+        ways = [self.folder / name for name in ("out.geojson", "elsewhere.geojson")]
+        read, streamed = ({name: self.captive(0), "ship": self.ship} for name in ("table", "path"))
+        reading = {
+            "ship": self.wider, "where": "u < 0.9", "actuators": refused((), ship=self.thrusting, base=(BOW,)),
+            "mapping": refused({"columns": {"no such header": "u"}}),
+        }  # fmt: skip
         model = {"path": self.model(paper(), "paper.toml")}
         own = replace(nw.PAPER, name="own")
         return {
-            "read_captive": Entry(read, reading),
-            "stream_captive": Entry(read, reading, answer=lambda kept: nw.identify(kept).coefficients),
+            "read_captive": Entry(read, {"table": self.captive(1), **reading}),
+            "stream_captive": Entry(
+                streamed, {"path": self.captive(1), **reading}, answer=lambda kept: nw.identify(kept).coefficients
+            ),
             "read_ship": Entry(
                 {"path": self.ship}, {"path": self.wider, "actuators": refused((), path=self.thrusting, base=(BOW,))}
             ),
@@ -332,18 +353,24 @@ class Table:
                                 path=self.model(replace(paper(), terms=own), "own.toml"))},
             ),
             "save_model": Entry(
-                {"model": paper(), "path": out}, {"model": steered(), "path": elsewhere},
-                answer=lambda _: sorted((path.name, path.read_bytes()) for path in (out, elsewhere) if path.exists()),
+                {"model": paper(), "path": models[0]}, {"model": steered(), "path": models[1]},
+                answer=lambda _: sorted((path.name, path.read_bytes()) for path in models if path.exists()),
             ),
             "read_waterway": Entry(
                 {"path": self.waterway("paper", "a.geojson")}, {"path": self.waterway("mmg+delta", "b.geojson")}
             ),
             "write_waterway": Entry(
-                {"waterway": replace(waterway_for("paper"), origin=(5.0, 52.0)), "path": out},
-                {"waterway": replace(waterway_for("paper"), origin=(5.0, 53.0)), "path": elsewhere},
-                answer=lambda _: sorted((path.name, path.read_bytes()) for path in (out, elsewhere) if path.exists()),
+                {"waterway": replace(waterway_for("paper"), origin=(5.0, 52.0)), "path": ways[0]},
+                {"waterway": replace(waterway_for("paper"), origin=(5.0, 53.0)), "path": ways[1]},
+                answer=lambda _: sorted((path.name, path.read_bytes()) for path in ways if path.exists()),
             ),
         }  # fmt: skip
+
+
+@cache
+def turned() -> nw.CaptiveTests:
+    """Tests in which the rudder moves."""
+    return nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
 
 
 @cache

@@ -13,7 +13,7 @@ import narrows as nw
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
-STEPS = {"paper": 0.02, "steered": 0.02, "mmg+delta": 0.02}
+STEPS = {"paper": 0.02, "steered": 0.01, "mmg+delta": 0.02}
 """Of the control law and of Runge-Kutta [s], short enough for times to 3e-7 s."""
 ENDURANCE = {"paper": 25.0, "steered": 25.01, "mmg+delta": 30.01}
 """Longest time [s]; two of them no multiple of the step."""

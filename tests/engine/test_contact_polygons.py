@@ -10,7 +10,7 @@ import shapely
 import xarray as xr
 from cases import OUTLINE, paper
 from hull_polygons import OnTheMap, hull_points
-from public import awaits_engine, kinds, sides
+from public import kinds, sides
 from reference import Reference
 
 import narrows as nw
@@ -99,7 +99,6 @@ class Starts:
 every_case = [pytest.param(way, hull, id=f"{way}, {hull}") for way in WATERWAYS for hull in HULLS]
 
 
-@awaits_engine
 @pytest.mark.parametrize(("name", "hull"), every_case)
 def test_a_fleet_grounds_where_the_polygons_meet(name: str, hull: str) -> None:
     way, starts = WATERWAYS[name], Starts(name).columns()
@@ -115,7 +114,6 @@ def test_a_fleet_grounds_where_the_polygons_meet(name: str, hull: str) -> None:
     assert told_sides == [exact.side(state) for state in states[aground]]
 
 
-@awaits_engine
 @pytest.mark.parametrize(("name", "hull"), every_case)
 def test_a_voyage_goes_on_until_the_polygons_meet(name: str, hull: str) -> None:
     way, exact = WATERWAYS[name], OnTheMap(inert(), hull_points(inert(), HULLS[hull]), WATERWAYS[name])

@@ -1,12 +1,13 @@
 """Every way in which a voyage ends, beside the reference: across the canal, out of the waterway, afloat, diverged."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import pytest
 import xarray as xr
 from cases import paper, steered, waterway_for
-from public import awaits_engine, controller, kinds
+from public import controller, kinds
 from reference import Reference
 
 import narrows as nw
@@ -44,6 +45,12 @@ class Ending:
         return Reference(self.model, start=self.start, controller=self.law, **self.told)
 
 
+@cache
+def exact_end(name: str) -> Any:
+    """How the reference ends, integrated once."""
+    return ENDINGS[name].reference().end("corners")
+
+
 AHEAD = {"y": 0.0, "u": 1.0, "rudder": 0.0}
 PILOT = ("pilot", 0.0, (0.15, 1.2, 0.4, 2.0), 0.0, 0.0, 0.0)
 ENDINGS = {
@@ -57,11 +64,10 @@ ENDINGS = {
 }
 
 
-@awaits_engine
 @pytest.mark.parametrize("name", ENDINGS)
 def test_a_voyage_ends_as_the_reference(name: str) -> None:
     ending = ENDINGS[name]
-    exact = ending.reference().end("corners")
+    exact = exact_end(name)
     assert exact.kind == ending.kind
     starts = {own: xr.DataArray([value], dims="start") for own, value in ending.start.items()}
     law = controller(ending.law)
@@ -75,7 +81,6 @@ def test_a_voyage_ends_as_the_reference(name: str) -> None:
     assert alone.state["y"] == pytest.approx(exact.state["y"], abs=10 * near)
 
 
-@awaits_engine
 @pytest.mark.parametrize("dt", [0.02, 0.1])
 def test_a_motion_without_bound_is_told_as_such(dt: float) -> None:
     """A ship that is pushed ahead without end: where it stops is the step's, that it diverged is everybody's."""
@@ -84,7 +89,6 @@ def test_a_motion_without_bound_is_told_as_such(dt: float) -> None:
     assert kinds(nw.ensemble(paper(), **told)) == ["diverged"]
 
 
-@awaits_engine
 @pytest.mark.parametrize("contact", [[(0.3, 0.1), (-0.3, 0.1), (0.0, -0.1)], [(2.0, 0.0), (-2.0, 0.2), (-2.0, -0.2)]])
 def test_an_outline_inside_the_beam_is_refused_or_ends_there(contact: Any) -> None:
     """The wall of the force lies inside such a hull: it may not sail through it."""
@@ -100,7 +104,7 @@ def test_an_outline_inside_the_beam_is_refused_or_ends_there(contact: Any) -> No
 @pytest.mark.parametrize("name", ENDINGS)
 def test_the_reference_ends_as_it_should(name: str) -> None:
     ending = ENDINGS[name]
-    exact = ending.reference().end("corners")
+    exact = exact_end(name)
     assert exact.kind == ending.kind
     if ending.kind == "afloat":
         assert exact.time == ending.duration

@@ -10,17 +10,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 from arguments import Entry, Other, Table
-from public import LANDED, awaits_engine
 
 import narrows as nw
-
-AWAITED = {"controller", "waterway"}
-"""Arguments that the engine will bring."""
-GOING = {"helm", "method"}
-"""Arguments that it will take away."""
-
-UNCHECKED = {("safe_envelope", "workers"), ("steady_course", "workers")}
-"""What lets a wrong value through to a raw error until the engine is in."""
 
 
 def functions() -> dict[str, Any]:
@@ -79,13 +70,7 @@ def check(name: str, entry: Entry, argument: str, capsys: pytest.CaptureFixture[
     assert capsys.readouterr().err if other.shown else before != after
 
 
-def expected() -> Iterator[Any]:
-    """Every argument, those that are known to be wrong marked."""
-    for pair in arguments():
-        yield pytest.param(*pair, marks=awaits_engine if pair in UNCHECKED else (), id="-".join(pair))
-
-
-@pytest.mark.parametrize(("name", "argument"), list(expected()))
+@pytest.mark.parametrize(("name", "argument"), list(arguments()))
 def test_another_value_gives_another_answer_or_is_refused(
     name: str, argument: str, table: Table, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -101,7 +86,7 @@ def test_names_that_are_varied_count_too(table: Table, capsys: pytest.CaptureFix
     for name, entry in table.entries.items():
         own = inspect.signature(functions()[name]).parameters
         for argument in entry.others if any(one.kind is one.VAR_KEYWORD for one in own.values()) else ():
-            if argument not in own and argument not in GOING and (LANDED or argument not in AWAITED):
+            if argument not in own:
                 try:
                     check(name, entry, argument, capsys)
                 except (AssertionError, pytest.fail.Exception, nw.InputError) as error:
@@ -115,4 +100,4 @@ def test_the_table_names_nothing_that_is_gone(table: Table) -> None:
         own = inspect.signature(functions()[name]).parameters
         if not any(one.kind is one.VAR_KEYWORD for one in own.values()):
             gone += [f"{name}({argument})" for argument in table.entries[name].others if argument not in own]
-    assert set(gone) <= {f"simulate({argument})" for argument in (GOING if LANDED else AWAITED | GOING)}
+    assert not gone

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from cases import mmg, paper, steered
 from equations import Equations
-from public import LANDED, awaits_engine, kinds
+from public import kinds
 
 import narrows as nw
 from narrows.waterway.geojson import projected
@@ -35,7 +35,6 @@ def uncertain() -> nw.Model:
 # 1. A controller keeps its memory where a push from outside changes.
 
 
-@awaits_engine
 @pytest.mark.parametrize("axis", ["X", "Y", "N"])
 def test_a_push_that_does_not_change_leaves_a_zigzag_alone(axis: str) -> None:
     told = {"duration": 90.0, "dt": 0.05, "controller": nw.Zigzag(TEN, TEN)}
@@ -63,7 +62,6 @@ def by_differences(
     return found[np.argsort(-found.real, kind="stable")]
 
 
-@awaits_engine
 @pytest.mark.parametrize("bank", [True, False])
 @pytest.mark.parametrize(("rudder", "revolutions"), [(0.0, 10.32), (0.2, 10.32), (0.1, 7.0)])
 def test_eigenvalues_feel_rudder_and_propeller(bank: bool, rudder: float, revolutions: float) -> None:
@@ -77,7 +75,6 @@ def test_eigenvalues_feel_rudder_and_propeller(bank: bool, rudder: float, revolu
     assert found["growth"].to_numpy()[-1] == pytest.approx(expected.real.max(), abs=1e-6)
 
 
-@awaits_engine
 def test_eigenvalues_take_the_revolutions_of_the_ship() -> None:
     """KVLCC2 in open water: +0.00471 at 10.32 revolutions a second, not the +0.02165 of a propeller that stands."""
     model = nw.published("yasukawa2015_kvlcc2")
@@ -89,7 +86,6 @@ def test_eigenvalues_take_the_revolutions_of_the_ship() -> None:
 # 3. Time is up when it is.
 
 
-@awaits_engine
 @pytest.mark.parametrize(("duration", "dt"), [(11.5, 0.9), (1.0, 30.0), (1.0, 0.3), (10.0, 0.1)])
 def test_a_fleet_ends_exactly_when_time_is_up(duration: float, dt: float) -> None:
     ended = nw.ensemble(paper(), y=[0.0, 0.01], duration=duration, dt=dt)
@@ -103,7 +99,6 @@ def test_a_fleet_ends_exactly_when_time_is_up(duration: float, dt: float) -> Non
 # 4. The paper's clearance is a contact like the others.
 
 
-@awaits_engine
 @pytest.mark.parametrize("y", [0.5, -1.0, 2.0])
 @pytest.mark.parametrize("dt", [0.02, 0.1, 0.5])
 def test_the_midship_clearance_grounds(y: float, dt: float) -> None:
@@ -152,7 +147,6 @@ def test_a_bank_of_two_points_is_straight(side: str, tmp_path: Path) -> None:
 # 6. A waterway has two ends.
 
 
-@awaits_engine
 @pytest.mark.parametrize(("current", "word", "x"), [(-1.6, "beginning", 0.0), (0.5, "end", 60.0)])
 def test_a_ship_leaves_a_waterway_by_either_end(current: float, word: str, x: float) -> None:
     way = nw.straight_waterway(paper().configuration.canal, 60.0).with_water(current=current)
@@ -168,7 +162,6 @@ def test_a_ship_leaves_a_waterway_by_either_end(current: float, word: str, x: fl
 # 7. What nobody sailed far enough to know is not known.
 
 
-@awaits_engine
 def test_a_probability_is_not_known_where_time_ran_out() -> None:
     """P(ground within 40 m) was 0.0 with 15 s and 1.0 with 100 s."""
     short, long = (nw.ensemble(uncertain(), y=[0.02], samples=20, duration=own) for own in (15.0, 100.0))
@@ -177,13 +170,11 @@ def test_a_probability_is_not_known_where_time_ran_out() -> None:
     assert float(nw.grounding_probability(long, 40.0).squeeze()) == 1.0
 
 
-@awaits_engine
 def test_a_probability_is_known_where_every_ship_got_past() -> None:
     ended = nw.ensemble(uncertain(), y=[0.02], samples=20, duration=15.0)
     assert float(nw.grounding_probability(ended, 10.0).squeeze()) == 0.0
 
 
-@awaits_engine
 def test_a_probability_is_not_known_where_voyages_diverged() -> None:
     # A ship that is pushed ahead faster and faster.
     ended = nw.ensemble(uncertain(), y=[0.0], samples=3, duration=900.0, dt=0.5, surge="free", surge_inertia=1.0, X=1e9)
@@ -194,14 +185,12 @@ def test_a_probability_is_not_known_where_voyages_diverged() -> None:
 # 8. Open water is open water.
 
 
-@awaits_engine
 def test_a_fleet_that_feels_banks_is_not_in_open_water() -> None:
     for sail in (nw.simulate, nw.ensemble):
         with pytest.raises(nw.InputError, match="feel the banks"):
             sail(paper(), y=0.5, contact="none")
 
 
-@awaits_engine
 def test_no_heading_is_across_in_open_water() -> None:
     told = {"duration": 60.0, "dt": 0.05, "contact": "none", "rudder": 0.4, "y": 0.5}
     model = steered().in_open_water()
@@ -211,7 +200,6 @@ def test_no_heading_is_across_in_open_water() -> None:
     assert float(ended["y_end"].squeeze()) == pytest.approx(alone.y[-1], abs=1e-9)
 
 
-@awaits_engine
 def test_no_wall_stands_in_open_water() -> None:
     told = {"duration": 60.0, "dt": 0.05, "contact": "none", "psi": 0.3, "y": 0.5}
     alone, ended = (sail(paper().in_open_water(), **told) for sail in (nw.simulate, nw.ensemble))
@@ -239,7 +227,6 @@ def test_a_fleet_of_ships_that_cannot_be_is_refused(changed: dict[str, Any]) -> 
 # 10. Whole turns are counted, whoever looks.
 
 
-@awaits_engine
 @pytest.mark.parametrize("rudder", [0.4, -0.4])
 def test_a_turning_circle_is_counted_between_the_rows(rudder: float) -> None:
     told = {"duration": 240.0, "dt": 0.05, "contact": "none", "rudder": rudder}
@@ -250,7 +237,6 @@ def test_a_turning_circle_is_counted_between_the_rows(rudder: float) -> None:
     assert sparse.outcome.state["psi"] == close.psi[-1]
 
 
-@pytest.mark.xfail(strict=True, reason="a fleet keeps no track, so that its headings at the end are within half a turn")
 def test_a_fleet_counts_whole_turns_as_voyages_do() -> None:
     told = {"duration": 240.0, "dt": 0.05, "contact": "none", "rudder": 0.4}
     model = steered().in_open_water()
@@ -261,7 +247,6 @@ def test_a_fleet_counts_whole_turns_as_voyages_do() -> None:
 # 11. Where a voyage starts along a canal changes nothing but where it ends.
 
 
-@awaits_engine
 @pytest.mark.parametrize(("precision", "near"), [("float32", 1e-2), ("float64", 1e-8)])
 def test_a_canal_is_the_same_a_thousand_kilometres_on(precision: Any, near: float) -> None:
     here, there = (nw.ensemble(paper(), y=[0.5, -1.0], x=x, precision=precision) for x in (0.0, 1e6))
@@ -274,7 +259,6 @@ def test_a_canal_is_the_same_a_thousand_kilometres_on(precision: Any, near: floa
 # 16. Steps that nobody can count to are refused, not tried.
 
 
-@pytest.mark.xfail(not LANDED, reason="engine", strict=False, run=False)
 @pytest.mark.parametrize("told", [{"dt": 1e-9}, {"dt": 1e-300}, {"duration": 1e9}, {"dt": 1e-7}], ids=str)
 @pytest.mark.parametrize("sail", [nw.simulate, nw.ensemble])
 def test_more_steps_than_memory_are_refused(sail: Callable[..., Any], told: dict[str, float]) -> None:
@@ -287,7 +271,6 @@ def test_more_steps_than_memory_are_refused(sail: Callable[..., Any], told: dict
 # 18. Looking does not change the voyage.
 
 
-@awaits_engine
 @pytest.mark.parametrize("contact", ["corners", "midship", OUTLINE])
 @pytest.mark.parametrize("at", [[60.0], [0.1, 0.11, 7.777777, 60.0], np.linspace(0.013, 60, 999), [5.0]])
 def test_when_rows_are_asked_for_changes_no_outcome(contact: Any, at: Any) -> None:
@@ -296,7 +279,6 @@ def test_when_rows_are_asked_for_changes_no_outcome(contact: Any, at: Any) -> No
     assert (plain.kind, plain.side, plain.time, plain.state) == (looked.kind, looked.side, looked.time, looked.state)
 
 
-@awaits_engine
 def test_when_rows_are_asked_for_changes_no_order() -> None:
     told = {"duration": 40.0, "dt": 0.25, "controller": nw.Autopilot(0.3, (0.15, 1.2, 0.4, 2.0))}
     plain = nw.simulate(quiet(), **told)
@@ -306,7 +288,6 @@ def test_when_rows_are_asked_for_changes_no_order() -> None:
     assert looked.y[3] == plain.y[28]
 
 
-@awaits_engine
 def test_rows_between_steps_are_on_the_track() -> None:
     told = {"y": 0.5, "dt": 0.05, "duration": 10.0}
     at = [0.013, 1.234, 7.777, 9.999]
@@ -317,7 +298,6 @@ def test_rows_between_steps_are_on_the_track() -> None:
         np.testing.assert_allclose(getattr(looked, name)[1 : len(at) + 1], rows, atol=1e-6)
 
 
-@awaits_engine
 def test_what_a_fleet_varies_elsewhere_changes_no_voyage() -> None:
     one = nw.ensemble(paper(), y=[0.5], duration=30.0)
     many = nw.ensemble(paper(), y=[0.5, 1.0], u=xr.DataArray([1.0, 0.7], dims="u"), duration=30.0)

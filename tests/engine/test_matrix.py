@@ -37,25 +37,17 @@ def expected(case: Case) -> End:
     return case.reference(start_of(case)).end(case.shape)
 
 
-def endless_suction(case: Case) -> None:
-    """At midship the suction ends infinite and the steps before the last err: times agree to 1e-4 s, not to 1e-6."""
-    if case.contact == "midship":
-        pytest.xfail("a midship contact is located to 1e-4 s at this step")
-
-
 @in_every_cell
 def test_a_voyage_is_the_reference(case: Case) -> None:
-    endless_suction(case)
     found, reference = voyage(case, start_of(case)).outcome, expected(case)
     assert (found.kind, found.side) == (reference.kind, reference.side)
     assert found.time == pytest.approx(reference.time, abs=TIME)
-    if case.contact != "midship":  # which is met at a speed without bound
-        assert found.distance == pytest.approx(reference.distance, abs=2 * TIME)
+    far = 5 if case.contact == "midship" else 2  # which is met at a speed without bound
+    assert found.distance == pytest.approx(reference.distance, abs=far * TIME)
 
 
 @in_every_cell
 def test_a_fleet_is_the_reference(case: Case) -> None:
-    endless_suction(case)
     ended, number, reference = fleet(case), start_of(case), expected(case)
     assert (kinds(ended)[number], sides(ended)[number]) == (reference.kind, reference.side)
     assert ended["time"].to_numpy().ravel()[number] == pytest.approx(reference.time, abs=TIME)

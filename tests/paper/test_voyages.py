@@ -23,7 +23,7 @@ def test_bank_stiffness(dtc: nw.Model) -> None:
 
 
 def switch(model: nw.Model, **options) -> float:
-    """The start beyond which she grounds on the near bank."""
+    """The start beyond which it grounds on the near bank."""
     y = np.linspace(2.0, 2.6, 121)
     side = nw.ensemble(model, y=y, duration=120.0, **options)["side"].to_numpy()
     return float(y[np.argmax(side > 0)])

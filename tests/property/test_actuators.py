@@ -17,7 +17,6 @@ from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import PARTICULARS, Quantity
 from narrows.ship.actuator import Actuator, Part
 from narrows.ship.actuators import PROPELLER, RUDDER, STANDARD
-from narrows.ship.checks import check_number
 from narrows.terms.about import ScaleEffect
 from tables import DTC_SHIP, frame_of, many_runs
 
@@ -40,10 +39,6 @@ class BowThruster(Part):
     limit: float
     rate: float
 
-    def __post_init__(self) -> None:
-        for name in self.NUMBERS:
-            check_number(f"[bow_thruster] {name}", getattr(self, name))
-
 
 TURNS = "turns of the bow thruster, positive where it pushes the bow to starboard"
 THRUSTER = Actuator("bow_thruster", "1/s", TURNS, rest=0.0, parts=(BowThruster,))
@@ -57,12 +52,16 @@ def moment(bow_thruster, bow_thruster_diameter, bow_thruster_lever, density):
     return push(bow_thruster, bow_thruster_diameter, density) * bow_thruster_lever
 
 
-ABOUT = {"kind": nw.TermKind.THRUSTER, "source": "form of the bollard pull", "actuator": THRUSTER}
-TERMS = nw.PAPER.with_terms(
-    "paper+bow_thruster",
-    sway=[nw.Term("b_bow", "b_{bow}", push, Dimension(), scale_effect=ScaleEffect.WAKE, **ABOUT)],
-    yaw=[nw.Term("c_bow", "c_{bow}", moment, Dimension(), **ABOUT)],
-)
+def terms_with(thruster: Actuator) -> nw.TermTable:
+    about = {"kind": nw.TermKind.THRUSTER, "source": "form of the bollard pull", "actuator": thruster}
+    return nw.PAPER.with_terms(
+        "paper+bow_thruster",
+        sway=[nw.Term("b_bow", "b_{bow}", push, Dimension(), scale_effect=ScaleEffect.WAKE, **about)],
+        yaw=[nw.Term("c_bow", "c_{bow}", moment, Dimension(), **about)],
+    )
+
+
+TERMS = terms_with(THRUSTER)
 SECTION = BowThruster(0.05, 1.7, 20.0, 4.0)
 
 
@@ -89,9 +88,11 @@ def table_of(tug: nw.Model) -> pd.DataFrame:
 def test_it_is_identified_from_a_column_of_its_name(tug: nw.Model, tmp_path: Path) -> None:
     path = tmp_path / "tests.csv"
     table_of(tug).to_csv(path, index=False)
-    tests = nw.read_captive(path, tug.configuration, TERMS)
+    ship = tmp_path / "tug.toml"
+    ship.write_text(f"{DTC_SHIP}\n[bow_thruster]\ndiameter = 0.05\nlever = 1.7\nlimit = 20\nrate = 4\n")
+    tests = nw.read_captive(path, ship, actuators=[THRUSTER])
     assert np.abs(tests.columns["bow_thruster"]).max() == pytest.approx(15.0)
-    fit = nw.identify(tests, TERMS)
+    fit = nw.identify(tests, TERMS, errors=nw.RunErrors(0, 0, 0))
     for name, value in (("b_bow", 0.4), ("c_bow", 0.35)):
         low, high = fit.intervals[name]
         assert low < value < high
@@ -99,7 +100,11 @@ def test_it_is_identified_from_a_column_of_its_name(tug: nw.Model, tmp_path: Pat
     without = tmp_path / "without.csv"
     table_of(tug).drop(columns="bow_thruster [rpm]").to_csv(without, index=False)
     with pytest.raises(nw.InputError, match=r"'bow_thruster' is missing \(turns of the bow thruster.*\[1/s\]\)"):
-        nw.read_captive(without, tug.configuration, TERMS)
+        nw.identify(nw.read_captive(without, ship, actuators=[THRUSTER]), TERMS)
+    streamed = nw.identify(nw.stream_captive(path, ship, actuators=[THRUSTER]), TERMS)
+    assert streamed.coefficients == pytest.approx(fit.coefficients, rel=1e-9)
+    with pytest.raises(nw.InputError, match=r"add it; did you mean 'bow_thruster \[rpm\]'"):
+        nw.identify(nw.read_captive(path, tug.configuration), TERMS)
 
 
 @given(turns=numbers(-20, 20))
@@ -217,6 +222,34 @@ def test_a_steady_course_balances_it(tug: nw.Model) -> None:
         assert abs(found["N"]) < 1e-6
 
 
+@dataclass(frozen=True)
+class RunningThruster(BowThruster):
+    """One whose section says how it turns, where nothing moves it."""
+
+    NUMBERS: ClassVar[Mapping[str, Quantity]] = {**BowThruster.NUMBERS, "bow_thruster": Quantity("1/s", TURNS)}
+
+    bow_thruster: float = 0.0
+
+
+def test_the_envelope_feels_it(tug: nw.Model) -> None:
+    """A thruster that turns needs another rudder to hold the course: as much as its force asks for."""
+    hull = replace(tug.configuration.ship, flow_straightening=0.5)
+    canal, gear = replace(tug.configuration.canal, depth=0.4), nw.SteeringGear(35.0, 20.0)
+    coefficients = {**tug.coefficients, "a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
+    terms = nw.with_helm(terms_with(replace(THRUSTER, parts=(RunningThruster,))))
+
+    def rudder(turns: float, diameter: float = 0.05) -> np.ndarray:
+        section = RunningThruster(diameter, 1.7, 20.0, 4.0, turns)
+        configuration = replace(tug.configuration, ship=hull, canal=canal, steering=gear, others=(section,))
+        model = nw.Model(configuration, terms, coefficients)
+        found = nw.safe_envelope(model, np.array([-0.1, 0.1]), np.array([0.5, 0.7]), samples=2)
+        assert (found.data["found"] == 1).all()
+        return found.data["rudder"].to_numpy()
+
+    assert (rudder(8.0) - rudder(0.0) > 1e-3).all()
+    np.testing.assert_allclose(rudder(8.0), rudder(2.0, diameter=0.1), rtol=1e-9)  # D^4 n |n| is the same.
+
+
 def test_it_drives_the_ship(tug: nw.Model) -> None:
     held = nw.simulate(tug, y=0.0, u=0.8, duration=5.0, bow_thruster=10.0)
     still = nw.simulate(tug, y=0.0, u=0.8, duration=5.0)
@@ -258,3 +291,14 @@ def test_sections_say_the_unit_of_every_number(actuator: Actuator) -> None:
         assert list(part.NUMBERS) == [own.name for own in fields(part)]
     for said in (*actuator.quantities.values(), *PARTICULARS.values()):
         assert isinstance(dimension_of(said.unit), Dimension)
+
+
+def test_its_numbers_are_checked_with_the_place_in_the_file(tug: nw.Model) -> None:
+    with pytest.raises(nw.InputError, match=r"^\[bow_thruster\] lever = nan is not a finite number"):
+        replace(SECTION, lever=np.nan)
+    with pytest.raises(nw.InputError, match=r"^\[bow_thruster\] diameter = 1e\+21 is beyond all measure"):
+        replace(SECTION, diameter=1e21)
+    with pytest.raises(nw.InputError, match=r"^\[bow_thruster\] diameter = nan is not a finite number"):
+        nw.ensemble(tug, bow_thruster_diameter=[0.05, np.nan])
+    with pytest.raises(nw.InputError, match=r"^\[propeller\] wake = inf is not a finite number"):
+        nw.ensemble(nw.published("yasukawa2015_kvlcc2"), propeller_wake=[0.3, np.inf])

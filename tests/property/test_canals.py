@@ -49,7 +49,7 @@ def test_a_keel_meets_a_slope_where_it_is_as_high(clearance: float) -> None:
 
 
 def test_she_grounds_where_her_keel_meets_the_slope() -> None:
-    """A deep hull stops short of the wall that her forces feel; a step under her keel stops nothing."""
+    """A deep hull stops short of the wall that its forces feel; a step under its keel stops nothing."""
     sloped, stepped = canal(SLOPE), canal(STEP)
     keel = 3.2 + 0.6 * (0.3 - DTC.configuration.ship.draft) / 0.3
     for way, room in ((sloped, keel), (stepped, None)):
@@ -179,12 +179,29 @@ class TestChart:
         assert float(way.section(250.0).width) == pytest.approx(75.0, abs=0.05)
         assert float(way.section(250.0).depth) == 12.0
 
-    @pytest.mark.parametrize(
-        "lengths", [{"reach": float("nan")}, {"reach": -100.0}, {"spacing": 0.0}, {"spacing": -5.0}]
-    )
-    def test_lengths_that_are_none_are_refused(self, tmp_path: Path, lengths: dict) -> None:
-        with pytest.raises(nw.InputError, match="give lengths over 0"):
-            waterway_from_chart(read_chart(cell(tmp_path)), AXIS, **lengths)
+    def test_banks_and_depths_are_the_charts_own_points(self, tmp_path: Path) -> None:
+        """A pier as narrow as a hand, two banks that cross and an edge of depth: no station misses them."""
+        made = Cell("1W7TEST3.000")
+        made.line(CANAL_BANK, at([(30, -100), (30, 237.0), (10, 237.0), (10, 237.1), (30, 237.1), (30, 600)]))
+        made.line(CANAL_BANK, at([(-40, -100), (-50, 600)]))
+        made.line(COASTLINE, at([(-50, -100), (-40, 600)]))
+        made.area(DEPTH_AREA, at([(-60, -150), (60, -150), (60, 123.4), (-60, 123.4), (-60, -150)]), "4.0", "5.0")
+        made.area(DEPTH_AREA, at([(-60, 123.4), (60, 123.4), (60, 650), (-60, 650), (-60, 123.4)]), "3.5", "4.0")
+        way = waterway_from_chart(read_chart(made.save(tmp_path / "1W7TEST3.000")), AXIS)
+        s = np.array([236.9, 237.05, 237.2])
+        np.testing.assert_allclose(way.starboard.at(s), [30, 10, 30], atol=0.03)
+        # The nearer of two lines that cross in the middle of the canal, 250 m along it.
+        np.testing.assert_allclose(way.port.at([50.0, 250.0, 450.0]), [42.14, 45.0, 42.14], atol=0.05)
+        np.testing.assert_array_equal(way.depth([123.3, 123.5]), [4.0, 3.5])
+        nw.write_waterway(way, tmp_path / "canal.geojson")
+        again = nw.read_waterway(tmp_path / "canal.geojson")
+        np.testing.assert_allclose(again.starboard.at(s), way.starboard.at(s), atol=1e-4)
+        np.testing.assert_array_equal(again.depth([123.3, 123.5]), [4.0, 3.5])
+
+    @pytest.mark.parametrize("reach", [float("nan"), -100.0])
+    def test_lengths_that_are_none_are_refused(self, tmp_path: Path, reach: float) -> None:
+        with pytest.raises(nw.InputError, match="give a length over 0"):
+            waterway_from_chart(read_chart(cell(tmp_path)), AXIS, reach)
 
     def test_what_is_no_chart_is_refused(self, tmp_path: Path, cli) -> None:
         (tmp_path / "bad.000").write_bytes(b"no chart at all")
@@ -199,7 +216,7 @@ class TestChart:
 
     def test_without_the_extra_it_says_which(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(sys.modules, "pyogrio", None)
-        with pytest.raises(nw.InputError, match=r"pip install 'narrows\[charts\]'"):
+        with pytest.raises(nw.InputError, match=r"-m pip install 'pyogrio\S+"):
             read_chart(cell(tmp_path))
 
 

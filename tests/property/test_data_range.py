@@ -71,10 +71,10 @@ def test_a_voyage_the_envelope_and_a_table_agree(speed: float) -> None:
 
 
 def test_an_envelope_asked_at_the_tests_own_speed_is_inside(dtc: nw.Model) -> None:
-    from narrows.safety.envelope import _beyond
+    from narrows.safety.tested import beyond_tests
 
     known = replace(dtc, data_range=DataRange(speed=(0.4, 1.0), abs_y=(0.5, 0.9), width_to_beam=(7 / 0.572,) * 2))
-    assert _beyond(known, np.array([-0.2, 0.9]), np.array([0.4, 1.0])) == ()
-    said = _beyond(known, np.array([-1.2, 0.9]), np.array([0.4, 1.2]))
+    assert beyond_tests(known, np.array([-0.2, 0.9]), np.array([0.4, 1.0])) == ()
+    said = beyond_tests(known, np.array([-1.2, 0.9]), np.array([0.4, 1.2]))
     assert said[0] == "Beyond the data: speed 0.778 to 2.33 knots; they covered 0.778 to 1.94 knots."
     assert [note.split()[3] for note in said] == ["speed", "offset"]

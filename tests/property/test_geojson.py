@@ -123,6 +123,8 @@ def test_texts_that_are_no_geojson_are_refused(tmp_path: Path, name: str) -> Non
     ("place", "value", "said"),
     [
         (("features", 1, "properties"), [1], "feature 1: its properties are"),
+        (("features", 0, "properties", "depths"), [[0, 4], [9, "x"]], "are not pairs of place and depth"),
+        (("features", 0, "properties", "depths"), [[9, 4], [0, 5]], "do not rise along it"),
         (("features", 2, "geometry"), "line", "feature 2: its geometry are 'line'"),
         (
             ("features", 2, "geometry", "coordinates", 3),

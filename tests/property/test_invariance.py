@@ -71,7 +71,7 @@ def test_streamed_is_in_memory(
     for split in ("test", "random"):
         one, other = nw.identify(whole, split=split), nw.identify(streamed, split=split)
         assert_same(one, other)
-        assert other.clusters.labels == one.clusters.labels
+        assert other.motions.labels == one.motions.labels
         for kind in ("mse", "mean_abs", "lmg"):
             for force, shares in one.shapley(kind).items():
                 assert other.shapley(kind)[force] == pytest.approx(shares, rel=1e-7, abs=1e-12)

@@ -1,10 +1,12 @@
 """Waterways: round trips, a circle by hand, the straight canal as the simplest case, and geometry that cannot be."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import numbers
@@ -110,7 +112,7 @@ def test_a_bend_goes_straight_on_beyond_its_ends(out: float, n: float, first: bo
     along = np.array([np.sin(line.heading(end)), np.cos(line.heading(end))])
     there = line.at(end) + sign * out * along + n * np.array([along[1], -along[0]])
     np.testing.assert_allclose(line.at(end + sign * out, n), there, atol=1e-7)
-    np.testing.assert_allclose(line.place(there), (end + sign * out, n), atol=1e-7)
+    np.testing.assert_allclose(line.locate(there), (end + sign * out, n), atol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -148,7 +150,7 @@ def inert() -> nw.Model:
 
 
 def test_a_ship_without_forces_sails_straight_across_the_map() -> None:
-    """Through a bend of the waterway, until its outer bank stops her."""
+    """Through a bend of the waterway, until its outer bank stops it."""
     way = waterway(circle(400.0), 30.0)
     voyage = nw.simulate(inert(), y=0.0, u=1.0, duration=400.0, dt=0.5, waterway=way)
     positions, heading = way.to_map(voyage.x, voyage.y, voyage.psi)
@@ -226,6 +228,27 @@ def test_a_canal_from_longitude_and_latitude(tmp_path: Path) -> None:
     assert float(here.middle) == pytest.approx(10.0, abs=1e-3)
     assert float(here.depth) == 24.0
     assert way.with_water(level=-1.0).canal(500.0).depth == 23.0
+
+
+def test_a_map_of_voyages_in_a_waterway(tmp_path: Path, cli) -> None:
+    """By name and by function; starts along it vary too."""
+    path = tmp_path / "canal.geojson"
+    straight = nw.straight_waterway(nw.Canal(7.0, 0.3), 60.0)
+    nw.write_waterway(replace(straight, origin=(7.6, 52.0)), path)
+    words = ("map", "mikkelsen2025_dtc", "--y=-0.6,0.6", "--duration", 60, "--dt", 0.1, "--json")
+    code, out, _ = cli(*words, "--waterway", path, "--x", "0,50", "--current", "0.2m/s", "-o", tmp_path / "map.nc")
+    assert code == 0
+    shown = json.loads(out)
+    assert shown["voyages"] == 4
+    assert shown["outcomes"]["passed"] == 2  # Those that begin 10 m before its end.
+    way = nw.read_waterway(path).with_water(0.2)
+    ends = nw.ensemble(nw.published("mikkelsen2025_dtc"), duration=60.0, dt=0.1, y=[-0.6, 0.6], x=[0.0, 50.0],
+                       waterway=way)  # fmt: skip
+    with xr.open_dataset(tmp_path / "map.nc", engine="scipy") as written:
+        np.testing.assert_array_equal(written["distance"].transpose(*ends["distance"].dims), ends["distance"])
+    for wrong in (("--width", "6", "--waterway", path), ("--current", "1m/s"), ("--waterway", path, "--x", "61")):
+        code, _, error = cli(*words, *wrong)
+        assert (code, error.count("\n")) == (2, 1)
 
 
 @given(east=numbers(-5000, 5000), north=numbers(-5000, 5000))

@@ -7,14 +7,18 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 from scipy.optimize import root
 
 import narrows as nw
 from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
 from narrows.control.track_pilot import track_gains
+from narrows.model.data_range import DataRange
 from narrows.safety.disturbance import Disturbance
+from narrows.safety.edges import crossing, first_run, largest_rectangle
 from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.sampling import is_settled, share_interval
 from narrows.safety.underkeel import keel_at
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
@@ -25,16 +29,23 @@ BEAM, LENGTH = 32.2, 230.0
 
 
 @pytest.fixture(scope="module")
-def doubtful() -> nw.Model:
-    """The KCS at 50 % clearance as she was measured, at full size in a canal 300 m wide, with her covariance."""
-    return nw.scale_model(steered_kcs(), LENGTH, 1025.0, width=300.0, depth=16.2).model
+def tested() -> nw.Model:
+    """The KCS at 50 % clearance at full size in a canal 300 m wide, as if its tests told five times as much."""
+    measured = nw.scale_model(steered_kcs(), LENGTH, 1025.0, width=300.0, depth=16.2).model
+    return replace(measured, covariance=measured.covariance / 25)
+
+
+@pytest.fixture(scope="module")
+def doubtful(tested: nw.Model) -> nw.Model:
+    """The same, of which nobody says what the tests covered."""
+    return replace(tested, data_range=DataRange())
 
 
 @cache
 def steered_kcs() -> nw.Model:
     """The tank's own, to lend its rudder."""
     terms = table_named("speed+helm")
-    tests = nw.read_captive(*measured_files("kcs"), terms, TURNED).by_condition()["C0101A02"]
+    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
     return nw.identify(tests, terms).model
 
 
@@ -161,10 +172,15 @@ def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, sample: int, ti
     )  # fmt: skip
 
 
+def mirrored(thrown: dict, y: float) -> dict:
+    """What is thrown to starboard on one side of the middle is thrown to port on the other."""
+    return {name: -column if y < 0 else column for name, column in thrown.items()}
+
+
 def was_held(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float) -> bool:
     try:
         voyage = voyage_of(model, thrown, y, u, sample, time)
-    except nw.InputError:  # no rudder holds her there
+    except nw.InputError:  # no rudder holds it there
         return False
     last = voyage.t > voyage.t[-1] - LATE * LENGTH / u + 1e-9
     return voyage.outcome.kind == "afloat" and bool(np.abs(voyage.y - y)[last].max() <= BEAM / 2)
@@ -187,13 +203,13 @@ class TestTrials:
         for y in offsets:
             for u in SPEEDS:
                 for sample in range(samples):
-                    held = was_held(ship, thrown, float(y), float(u), sample, gust.gust_time)
+                    held = was_held(ship, mirrored(thrown, y), float(y), float(u), sample, gust.gust_time)
                     assert bool(tried.held.sel(y=y, u=u)[sample]) == held, (y, u, sample)
                     fates.add(held)
         assert fates == {True, False}
 
     def test_a_keel_wall_stops_her_before_the_canals(self, ship: nw.Model) -> None:
-        """A wall between where a gust to starboard and one to port carry her hull stops the former alone."""
+        """A wall between where a gust to starboard and one to port carry the hull stops the former alone."""
         gust, speed, samples = Disturbance(0.0, gust=4e5, gust_time=100.0), np.array([5.0]), 6
         thrown = gust.drawn(samples, 0)
         voyages = [voyage_of(ship, thrown, 30.0, 5.0, sample, gust.gust_time) for sample in range(samples)]
@@ -230,7 +246,7 @@ class TestEnvelope:
         from scipy.optimize import brentq
 
         most = ship.configuration.gear.limit * 2 / 3
-        offsets, heave = np.linspace(20.0, 130.0, 45), float(keel_at(ship.configuration, np.array([5.0])).midship[0])
+        offsets, heave = np.linspace(20.0, 130.0, 45), float(keel_at(ship, np.array([5.0])).midship[0])
         rudder = nw.steady_course(ship, y=offsets, u=5.0, heave=heave)["rudder"]
         low, high = offsets[(rudder < most).to_numpy()].max(), offsets[(rudder > most).to_numpy()].min()
         edge = brentq(lambda y: float(nw.steady_course(ship, y=y, u=5.0, heave=heave)["rudder"]) - most, low, high)
@@ -248,7 +264,7 @@ class TestEnvelope:
 
     def test_quantiles_are_those_of_the_samples(self, doubtful: nw.Model, found: nw.SafeEnvelope) -> None:
         """NumPy on the steady courses of the same samples; those without one are beyond hard over."""
-        heave = keel_at(doubtful.configuration, np.array([5.0])).midship[0]
+        heave = keel_at(doubtful, np.array([5.0])).midship[0]
         for y in (28.0, 84.0):
             rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, samples=60)["rudder"].to_numpy()
             beyond = np.sign(np.nanmedian(rudder)) * np.inf
@@ -277,7 +293,7 @@ class TestEnvelope:
         shallow = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0, 11.8)))
         speeds = np.array([1.0, 4.0])
         found = nw.safe_envelope(shallow, np.array([0.0]), speeds, samples=1, disturbance=Disturbance(0.0))
-        under = keel_at(shallow.configuration, speeds)
+        under = keel_at(shallow, speeds)
         assert under.clearance[0] > 0.05 * shallow.configuration.ship.draft > under.clearance[1]
         assert found.limited_by() == ["the keel"]
 
@@ -286,11 +302,11 @@ class TestEnvelope:
         found = nw.safe_envelope(ship, np.array([0.0, 20.0]), np.array([0.4, 2.0, 5.0]), disturbance=blow, samples=20)
         np.testing.assert_array_equal(found.safe().to_numpy(), [[False, True, True]] * 2)
         np.testing.assert_array_equal(found.lowest_speed(), 2.0)
-        assert "Safe from 3.9 to 9.7 knots between +0.0 and +20.0 m" in found.says
+        assert "from 3.9 to 9.7 knots between +0.0 and +20.0 m" in found.summary()
 
-    def test_what_the_tests_did_not_cover_is_said(self, found: nw.SafeEnvelope) -> None:
-        said = [note for note in found.notes if note.startswith("Beyond the data:")]
-        assert [note.split()[3] for note in said] == ["speed", "offset", "W/B"]
+    def test_shares_mirror_themselves_to_the_bit(self, found: nw.SafeEnvelope) -> None:
+        for name in ("held", "held_low", "held_high", "holds", "found"):
+            np.testing.assert_array_equal(found.data[name], found.data[name][::-1])
 
     def test_a_models_gear_is_asked_for(self, kcs_tests: dict) -> None:
         tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
@@ -341,6 +357,126 @@ class TestEnvelope:
             nw.safe_envelope(ship, **given)
 
 
+@pytest.fixture(scope="module")
+def asked(tested: nw.Model) -> nw.SafeEnvelope:
+    return nw.safe_envelope(tested)
+
+
+class TestTruth:
+    """What the headline and the chart say is no bolder than the tests and the cases tried."""
+
+    def test_safe_ends_where_the_tests_end(self, asked: nw.SafeEnvelope, tested: nw.Model) -> None:
+        known = tested.data_range
+        safe = asked.safe().stack(place=("y", "u"))
+        safe = safe[safe.to_numpy()]
+        assert float(safe["u"].max()) == pytest.approx(known.speed[1])
+        assert float(abs(safe["y"]).max()) == pytest.approx(known.abs_y[1])
+        assert (asked.by_model() & ~asked.safe()).any()
+        assert "the tests end" in asked.limited_by()
+        assert "but there the tests end" in asked.summary()
+
+    def test_a_section_that_was_not_tested_comes_first(self, asked: nw.SafeEnvelope, tested: nw.Model) -> None:
+        assert asked.summary().startswith(
+            "Not tested, so what follows is the model's guess: W/B 9.32 (11.4 was tested)"
+        )
+        assert asked.untested
+        as_wide = replace(tested, configuration=replace(tested.configuration, canal=nw.Canal(368.7, 16.2)))
+        assert not nw.safe_envelope(as_wide, np.array([0.0]), np.array([3.0]), samples=20).untested
+
+    def test_what_the_tests_did_not_cover_is_said(self, asked: nw.SafeEnvelope) -> None:
+        said = [note for note in asked.notes if note.startswith("Beyond the data:")]
+        assert [note.split()[3] for note in said] == ["speed", "offset", "W/B"]
+
+    def test_seeds_agree(self, tested: nw.Model, asked: nw.SafeEnvelope) -> None:
+        """Where 200 draws gave +-22 m by one seed and +-29 m by another."""
+        other = nw.safe_envelope(tested, seed=7)
+        far, also = (_edge(found, 3.0) for found in (asked, other))
+        assert far == pytest.approx(also, abs=float(asked.data["y"].diff("y").max()))
+
+    def test_cases_are_added_until_the_edge_is_settled(self, doubtful: nw.Model) -> None:
+        offsets, speeds = np.linspace(55.0, 75.0, 21), np.array([4.0])
+        few, settled = (nw.safe_envelope(doubtful, offsets, speeds, samples=samples) for samples in (50, None))
+        assert settled.samples > 400
+        assert "With 50 cases tried this is not certain anywhere; try more." in few.summary()
+        some = nw.safe_envelope(doubtful, offsets, speeds, samples=300)
+        assert "300 cases were tried: that leaves the edges open" in some.summary()
+
+    def test_the_headline_is_never_of_no_width(self, doubtful: nw.Model) -> None:
+        found = nw.safe_envelope(doubtful, np.array([-80.0, 0.0, 80.0]), np.array([3.0, 5.0]))
+        low, high = (float(word) for word in found.summary().split("between ")[1].split(" m off")[0].split(" and "))
+        assert low == -high
+        assert 0.0 < high < 80.0
+
+    def test_what_a_pilot_does_not_say_is_not_written(self, asked: nw.SafeEnvelope) -> None:
+        from io import StringIO
+
+        memory = StringIO()
+        asked.plot().savefig(memory, format="svg")
+        texts = [text.get_text() for text in asked.plot().findobj(Text)]
+        for word in ("draws", "5 % line", "even odds", "sample", " she "):
+            assert not any(word in text for text in [asked.summary(), *texts])
+        assert any("no wind" in text for text in texts)
+
+    def test_an_engine_bounds_the_speed_and_a_kick_saves_rudder(self) -> None:
+        kvlcc2 = nw.published("yasukawa2015_kvlcc2")
+        banked = replace(kvlcc2, configuration=replace(kvlcc2.configuration, canal=nw.Canal(7.0, 2.0)))
+        table = table_named("mmg+delta")
+        bank = {name: 0.02 for name in table.names if name not in banked.coefficients}
+        model = nw.Model(banked.configuration, table, {**banked.coefficients, **bank})
+        speeds, calm = np.array([0.6, 0.9, 1.2]), Disturbance(0.0)
+        most = nw.self_propulsion(model, 1.0)
+        found = nw.safe_envelope(
+            model, np.array([0.0, 0.5]), speeds, disturbance=calm, samples=1, most_revolutions=most
+        )
+        np.testing.assert_array_equal(found.data["clear"], [True, True, False])
+        assert found.limited_by() == ["the engine"] * 2
+        aside = found.data.sel(y=0.5, u=0.6)
+        assert abs(float(aside["rudder_kick"])) < abs(float(aside["rudder"]))
+        with pytest.raises(nw.InputError, match="no terms of a propeller"):
+            nw.safe_envelope(steered_kcs(), np.zeros(1), np.ones(1), most_revolutions=2.0)
+
+
+def _edge(found: nw.SafeEnvelope, speed: float) -> float:
+    y, held = found.data["y"].to_numpy(), found.data["held"].sel(u=speed, method="nearest").to_numpy()
+    last = int(np.flatnonzero(held >= 0.95)[-1])
+    return crossing(y, held, last, last + 1, 0.95)
+
+
+class TestGrid:
+    """The edges of a mask against counting by hand."""
+
+    def test_the_first_run_of_true(self) -> None:
+        assert first_run(np.array([False, True, True, False, True])) == (1, 2)
+        assert first_run(np.zeros(3, bool)) is None
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_the_largest_block_is_the_largest(self, seed: int) -> None:
+        safe = np.random.default_rng(seed).uniform(size=(7, 6)) < 0.7
+        y, u = np.arange(7.0), np.arange(6.0)
+        blocks = [
+            (b - a + 1) * (d - c + 1)
+            for a in range(7) for b in range(a, 7) for c in range(6) for d in range(c, 6)
+            if safe[a : b + 1, c : d + 1].all()
+        ]  # fmt: skip
+        rows, columns = largest_rectangle(safe, y, u) or (slice(0, 0), slice(0, 0))
+        assert safe[rows, columns].all()
+        assert safe[rows, columns].size == max(blocks)
+
+    def test_wilsons_interval_is_scipys(self) -> None:
+        from scipy.stats import binomtest
+
+        low, high = share_interval(np.array([0.95, 0.0, 1.0]), 200)
+        for place, count in enumerate((190, 0, 200)):
+            exact = binomtest(count, 200).proportion_ci(method="wilson")
+            assert (low[place], high[place]) == pytest.approx((exact.low, exact.high), abs=1e-7)
+
+    def test_an_edge_that_may_lie_two_steps_on_is_not_settled(self) -> None:
+        low = np.array([[0.99], [0.90], [0.90], [0.50]])
+        clear = np.ones((4, 1), bool)
+        assert is_settled(low, np.array([[1.0], [0.97], [0.94], [0.6]]), 0.95, clear)
+        assert not is_settled(low, np.array([[1.0], [0.97], [0.96], [0.6]]), 0.95, clear)
+
+
 class TestCommand:
     def test_table_chart_data(self, doubtful: nw.Model, cli, tmp_path) -> None:
         nw.save_model(doubtful, tmp_path / "full.toml")
@@ -349,7 +485,7 @@ class TestCommand:
             "--plot", tmp_path / "chart.svg", "-o", tmp_path / "e.nc",
         )  # fmt: skip
         assert code == 0
-        assert "Safe from" in out
+        assert out.startswith("Safe from")
         assert "limited by" in out
         assert (tmp_path / "chart.svg").stat().st_size > 10_000
         with xr.open_dataset(tmp_path / "e.nc", engine="scipy") as data:
@@ -407,7 +543,7 @@ def test_a_section_of_a_waterway_takes_the_canals_place(doubtful: nw.Model, cli,
     assert code == 0
     assert "286.2 m wide" in said["setting"]  # 120 and half of 32.4 to starboard, 150 to port
     assert any("the middle is -6.9 m off its centreline" in note for note in said["notes"])
-    # Her keel meets the slope before the wall that her forces feel.
+    # Its keel meets the slope before the wall that its forces feel.
     edge = 120.0 + 2 * (16.2 - doubtful.configuration.ship.draft) + 6.9 - BEAM / 2
     for offset, known in ((edge - 0.1, True), (edge + 0.1, False)):
         spot = ("envelope", tmp_path / "full.toml", f"--y={offset}", *words[4:])

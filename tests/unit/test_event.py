@@ -37,7 +37,7 @@ def ended(
         if well and ahead > 0 and left > 0 and not trying:
             t = after
             continue
-        fate = event.judge(book, left, ahead, room(t), well, TOLERANCE, NEAR)
+        fate = event.judge(book, left, ahead, room(t), well, TOLERANCE, NEAR, 0.0)
         if fate == event.LOST:
             return fate, t, tries
         if fate != event.BACK:

@@ -1,6 +1,7 @@
 """Forms of the bank term: limits that tie them together, symmetries, and the tables that take them."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -97,6 +98,37 @@ def test_a_model_that_feels_no_bank_says_so(dtc: nw.Model, short: nw.CaptiveTest
     assert "'mmg' feel no bank" in nw.published("yasukawa2015_kvlcc2").bank_note
     assert table_named("paper+open_water").bank_note in nw.identify(short, table_named("paper+open_water")).notes
     assert not any("feel no bank" in note for note in nw.identify(short).notes)
+
+
+def steered(dtc: nw.Model) -> nw.Model:
+    """The published ship with a rudder and its gear, in a canal of known depth."""
+    hull = replace(dtc.configuration.ship, flow_straightening=0.5)
+    canal = replace(dtc.configuration.canal, depth=0.4)
+    configuration = replace(dtc.configuration, ship=hull, canal=canal, steering=nw.SteeringGear(35.0, 20.0))
+    helm = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
+    return nw.Model(configuration, nw.with_helm(nw.PAPER), {**dtc.coefficients, **helm})
+
+
+DOORS = {
+    "simulate": lambda model, _: nw.simulate(model, duration=1.0).notes,
+    "ensemble": lambda model, _: nw.ensemble(model, duration=1.0).attrs["notes"],
+    "steady course": lambda model, _: nw.steady_course(model, y=0.1, u=0.8).attrs["notes"],
+    "stability": lambda model, _: nw.stability(model, u=0.8).attrs["notes"],
+    "scale": lambda model, _: nw.scale_model(model, 355.0, width=500.0).notes,
+    "envelope": lambda model, _: nw.safe_envelope(model, np.array([0.0]), np.array([0.6]), samples=2).notes,
+    "map": lambda model, cli: cli("map", model, "--y", "0,0.1", "--duration", 1, "--json")[1],
+    "scale by name": lambda model, cli: cli("scale", model, "--length", 355, "--width", 500, "--json")[1],
+}
+"""Whoever asks about a canal."""
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_every_door_says_that_a_model_feels_no_bank(door: str, dtc: nw.Model, cli, tmp_path: Path) -> None:
+    model = steered(dtc)
+    for said, own in ((True, model.with_coefficients(b_bank=0.0, c_bank=0.0)), (False, model)):
+        own.save(tmp_path / "m.toml")
+        notes = DOORS[door](tmp_path / "m.toml" if "map" in door or "name" in door else own, cli)
+        assert ("coefficients of the bank are 0" in str(notes)) is said
 
 
 def test_bank_terms_are_called_as_the_tables_others() -> None:

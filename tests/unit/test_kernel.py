@@ -17,7 +17,7 @@ from narrows.codegen.run import PreparedRun
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import along_waterway, straight_channel
 from narrows.simulation.controllers import Autopilot, Zigzag
-from narrows.simulation.grid import INPUTS, START
+from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip

@@ -5,9 +5,9 @@ import pytest
 
 import narrows as nw
 from narrows.identification.identifiability.diagnosis import diagnose
+from narrows.identification.motions import distinct_motions
 from narrows.identification.regression.accumulation import PART_ROWS, PARTS, accumulate, products
 from narrows.identification.regression.normal_equations import ONE, count
-from narrows.identification.uncertainty.clusters import clustered
 from tables import many_runs, short_twin
 
 
@@ -51,7 +51,9 @@ def test_over_each_stretch(short: nw.CaptiveTests) -> None:
         for piece in range(3):
             part = {key: column[edges[piece] : edges[piece + 1]] for key, column in own.items()}
             assert_products(equations, equations.sums[3 * i + piece], rows_of(short, part))
-            assert equations.speeds[3 * i + piece] == pytest.approx(part["u"].mean(), rel=1e-12)
+            for quantity in ("u", "y", "sin_psi", "vdot"):
+                moments = len(part[quantity]), part[quantity].sum(), (part[quantity] ** 2).sum()
+                np.testing.assert_allclose(equations.moved[quantity][3 * i + piece], moments, rtol=1e-11, atol=1e-11)
 
 
 def test_a_test_with_fewer_rows_than_stretches_leaves_none_empty() -> None:
@@ -68,10 +70,11 @@ def test_coefficients_of_one_regressor_share_a_column(short: nw.CaptiveTests) ->
     assert len(set(columns.values())) == 3 + 8 + 3 + 1
 
 
-@pytest.mark.parametrize("rows", [1, 2999, 3000, 3001, PARTS * PART_ROWS + 7])
-def test_products_of_any_length(rows: int) -> None:
+@pytest.mark.parametrize("columns", [1, 4, 15, 16, 23])
+@pytest.mark.parametrize("rows", [1, 2047, 2048, 2049, PARTS * PART_ROWS + 7])
+def test_products_of_any_size(rows: int, columns: int) -> None:
     """Short ones in one go, long ones in strips, the longest shared among threads."""
-    design = np.random.default_rng(rows).standard_normal((4, rows))
+    design = np.random.default_rng(rows).standard_normal((columns, rows))
     found = products(design)
     np.testing.assert_allclose(found, design @ design.T, rtol=1e-11, atol=1e-10)
     np.testing.assert_array_equal(found, products(design))
@@ -85,18 +88,14 @@ def test_ranges_that_the_rows_cover(short: nw.CaptiveTests) -> None:
     assert envelope.depth_to_draft is None
 
 
-def test_sums_without_a_cluster_are_those_of_the_others() -> None:
+def test_sums_without_a_motion_are_those_of_the_others() -> None:
     """Added up and not taken away: where no other test excites a column its sums are zero and not rounding."""
     runs = (*many_runs(10)[::2], nw.HarmonicRun("last", "sway", 0.8, 25.0, 1.0, 1))
     kept = short_twin(0, runs)
     equations, _ = accumulate(kept, nw.PAPER, 7)
-    clusters = clustered(equations)
-    for i, _ in enumerate(clusters.labels):
-        others = np.delete(clusters.sums, i, axis=0).sum(axis=0)
-        np.testing.assert_allclose(clusters.without[i], others, rtol=1e-12, atol=1e-9)
-    sway = [i for i, label in enumerate(clusters.labels) if label.startswith("last")]
-    rest = clusters.sums.sum(axis=0) - clusters.sums[sway].sum(axis=0)
-    assert abs(equations.pick(rest, ["b_v"])[0, 0]) < 1e-9
-    assert diagnose(equations, np.delete(clusters.sums, sway, axis=0).sum(axis=0), nw.PAPER.sway).empty == (
-        "b_vdot", "b_v", "b_vv",
-    )  # fmt: skip
+    motions = distinct_motions(equations)
+    for i, _ in enumerate(motions.labels):
+        others = np.delete(motions.sums, i, axis=0).sum(axis=0)
+        np.testing.assert_allclose(motions.without[i], others, rtol=1e-12, atol=1e-9)
+    last = motions.labels.index("last")
+    assert diagnose(equations, motions.without[last], nw.PAPER.sway).empty == ("b_vdot", "b_v", "b_vv")

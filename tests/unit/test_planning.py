@@ -8,8 +8,10 @@ import pytest
 
 import narrows as nw
 from narrows.experiment_design.candidates import candidates
-from narrows.experiment_design.information import run_information
+from narrows.experiment_design.expected_forces import expected_forces
+from narrows.experiment_design.information import RATE, planned_run
 from narrows.experiment_design.optimal import choose, spread
+from narrows.identification.regression.problem import slots
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
 TANK = nw.Tank(speeds=(0.7, 1.0))
@@ -34,32 +36,37 @@ def test_candidates_fit_the_tank() -> None:
         assert max(np.abs(columns["psi"]).max(), drift.max()) <= np.radians(25.0) + 1e-9
 
 
-def test_information_is_the_inverse_variance_of_a_fit() -> None:
-    """White noise, a row of it each two correlation times: the covariance of least squares."""
-    runs = candidates(SETTING, TANK)[::6]
-    told = sum(run_information(run, SETTING, nw.PAPER, correlation_time=0.1) for run in runs)
-    tests = nw.twin(runs=runs, rate=5.0)
-    values = {**tests.configuration.values(), **tests.columns}
-    names = [name for name in nw.PAPER.names if name != "c_vdot"]
-    gram = np.zeros((len(names), len(names)))
-    for force, own in nw.PAPER.forces.items():
-        block = np.zeros((tests.rows, len(names)))
-        for term in own:
-            block[:, names.index({"c_vdot": "b_rdot"}.get(term.name, term.name))] += term.column(values)
-        gram += block.T @ block / {"X": 0.35, "Y": 0.5, "N": 0.65}[force] ** 2
-    np.testing.assert_allclose(told, gram, rtol=1e-9, atol=1e-9 * np.abs(gram).max())
+def test_what_a_run_tells_is_its_second_level() -> None:
+    """D'D is the sum of products of its columns, and the errors on it those of the fit to its twin."""
+    errors, forces = nw.RunErrors(0.03, 0.01, 0.02), expected_forces(SETTING)
+    for run in candidates(SETTING, TANK)[::25]:
+        told = planned_run(run, SETTING, nw.PAPER, forces, {"X": 1.0, "Y": 9.0, "N": 12.0}, errors=errors)
+        tests = nw.twin(runs=[run], rate=RATE, noise={})
+        values = {**SETTING.values(), **tests.columns}
+        slot, gram = slots(nw.PAPER), np.zeros(2 * (told.d.shape[2],))
+        for part in nw.PAPER.forces.values():
+            block = np.zeros((tests.rows, told.d.shape[2]))
+            for term in part:
+                block[:, slot[term.name]] += term.column(values)
+            gram += block.T @ block
+        size = np.sqrt(np.maximum(np.diag(gram), 1e-12))
+        np.testing.assert_allclose(told.plain[0] / np.outer(size, size), gram / np.outer(size, size), atol=1e-6)
+        assert (np.linalg.eigvalsh(told.v) > 0).all()
+        assert np.linalg.eigvalsh(told.information).min() > -1e-6 * np.abs(told.information).max()
 
 
 @pytest.mark.parametrize("criterion", ["c", "d"])
 def test_the_choice_is_near_the_best_of_all(criterion: str) -> None:
     draw = np.random.default_rng(5)
     columns = draw.normal(size=(10, 6, 4))
-    runs = np.einsum("nri,nrj->nij", columns, columns)
-    found = choose(runs, np.zeros((4, 4)), 3, [1, 2], criterion)
-    scale = np.sqrt(np.diagonal(runs, axis1=1, axis2=2).max(axis=0))
+    other = columns * draw.uniform(0.5, 2.0, columns.shape)  # another form of the columns
+    runs = np.stack([np.einsum("nri,nrj->nij", form, form) for form in (columns, other)], axis=1)
+    found = choose(runs, np.zeros((2, 4, 4)), 3, [1, 2], criterion)
+    scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0))
 
     def worth(chosen) -> float:
-        return float(spread((runs / np.outer(scale, scale))[list(chosen)].sum(axis=0), [1, 2], criterion))
+        scaled = runs / (scale[:, :, None] * scale[:, None, :])
+        return float(spread(scaled[list(chosen)].sum(axis=0), [1, 2], criterion))
 
     best = min(worth(chosen) for chosen in combinations(range(10), 3))
     assert len(set(found)) == 3
@@ -70,11 +77,11 @@ def test_the_order_does_not_hang_on_rounding() -> None:
     """The first run leaves one of two parameters unknown, so that its spread is rounding over the ridge."""
     draw = np.random.default_rng(6)
     columns = draw.normal(size=(12, 1, 2))
-    runs = np.einsum("nri,nrj->nij", columns, columns)
-    chosen = choose(runs, np.zeros((2, 2)), 4, [0, 1])
+    runs = np.einsum("nri,nrj->nij", columns, columns)[:, None]
+    chosen = choose(runs, np.zeros((1, 2, 2)), 4, [0, 1])
     for _ in range(20):
-        rounded = runs * (1 + 4 * np.finfo(float).eps * draw.uniform(-1, 1, (len(runs), 1, 1)))
-        assert choose(rounded, np.zeros((2, 2)), 4, [0, 1]) == chosen
+        rounded = runs * (1 + 4 * np.finfo(float).eps * draw.uniform(-1, 1, (len(runs), 1, 1, 1)))
+        assert choose(rounded, np.zeros((1, 2, 2)), 4, [0, 1]) == chosen
 
 
 @pytest.fixture(scope="module")
@@ -82,21 +89,46 @@ def plan() -> nw.Plan:
     return nw.plan_tests(SETTING, 8, tank=TANK)
 
 
-def test_a_twin_of_the_plan_has_the_errors_that_were_predicted(plan: nw.Plan) -> None:
-    found = {name: [] for name in plan.targets}
-    for seed in range(60):
-        fit = nw.identify(nw.twin(runs=plan.runs, correlation_time=0.5, rate=5.0, seed=seed))
+def test_a_twin_of_the_plan_has_the_errors_that_were_promised(plan: nw.Plan) -> None:
+    """With 2 % gain and 0.5 N zeros from run to run."""
+    found: dict[str, list[float]] = {name: [] for name in plan.targets}
+    widths: dict[str, list[float]] = {name: [] for name in plan.targets}
+    for seed in range(40):
+        tests, draw = nw.twin(runs=plan.runs, correlation_time=0.5, rate=5.0, seed=seed), np.random.default_rng(seed)
+        run, columns = np.repeat(np.arange(len(plan.runs)), np.diff(tests.starts)), dict(tests.columns)
+        for force in "XYN":
+            gain, zero = 1 + 0.02 * draw.standard_normal(len(plan.runs)), 0.5 * draw.standard_normal(len(plan.runs))
+            columns[force] = columns[force] * gain[run] + zero[run]
+        fit = nw.identify(nw.CaptiveTests(columns, tests.names, tests.starts, tests.configuration))
         for name in plan.targets:
             found[name].append(fit.coefficients[name])
+            widths[name].append((fit.intervals[name][1] - fit.intervals[name][0]) / 2)
+            assert fit.verdicts[name].status == "identified"
     for name in plan.targets:
-        assert np.std(found[name]) == pytest.approx(plan.std[name][-1], rel=0.35)
-        assert fit.verdicts[name].status == "identified"
+        assert 0.3 < np.std(found[name]) / plan.std[name][-1] < 1.2
+        assert np.median(widths[name]) == pytest.approx(plan.reach[name], rel=0.5)
+
+
+def test_a_plan_goes_to_both_sides(plan: nw.Plan) -> None:
+    sides = [np.sign(run.offset) for run in plan.runs if run.offset]
+    assert min(sides.count(1), sides.count(-1)) >= len(sides) / 3
+
+
+def test_a_plan_stays_within_what_was_tested() -> None:
+    made = nw.twin(runs=[nw.HarmonicRun("a", "yaw", 0.9, 25.0), nw.HarmonicRun("b", "sway", 0.7, 15.0, 0.8)], rate=5.0)
+    for run in nw.plan_tests(SETTING, 5, after=made).runs:
+        assert np.abs(run.columns(5.0)["y"]).max() <= 0.9 + 1e-3
+        assert 0.8 <= run.speed <= 1.0
+    asked = nw.plan_tests(SETTING, 5, tank=nw.Tank(speeds=(0.6,), reach=1.8), after=made).runs
+    assert {run.speed for run in asked} == {0.6}
+    assert max(np.abs(run.columns(5.0)["y"]).max() for run in asked) > 1.0
 
 
 def test_a_plan_beats_harmonic_runs_about_the_centreline(plan: nw.Plan) -> None:
     for name in ("b_bank", "c_bank"):
         assert plan.std[name][-1] < plan.usual[name]
-        assert np.all(np.diff(plan.std[name]) <= 0)
+        assert plan.std[name][-1] < plan.std[name][3]
+        assert plan.reach[name] >= 1.95 * plan.std[name][-1]
         assert plan.inflation[name] < 5
     assert "standard error" in plan.summary()
 
@@ -137,7 +169,7 @@ def test_plans_that_cannot_be_made(options: dict, said: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "options", [{"run_length": 0.0}, {"run_length": np.inf}, {"speeds": (-1.0,)}, {"heading": -5.0}]
+    "options", [{"run_length": 0.0}, {"run_length": np.inf}, {"speeds": (-1.0,)}, {"heading": -5.0}, {"reach": 0.0}]
 )
 def test_tanks_that_are_none(options: dict) -> None:
     with pytest.raises(nw.InputError, match="positive"):
@@ -170,7 +202,7 @@ def test_design_on_the_command_line(cli, ship_file, tmp_path) -> None:
 def test_what_was_made_does_not_count_by_its_sampling() -> None:
     runs = nw.plan_tests(SETTING, 3, tank=TANK).runs
     slow, fast = (nw.plan_tests(SETTING, 1, tank=TANK, after=nw.twin(runs=runs, rate=rate)) for rate in (5.0, 20.0))
-    assert fast.std["b_bank"][0] == pytest.approx(slow.std["b_bank"][0], rel=0.05)
+    assert fast.std["b_bank"][0] == pytest.approx(slow.std["b_bank"][0], rel=0.1)
     with pytest.raises(nw.InputError, match="several conditions"):
         nw.plan_tests(SETTING, 1, tank=TANK, after=nw.measured_tests("kcs"))
 

@@ -31,7 +31,7 @@ def test_without_the_extra_it_says_which(
 ) -> None:
     path = written(frame_of(short), tmp_path / "t.parquet")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(nw.InputError, match=r"t.parquet: Parquet needs pyarrow: .* pip install 'narrows\[parquet\]'"):
+    with pytest.raises(nw.InputError, match=r"t.parquet: Parquet needs pyarrow: .*python\S* -m pip install 'pyarrow"):
         read(path, ship_file)
 
 
@@ -115,3 +115,15 @@ def test_another_ships_table_in_the_fhr_layout(short: nw.CaptiveTests, ship_file
     code, shown, _ = cli("identify", path, "--ship", ship_file, "--json")
     assert code == 0
     assert '"b_bank"' in shown
+
+
+def test_usual_units_are_those_of_the_units_library() -> None:
+    import pint
+
+    from narrows.captive.columns import SPELLINGS, USUAL, _powers
+
+    registry = pint.UnitRegistry()
+    for si, units in USUAL.items():
+        for unit, scale in units.items():
+            one, target = (registry(SPELLINGS.get(word, _powers(word))) for word in (unit, si))
+            assert float((1 * one).to(target.units).magnitude) == pytest.approx(scale, rel=1e-14)

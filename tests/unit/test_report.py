@@ -38,7 +38,7 @@ def test_page_says_everything(page: str, kcs_fits: dict[int, nw.Fit]) -> None:
         if verdict.status != "identified":
             assert verdict.sentence(name).replace("'", "&#39;") in page
     assert kcs_fits[100].tests.source.sha256 in page
-    assert kcs_fits[100].clusters.sentence in page
+    assert kcs_fits[100].motions.sentence in page
 
 
 def figures(fit: nw.Fit) -> list[Figure]:
@@ -66,7 +66,7 @@ def test_terminal_fits_eighty_columns(kcs_fits: dict[int, nw.Fit]) -> None:
     assert max(map(len, shown.splitlines())) <= 80
     rows = [line for line in shown.splitlines() if line.startswith("b_vdot ")]
     assert "730" in rows[0]
-    assert "identified" in rows[0]
+    assert kcs_fits[100].verdicts["b_vdot"].status in rows[0]
 
 
 def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:

@@ -2,18 +2,31 @@
 
 import json
 from functools import cache
+from html import escape
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
+from matplotlib.figure import Figure
 
 import narrows as nw
+from narrows.captive.measured import measured_files
 from narrows.experiment_design import plan_tests
 from narrows.results import Result, to_json
+from narrows.studies.mikkelsen2025 import reproduce
+from narrows.terms.tables import table_named
+from readers_files import TURNED
 from tables import short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
 DEEP = nw.Configuration(nw.Ship(230.0, 32.2, 10.8, 0.65), nw.Canal(300.0, 16.2))
+
+
+def steered_kcs() -> nw.Model:
+    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
+    return nw.identify(tests, table_named("speed+helm")).model
 
 
 @cache
@@ -33,13 +46,24 @@ def result(kind: str) -> Result:
         return nw.at_depth(DTC, 0.3)
     if kind == "Squat":
         return nw.squat(DEEP, 4.0, "bow")
-    return nw.sail_trials(nw.published("yasukawa2015_kvlcc2"), 1.179, zigzags=())
+    if kind == "Voyage":
+        return nw.simulate(DTC, 0.5)
+    if kind == "SafeEnvelope":
+        shaped = nw.borrow_rudder(DTC, steered_kcs())
+        return nw.safe_envelope(shaped, np.array([0.0, 0.2]), np.array([0.5, 0.6]), samples=4)
+    if kind == "Reproduction":
+        return reproduce()
+    return nw.sail_trials(nw.published("yasukawa2015_kvlcc2"), 1.179, zigzags=((10, 10),))
 
 
-KINDS = ("Fit", "Comparison", "Explanation", "Plan", "Scaled", "DepthCorrected", "Squat", "Trials")
+ROWS = {
+    "Fit": 17, "Comparison": 6, "Explanation": 17, "Plan": 2, "Scaled": 17, "DepthCorrected": 17, "Squat": 1,
+    "Voyage": None, "SafeEnvelope": 2, "Reproduction": 17, "Trials": None,
+}  # fmt: skip
+"""Of the table of each kind of result, where it is always as long."""
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ROWS)
 def test_results_speak_alike(kind: str) -> None:
     found = result(kind)
     assert isinstance(found, Result)
@@ -50,13 +74,41 @@ def test_results_speak_alike(kind: str) -> None:
     assert json.loads(to_json(found.to_dict()))["notes"] == list(found.notes)
     assert len(repr(found).splitlines()) == 1
     assert len(repr(found)) < 200
+    page = found._repr_html_()
+    assert escape(found.summary().splitlines()[0]) in page
+    assert all(escape(note) in page for note in found.notes)
 
 
-@pytest.mark.parametrize(("kind", "rows"), [("Fit", 17), ("Comparison", 6), ("Plan", 2), ("Scaled", 17)])
-def test_what_makes_a_table_gives_it(kind: str, rows: int) -> None:
-    frame = result(kind).to_dataframe()  # type: ignore[attr-defined]
+@pytest.mark.parametrize("kind", ROWS)
+def test_results_draw_themselves_and_go_into_files(kind: str, tmp_path: Path) -> None:
+    found = result(kind)
+    drawn = found.plot()
+    assert isinstance(drawn, Figure)
+    assert drawn._repr_png_().startswith(b"\x89PNG")  # What a notebook shows, pyplot loaded or not.
+    assert found.plot().axes[0].has_data()
+    frame = found.to_dataframe()  # type: ignore[attr-defined]
     assert isinstance(frame, pd.DataFrame)
-    assert len(frame) == rows
+    assert len(frame) == ROWS[kind] or (ROWS[kind] is None and len(frame) > 9)
+    for name in ("a.json", "a.svg", "a.csv"):
+        found.save(tmp_path / name)
+    saved = json.loads((tmp_path / "a.json").read_text())
+    data = saved.pop("data", {"variables": {}})
+    assert saved == json.loads(to_json(found.to_dict()))
+    assert set(data["variables"]) == set(found.dataset().data_vars if hasattr(found, "dataset") else ())
+    assert len(pd.read_csv(tmp_path / "a.csv")) == len(frame)
+    assert "<svg" in (tmp_path / "a.svg").read_text()
+    if hasattr(found, "dataset"):
+        found.save(tmp_path / "a.nc")
+        with xr.open_dataset(tmp_path / "a.nc", engine="scipy") as again:
+            assert again.sizes == found.dataset().sizes
+    with pytest.raises(nw.InputError, match=r"a\.doc: cannot write a doc file here; name it .*\.json, .*\.png"):
+        found.save(tmp_path / "a.doc")
+
+
+def test_a_model_saves_itself_and_is_short_to_read(tmp_path: Path) -> None:
+    DTC.save(tmp_path / "dtc.toml")
+    assert nw.load_model(tmp_path / "dtc.toml").coefficients == DTC.coefficients
+    assert repr(DTC) == f"<Model of {DTC.configuration.ship.name}: 17 coefficients of the terms paper>"
 
 
 def test_the_table_of_a_fit_is_the_fit() -> None:

@@ -58,7 +58,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("schemas")
     table, ship = measured_files("kcs")
     terms = nw.with_helm(nw.SPEED)
-    tests = nw.read_captive(table, ship, terms, TURNED).by_condition()["C0101A02"]
+    tests = nw.read_captive(table, ship, TURNED).by_condition()["C0101A02"]
     tank = nw.identify(tests, terms).model
     nw.save_model(tank, folder / "tank.toml")
     nw.save_model(nw.scale_model(tank, 230.0, width=300.0, depth=16.2).model, folder / "full.toml")

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from dop853 import integrated
+from narrows.results import save_dataset
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.netcdf import save_netcdf
 from narrows.simulation.reference import accelerations
 from narrows.simulation.ship import SimulatedShip
 
@@ -207,6 +207,7 @@ def test_an_interrupt_keeps_what_is_done(dtc: nw.Model, monkeypatch: pytest.Monk
     assert ends.attrs["complete"] == 0
     assert (ends["outcome"].to_numpy()[:10] >= 0).all()
     assert (ends["outcome"].to_numpy()[10:] == -1).all()
+    assert len(done) == 2  # No sample is sailed again for the notes.
 
 
 def test_files_hold_units(dtc: nw.Model, tmp_path) -> None:
@@ -216,7 +217,7 @@ def test_files_hold_units(dtc: nw.Model, tmp_path) -> None:
     with xr.open_dataset(tmp_path / "v.nc", engine="scipy") as voyage:
         assert voyage["y"].attrs["units"] == "m"
         assert voyage.attrs["outcome"] == "grounded"
-    save_netcdf(nw.ensemble(dtc, y=[0.5, 1.0]), tmp_path / "e.nc")
+    save_dataset(nw.ensemble(dtc, y=[0.5, 1.0]), tmp_path / "e.nc")
     with xr.open_dataset(tmp_path / "e.nc", engine="scipy") as ends:
         assert ends["distance"].attrs["units"] == "m"
 

@@ -120,7 +120,7 @@ def test_left_out_scores_are_those_of_explicit_refits() -> None:
 
     tests = nw.twin(runs=many_runs(), rate=4.0, seed=1)
     fit = nw.identify(tests)
-    assert fit.clusters.by_test
+    assert len(fit.motions) > 1
     error = 0.0
     for i, _ in enumerate(tests.names):
         kept = [j != i for j in range(len(tests.names))]

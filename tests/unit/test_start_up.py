@@ -30,3 +30,9 @@ def test_one_voyage_needs_no_compiler() -> None:
     code = "import narrows as nw; nw.simulate(nw.published('mikkelsen2025_dtc'), y=1.0)"
     loaded_by(code)  # the first run may trace; the second finds what it wrote
     assert not loaded_by(code) & {"numba", "sympy", "pandas", "xarray", "matplotlib"}
+
+
+@pytest.mark.slow
+def test_identifying_the_measured_tests_needs_no_optimiser_and_no_units_library() -> None:
+    code = "import narrows as nw; nw.identify(nw.measured_tests('kcs').by_condition()['C0101A01']).to_dict()"
+    assert not loaded_by(code) & {"scipy.optimize", "scipy.linalg", "pint", "matplotlib"}

@@ -37,7 +37,12 @@ def same(stored, here) -> None:
 def test_a_store_holds_the_same_answer(dtc: nw.Model, tmp_path: Path) -> None:
     stored = nw.ensemble(dtc, y=Y, u=U, duration=20.0, store=tmp_path / "fleet.zarr")
     assert stored.attrs["complete"] == 1
-    same(stored, nw.ensemble(dtc, y=Y, u=U, duration=20.0))
+    here = nw.ensemble(dtc, y=Y, u=U, duration=20.0)
+    same(stored, here)
+    assert (
+        "too long" in nw.ensemble(dtc, y=Y, u=U, duration=20.0, dt=2.0, store=tmp_path / "coarse.zarr").attrs["notes"]
+    )
+    assert stored.attrs["notes"] == here.attrs["notes"] != ""
 
 
 @pytest.mark.usefixtures("small")

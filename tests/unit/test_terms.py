@@ -24,7 +24,8 @@ def truth_with_own_term(dtc: nw.Model) -> nw.Model:
 
 
 def test_own_term_is_identified(dtc: nw.Model) -> None:
-    fit = nw.identify(nw.twin(truth_with_own_term(dtc), many_runs(), rate=10.0), OWN)
+    tests = nw.twin(truth_with_own_term(dtc), many_runs(), rate=10.0)
+    fit = nw.identify(tests, OWN, errors=nw.RunErrors(0, 0, 0))
     for name, value in (("b_ur", 150.0), ("c_ur", -80.0), ("b_bank", 1.07)):
         assert fit.coefficients[name] == pytest.approx(value, abs=5 * fit.std[name])
         assert fit.std[name] < 20
@@ -38,9 +39,11 @@ def test_own_term_says_which_columns_it_needs(dtc: nw.Model, tmp_path) -> None:
     frame = frame_of(nw.twin(dtc, many_runs(3), rate=2.0))
     sailing = nw.TermTable("r alone", (), (nw.PAPER["b_r"],), ())
     path = written(frame[["test", "t", "r", "Y"]], tmp_path / "t.csv")
-    assert nw.identify(nw.read_captive(path, dtc.configuration, sailing), sailing).scores.keys() == {"Y"}
-    with pytest.raises(nw.InputError, match="column 'udot' is missing"):
-        nw.read_captive(path, dtc.configuration)
+    for read in (nw.read_captive, nw.stream_captive):
+        tests = read(path, dtc.configuration)
+        assert nw.identify(tests, sailing).scores.keys() == {"Y"}
+        with pytest.raises(nw.InputError, match=r"t\.csv: column 'udot' is missing \(surge acceleration"):
+            nw.identify(tests)
 
 
 def test_own_term_may_ask_for_particulars_and_depth(dtc: nw.Model, short: nw.CaptiveTests) -> None:

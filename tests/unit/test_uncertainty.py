@@ -1,115 +1,202 @@
-"""Standard errors and left-out scores against explicit refits on the rows that are left."""
-
-from dataclasses import replace
-from itertools import pairwise
+"""Standard errors and left-out scores against dense algebra on the rows and against explicit refits."""
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import linalg, stats
 
 import narrows as nw
 from narrows.captive.tests import cuts
-from narrows.identification.uncertainty.clusters import MIN_TESTS, jackknife, pieces_for
+from narrows.identification.uncertainty.error_model import covariance, lack_of_fit, pseudo_inverse
 from narrows.identification.uncertainty.interval import bounded_interval, t_quantile
 from tables import many_runs, short_twin
 
 COLUMNS = list(nw.Motion().values())
+SPREAD = nw.RunErrors(0.03, 0.01, 0.02)
 
 
 def without_rows(tests: nw.CaptiveTests, out: np.ndarray) -> nw.CaptiveTests:
     """Return the tests with some rows struck out."""
-    lengths = [int((~out[a:b]).sum()) for a, b in zip(tests.starts, tests.starts[1:], strict=False)]
+    kept = np.array([int((~out[a:b]).sum()) for a, b in zip(tests.starts, tests.starts[1:], strict=False)])
     return nw.CaptiveTests(
         {name: column[~out] for name, column in tests.columns.items()},
-        tests.names,
-        np.concatenate([[0], np.cumsum(lengths)]),
+        tuple(name for name, rows in zip(tests.names, kept, strict=True) if rows),
+        np.concatenate([[0], np.cumsum(kept[kept > 0])]),
         tests.configuration,
     )
 
 
-def clusters_of_rows(tests: nw.CaptiveTests) -> list[np.ndarray]:
-    """Which rows each cluster holds: a test, or about 30 / tests stretches of each."""
-    pieces = 1 if len(tests.names) >= 10 else -(-30 // len(tests.names))
-    found = []
-    for start, stop in zip(tests.starts, tests.starts[1:], strict=False):
-        edges = start + np.floor(np.arange(pieces + 1) * (stop - start) / pieces).astype(int)
-        for a, b in pairwise(edges):
-            found.append((np.arange(tests.rows) >= a) & (np.arange(tests.rows) < b))
-    return found
+def repeated() -> nw.CaptiveTests:
+    """Return twelve tests of nine motions: the first is made three times more, with other noise."""
+    again = [nw.HarmonicRun(f"again {i}", "yaw", 0.3, 15.0, 0.7, 1) for i in range(3)]
+    return short_twin(5, (*many_runs(9), *again))
 
 
-@pytest.fixture(scope="module", params=[4, 12], ids=["stretches", "tests"])
+@pytest.fixture(scope="module", params=["four motions", "repeats"])
 def case(request: pytest.FixtureRequest) -> tuple[nw.CaptiveTests, nw.Fit, list[np.ndarray], list[nw.Fit]]:
-    tests = short_twin(5) if request.param == 4 else short_twin(5, many_runs(request.param))
-    rows = clusters_of_rows(tests)
-    return tests, nw.identify(tests), rows, [nw.identify(without_rows(tests, out)) for out in rows]
+    """Tests, their fit, the rows of each distinct motion, and refits without each."""
+    tests = short_twin(5) if request.param == "four motions" else repeated()
+    fit = nw.identify(tests, errors=SPREAD)
+    test = np.repeat(tests.names, np.diff(tests.starts))
+    rows = [np.isin(test, members) for members in fit.motions.members]
+    return tests, fit, rows, [nw.identify(without_rows(tests, out)) for out in rows]
 
 
-def test_clusters(case) -> None:
+def test_repeats_are_one_motion() -> None:
+    fit = nw.identify(repeated())
+    assert len(fit.motions) == 9
+    assert fit.motions.members[0] == ("T00", "again 0", "again 1", "again 2")
+    assert fit.motions.labels[0] == "T00 and 3 repeats"
+    assert "9 distinct motions: 3 of the 12 tests are repeats" in fit.motions.sentence
+
+
+def columns_of(tests: nw.CaptiveTests, rows: np.ndarray, terms: tuple[nw.Term, ...]) -> np.ndarray:
+    values = {**tests.configuration.values(), **{name: column[rows] for name, column in tests.columns.items()}}
+    return np.column_stack([np.broadcast_to(term.column(values), rows.sum()) for term in terms])
+
+
+def test_the_second_level_is_least_squares_on_all_rows(case) -> None:
+    """D'D and D'y of each motion and force are the sums of products over its rows."""
     tests, fit, rows, _ = case
-    assert len(fit.clusters.labels) == len(rows)
-    assert fit.clusters.by_test == (len(tests.names) >= MIN_TESTS)
-    one = fit.normal_equations.columns["1"]
-    assert [round(sums[one, one]) for sums in fit.clusters.sums] == [int(out.sum()) for out in rows]
-    said = f"by test ({len(rows)} tests)" if fit.clusters.by_test else f"by {len(rows)} consecutive stretches"
-    assert said in fit.clusters.sentence
+    level, problem = fit.error_model.level, fit.problem
+    if fit.error_model.held.any():
+        pytest.skip("held parameters are taken out of the blocks")
+    for block in range(len(level.y)):
+        own = rows[level.motion[block]]
+        force = "XYN"[level.force[block]]
+        part = nw.PAPER.forces[force]
+        slots = [problem.slot[term.name] for term in part]
+        a = columns_of(tests, own, part) / problem.scale[slots]
+        found = level.d[block][:, slots]
+        np.testing.assert_allclose(found.T @ found, a.T @ a, atol=1e-7 * max(np.abs(a.T @ a).max(), 1e-12))
+        right = a.T @ tests.columns[force][own]
+        np.testing.assert_allclose(
+            found.T @ level.y[block], right, rtol=1e-6, atol=1e-6 * max(np.abs(right).max(), 1e-12)
+        )
+        assert level.one[block] @ level.one[block] == pytest.approx(own.sum(), rel=1e-6)
 
 
-def unbounded() -> nw.TermTable:
-    """The paper's terms with every bound let go."""
-    free = {force: [replace(term, bound=nw.FREE) for term in own] for force, own in nw.PAPER.forces.items()}
-    return nw.PAPER.with_terms("unbounded", free["X"], free["Y"], free["N"])
+def dense(fit: nw.Fit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """D, y and V of the second level as full matrices."""
+    model = fit.error_model
+    live = model.level.live.ravel()
+    d, y = model.level.d.reshape(live.size, -1)[live], model.level.y.ravel()[live]
+    return d, y, linalg.block_diag(*model.covariance)[np.ix_(live, live)]
 
 
-def excess_of(tests: nw.CaptiveTests, rows: list[np.ndarray]) -> np.ndarray:
-    """By how much independent errors of one size make the jackknife variance of each coefficient too large."""
-    values = {**tests.configuration.values(), **tests.columns}
-    names = [name for name in nw.PAPER.names if name != "c_vdot"]
-    blocks = []
-    for own in nw.PAPER.forces.values():
-        block = np.zeros((tests.rows, len(names)))
-        for term in own:
-            block[:, names.index({"c_vdot": "b_rdot"}.get(term.name, term.name))] += term.column(values)
-        blocks.append(block)
-    live = [i for i in range(len(names)) if any(block[:, i].any() for block in blocks)]
-    scale = np.sqrt(sum((block[:, live] ** 2).sum(axis=0) for block in blocks))
-
-    def variances(kept: np.ndarray) -> np.ndarray:
-        gram = sum((block[kept][:, live] / scale).T @ (block[kept][:, live] / scale) for block in blocks)
-        return np.diag(np.linalg.inv(gram))
-
-    whole = variances(np.ones(tests.rows, bool))
-    grown = np.array([variances(~out) / whole - 1 for out in rows])
-    found = dict.fromkeys(nw.PAPER.names, 1.0)
-    for i, own in enumerate(live):
-        if (grown[:, i] < 9).all():
-            found[names[own]] = (1 - 1 / len(rows)) * grown[:, i].sum()
-    found["c_vdot"] = found["b_rdot"]
-    return np.array([found[name] for name in nw.PAPER.names])
-
-
-def test_standard_errors_are_the_corrected_jackknife_of_refits_without_bounds(case) -> None:
-    tests, fit, rows, _ = case
-    table = unbounded()
-    best = nw.identify(tests, table).coefficients
-    moved = [
-        [refit.coefficients[name] - best[name] for name in nw.PAPER.names]
-        for refit in (nw.identify(without_rows(tests, out), table) for out in rows)
-    ]
-    variance = (len(rows) - 1) / len(rows) * (np.array(moved) ** 2).sum(axis=0) / excess_of(tests, rows)
-    told = 0
-    for i, name in enumerate(nw.PAPER.names):
-        if fit.verdicts[name].determined and not fit.unbounded.few[i] and not fit.unbounded.held.any():
-            assert fit.std[name] == pytest.approx(np.sqrt(variance[i]), rel=1e-4)
-            told += 1
-    assert told > 10
-
-
-def test_covariance_has_the_standard_errors(case) -> None:
+def test_errors_are_those_of_dense_algebra(case) -> None:
+    """W V W' of ordinary least squares, and the jackknife of refits with Satterthwaite's degrees of freedom."""
     _, fit, _, _ = case
-    known = ~fit.unbounded.held
-    np.testing.assert_allclose(np.sqrt(np.diag(fit.covariance))[known], fit.unbounded.std[known], rtol=1e-9)
+    model = fit.error_model
+    d, y, v = dense(fit)
+    operator = np.linalg.pinv(d, rcond=1e-5)
+    known = model.best.known
+    np.testing.assert_allclose(
+        (operator @ v @ operator.T)[np.ix_(known, known)],
+        model.of_theta[np.ix_(known, known)],
+        rtol=1e-4,
+        atol=1e-9 * np.abs(model.of_theta).max(),
+    )
+    motion = np.repeat(model.level.motion, model.level.live.sum(axis=1))
+    std, freedom = model.jackknife
+    for slot in np.flatnonzero(known & ~model.held):
+        moves = []
+        for m in range(len(fit.motions)):
+            kept = motion != m
+            other = np.zeros_like(operator)
+            other[:, kept] = np.linalg.pinv(d[kept], rcond=1e-5)
+            moves.append(other[slot] - operator[slot])
+        if not all(one.known[slot] for one in model.left_out):
+            assert std[slot] == pytest.approx(np.sqrt(model.of_theta[slot, slot]))
+            continue
+        gram = np.array(moves) @ v @ np.array(moves).T
+        count = len(moves)
+        assert std[slot] == pytest.approx(np.sqrt((count - 1) / count * ((np.array(moves) @ y) ** 2).sum()), rel=1e-3)
+        assert freedom[slot] == pytest.approx(np.trace(gram) ** 2 / (gram**2).sum(), rel=1e-3)
+
+
+def test_lack_of_fit_is_that_of_generalised_least_squares(case) -> None:
+    _, fit, _, _ = case
+    model = fit.error_model
+    v = covariance(model.level, model.level.d @ model.theta, model.errors, np.ones(3))
+    live = model.level.live.ravel()
+    full = linalg.block_diag(*v)[np.ix_(live, live)]
+    d, y, _ = dense(fit)
+    white = np.linalg.inv(np.linalg.cholesky(full))
+    hat = white @ d @ np.linalg.pinv(white @ d, rcond=1e-5)
+    left = white @ y - hat @ white @ y
+    force = np.repeat(model.level.force, model.level.live.sum(axis=1))
+    for number, found in enumerate(lack_of_fit(model.level, v)):
+        own = force == number
+        assert found.chi2 == pytest.approx((left[own] ** 2).sum(), rel=1e-3, abs=1e-6)
+        assert found.freedom == pytest.approx(own.sum() - np.trace(hat[np.ix_(own, own)]), abs=1e-3)
+        if np.isfinite(found.p):
+            assert found.p == pytest.approx(stats.chi2.sf(found.chi2, found.freedom), rel=1e-2, abs=1e-9)
+
+
+def test_repeats_say_what_gain_and_zero_scatter_by() -> None:
+    """Runs of one motion whose gains and zeros are drawn from what is then looked for."""
+    draw = np.random.default_rng(4)
+    tests = nw.twin(runs=[nw.HarmonicRun(f"{i}", "yaw", 0.9, 25.0, 1.0, 2, 0.5) for i in range(60)], rate=5.0)
+    columns, test = dict(tests.columns), np.repeat(np.arange(60), np.diff(tests.starts))
+    size = np.sqrt(np.mean(columns["Y"] ** 2))
+    columns["Y"] = (
+        columns["Y"] * (1 + 0.05 * draw.standard_normal(60))[test] + 0.1 * size * draw.standard_normal(60)[test]
+    )
+    found = nw.identify(nw.CaptiveTests(columns, tests.names, tests.starts, tests.configuration)).error_model.repeats[
+        "Y"
+    ]
+    assert found.zero_freedom == 59
+    assert found.gain == pytest.approx(0.05, rel=0.3)
+    assert found.zero == pytest.approx(0.1, rel=0.3)
+
+
+def test_repeats_outvote_the_prior() -> None:
+    tests = nw.twin(runs=[nw.HarmonicRun(f"{i}", "yaw", 0.9, 25.0, 1.0, 2, 0.5) for i in range(40)], rate=5.0)
+    fit = nw.identify(tests, errors=nw.RunErrors(0.3, 0.3, 0.05))
+    assert fit.error_model.errors.gain < 0.11
+    assert fit.error_model.errors.zero < 0.11
+    assert fit.error_model.errors.form == 0.05
+
+
+@pytest.mark.parametrize("wrong", [{"gain": -0.1}, {"zero": 2.0}, {"form": float("nan")}, {"repeats_worth": 0.0}])
+def test_run_errors_that_are_none(wrong: dict[str, float]) -> None:
+    with pytest.raises(nw.InputError, match=next(iter(wrong))):
+        nw.RunErrors(**wrong)
+
+
+def test_an_inverse_over_what_has_data() -> None:
+    columns = np.random.default_rng(1).normal(size=(9, 3)) * [1.0, 1e6, 1e-6]
+    columns = np.column_stack([columns, columns[:, 0], np.zeros(9)])
+    inverse, known = pseudo_inverse(columns.T @ columns)
+    size = np.where(columns.any(axis=0), np.linalg.norm(columns, axis=0), 1.0)
+    projection = columns / size @ np.linalg.pinv(columns / size, rcond=1e-6)
+    assert known.tolist() == [False, True, True, False, False]
+    np.testing.assert_allclose(columns @ inverse @ columns.T, projection, atol=1e-9)
+
+
+def test_covariance_is_the_error_models(case) -> None:
+    """Widened by one number for each force, so that correlations are those of the fit; at the median as the errors."""
+    _, fit, _, _ = case
+    slots = [fit.problem.slot[name] for name in nw.PAPER.names]
+    plain = fit.error_model.of_theta[np.ix_(slots, slots)]
+    known = (np.diag(plain) > 0) & ~fit.unbounded.held
+    own, theirs = (
+        m[np.ix_(known, known)] / np.sqrt(np.outer(np.diag(m)[known], np.diag(m)[known]))
+        for m in (fit.covariance, plain)
+    )
+    np.testing.assert_allclose(own, theirs, atol=1e-9)
+    ratio = np.sqrt(np.diag(fit.covariance))[known] / fit.unbounded.std[known]
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.1)
     assert np.linalg.eigvalsh(fit.covariance / np.abs(fit.covariance).max()).min() > -1e-12
+
+
+def test_one_motion_leaves_nothing_to_leave_out() -> None:
+    fit = nw.identify(nw.twin(runs=[nw.HarmonicRun(name, "sway", 0.5, 15.0) for name in "AB"], rate=5.0))
+    assert len(fit.motions) == 1
+    assert all(np.isnan(score.rmse) for score in fit.left_out.values())
+    assert any("none can be left out" in note for note in fit.notes)
+    for name in ("b_vdot", "b_v", "b_bank", "c_v"):
+        assert "without A and 1 repeat nothing is known of it" in fit.verdicts[name].reasons
 
 
 @pytest.mark.parametrize("force", ["X", "Y", "N"])
@@ -131,7 +218,10 @@ def test_intervals_are_students_t_away_from_the_bounds(case) -> None:
         if not fit.verdicts[term.name].determined:
             assert (low, high) == term.bound
             continue
-        half = stats.t.ppf(0.975, max(round(fit.unbounded.counts[i], 1) - 1, 1)) * fit.std[term.name]
+        half = (
+            stats.t.ppf(0.975, max(round(fit.unbounded.counts[i], int(fit.unbounded.counts[i] < 20)) - 1, 1))
+            * fit.std[term.name]
+        )
         if fit.unbounded.values[i] - 2 * half > term.bound[0]:
             assert low == pytest.approx(fit.unbounded.values[i] - half, rel=1e-9)
             assert high == pytest.approx(fit.unbounded.values[i] + half, rel=1e-9)
@@ -173,20 +263,6 @@ def test_bounded_interval_covers_wherever_the_truth_is(truth: float, clusters: i
     std = np.sqrt(draw.chisquare(clusters - 1, 2000) / (clusters - 1))
     pairs = (bounded_interval(a, b, (0.0, np.inf), clusters) for a, b in zip(seen, std, strict=True))
     assert np.mean([low <= truth <= high for low, high in pairs]) == pytest.approx(0.95, abs=0.02)
-
-
-def test_jackknife_of_a_mean_is_the_textbook_standard_error() -> None:
-    """s / sqrt(n), for which the jackknife is exact."""
-    values = np.random.default_rng(2).normal(size=40)
-    without = ((values.sum() - values) / 39)[:, None]
-    variance = jackknife(np.array([values.mean()]), without)[0, 0]
-    assert variance == pytest.approx(values.var(ddof=1) / 40, rel=1e-12)
-
-
-@pytest.mark.parametrize("tests", range(1, 13))
-def test_tests_are_cut_into_thirty_or_more(tests: int) -> None:
-    assert pieces_for(tests) * tests >= 30
-    assert pieces_for(tests) >= 3
 
 
 @pytest.mark.parametrize(("rows", "pieces"), [(1, 1), (1, 30), (7, 3), (30, 30), (1000, 30)])

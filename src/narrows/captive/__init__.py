@@ -1,5 +1,6 @@
 """Captive tests: tables and raw records in, checked columns in SI out."""
 
+from narrows.captive.concatenation import concat as concat
 from narrows.captive.read import read_captive as read_captive
 from narrows.captive.runs import HarmonicRun as HarmonicRun
 from narrows.captive.runs import StraightRun as StraightRun

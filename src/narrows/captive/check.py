@@ -2,16 +2,15 @@
 
 import math
 import re
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from narrows.captive.columns import Column
-from narrows.captive.frames import FIRST_ROW
-from narrows.errors import InputError, near_miss, shown
-from narrows.quantities.names import Quantity
+from narrows.captive.columns import COLUMNS, Column
+from narrows.captive.table_head import seen
+from narrows.captive.text_table import FIRST_ROW
+from narrows.errors import InputError, shown
 from narrows.ship.particulars import Configuration
 
 LONGEST_CELL = 60
@@ -32,8 +31,8 @@ def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
     return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
 
 
-def check_present(columns: list[Column], headers: list[str], needed: Mapping[str, Quantity], place: str) -> None:
-    """Raise where a needed quantity has no column, or has two (ours).
+def check_once(columns: list[Column], headers: list[str], table: str) -> None:
+    """Raise where no header is a quantity, or a quantity has two columns (ours).
 
     Parameters
     ----------
@@ -41,33 +40,32 @@ def check_present(columns: list[Column], headers: list[str], needed: Mapping[str
         What was recognised.
     headers : list of str
         Every header of the table.
-    needed : mapping of str to Quantity
-        What must be there.
-    place : str
+    table : str
         The file.
 
     Raises
     ------
     InputError
-        Names the quantity and the nearest header.
+        Names the quantity and both headers.
     """
-    found = [column.quantity for column in columns]
-    for name in found:
-        if found.count(name) > 1:
+    if not columns:
+        raise InputError(
+            f"{table}: no column is headed as a quantity: seen {seen(headers)}; head them {', '.join(COLUMNS)}, "
+            "or say which is which in a file for --mapping"
+        )
+    quantities = [column.quantity for column in columns]
+    for name in quantities:
+        if quantities.count(name) > 1:
             both = [c.header for c in columns if c.quantity == name]
-            raise InputError(f"{place}: columns {both[0]!r} and {both[1]!r} are both {name}; keep one")
+            raise InputError(f"{table}: columns {both[0]!r} and {both[1]!r} are both {name}; keep one")
     for header in headers:
         # Of two columns with one header, pandas calls the second `header.1`.
         twin = re.sub(r"\.\d+$", "", header)
         if twin != header and any(column.header == twin for column in columns):
-            raise InputError(f"{place}: columns {twin!r} and {header!r} are both {twin}; keep one")
-    for name, (unit, meaning) in needed.items():
-        if name not in found:
-            hint = near_miss(name, set(headers) - {column.header for column in columns})
-            raise InputError(f"{place}: column {name!r} is missing ({meaning} [{unit}]); add it{hint}")
+            raise InputError(f"{table}: columns {twin!r} and {header!r} are both {twin}; keep one")
 
 
-def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
+def numbers(frame: pd.DataFrame, header: str, table: str) -> np.ndarray:
     """Return a column as floats (ours).
 
     Parameters
@@ -76,7 +74,7 @@ def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
         The table.
     header : str
         The column.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -91,7 +89,7 @@ def numbers(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
         cell = _word(frame[header].iloc[int(np.argmax(wrong))])
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         row = row_number(frame, wrong)
-        raise InputError(f"{place}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell")
+        raise InputError(f"{table}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell")
     return values
 
 
@@ -116,7 +114,7 @@ def _float(cell: Any) -> float:
         return math.nan
 
 
-def labels(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
+def labels(frame: pd.DataFrame, header: str, table: str) -> np.ndarray:
     """Return a column of names as words, without blanks around them (ours).
 
     Parameters
@@ -125,7 +123,7 @@ def labels(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
         The table.
     header : str
         The column.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -135,11 +133,11 @@ def labels(frame: pd.DataFrame, header: str, place: str) -> np.ndarray:
     """
     empty = frame[header].isna().to_numpy()
     if empty.any():
-        raise InputError(f"{place}: row {row_number(frame, empty)}, column {header!r} is empty; name the {header}")
+        raise InputError(f"{table}: row {row_number(frame, empty)}, column {header!r} is empty; name the {header}")
     return frame[header].astype(str).str.strip().to_numpy(dtype=object)
 
 
-def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, place: str) -> None:
+def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str) -> None:
     """Raise where time stands still or runs back inside a test (ours).
 
     Parameters
@@ -150,7 +148,7 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, place: str)
         Name of each row's test.
     t : array (rows,) [s]
         Time.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -163,10 +161,10 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, place: str)
         i = int(np.argmax(stuck))
         fault = "repeats the time of the row above" if t[i] == t[i - 1] else "goes back in time"
         row = row_number(frame, stuck)
-        raise InputError(f"{place}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); sort it by time")
+        raise InputError(f"{table}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); sort it by time")
 
 
-def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, place: str) -> None:
+def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: str) -> None:
     """Raise where the ship lies across the canal, or the heading looks like degrees (ours).
 
     Parameters
@@ -177,7 +175,7 @@ def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, place: s
         Heading.
     column : Column
         Where it came from.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -191,16 +189,16 @@ def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, place: s
     row, value = row_number(frame, across), psi[int(np.argmax(across))]
     if not column.stated:
         raise InputError(
-            f"{place}: row {row}, column {column.header!r} = {value:g} rad looks like degrees; "
+            f"{table}: row {row}, column {column.header!r} = {value:g} rad looks like degrees; "
             "head the column 'psi [deg]'"
         )
     raise InputError(
-        f"{place}: row {row}, column {column.header!r} is a heading of {math.degrees(value):.1f} deg; "
+        f"{table}: row {row}, column {column.header!r} is a heading of {math.degrees(value):.1f} deg; "
         "the model holds for |psi| < 90 deg, leave the row out"
     )
 
 
-def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, found: dict[str, Column], place: str) -> None:
+def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[str, Column], table: str) -> None:
     """Raise where psi and r differ by the factor of degrees to radians (ours).
 
     Parameters
@@ -209,9 +207,9 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, found: dict[st
         In what should be SI.
     test : array (rows,)
         Name of each row's test.
-    found : dict of str to Column
+    by_name : dict of str to Column
         Where each came from.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -229,15 +227,15 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, found: dict[st
     correlation = turned @ expected / math.sqrt((turned @ turned) * (expected @ expected))
     factor = math.sqrt((turned @ turned) / (expected @ expected))
     for name, ratio in (("psi", factor), ("r", 1 / factor)):
-        if correlation > 0.9 and 40 < ratio < 80 and not found[name].stated:
+        if correlation > 0.9 and 40 < ratio < 80 and not by_name[name].stated:
             unit = "deg" if name == "psi" else "deg/s"
             raise InputError(
-                f"{place}: column {name!r} is {ratio:.0f} times what "
+                f"{table}: column {name!r} is {ratio:.0f} times what "
                 f"{'r' if name == 'psi' else 'psi'} says, so it looks like degrees; head it '{name} [{unit}]'"
             )
 
 
-def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, place: str) -> None:
+def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, table: str) -> None:
     """Raise where a hull corner touches or crosses a bank (ours).
 
     Parameters
@@ -248,7 +246,7 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configurat
         With y, cos_psi and sin_psi.
     configuration : Configuration
         Ship and canal.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -263,8 +261,8 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configurat
     touching = reach >= np.asarray(width) / 2
     if touching.any():
         row, first = row_number(frame, touching), int(np.argmax(touching))
-        y, own = columns["y"][first], float(np.broadcast_to(width, touching.shape)[first])
+        y, width_there = columns["y"][first], float(np.broadcast_to(width, touching.shape)[first])
         raise InputError(
-            f"{place}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
-            f"{own:g} m wide; check y, psi and the ship file"
+            f"{table}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
+            f"{width_there:g} m wide; check y, psi and the ship file"
         )

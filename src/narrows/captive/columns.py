@@ -1,11 +1,13 @@
 """Headers: which column is which quantity, in which unit, and what one of it is in SI."""
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import NamedTuple
 
 from narrows.errors import InputError
+from narrows.quantities.constants import KNOT
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
 from narrows.ship.actuator import Actuator
 from narrows.ship.actuators import STANDARD
@@ -14,7 +16,7 @@ COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},
     "t": Quantity("s", "time"),
     "psi": Quantity("rad", "heading, clockwise seen from above"),
-    **{own.name: Quantity(own.unit, own.meaning) for own in STANDARD},
+    **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in STANDARD},
     **{name: PARTICULARS[name] for name in ("draft", "depth", "width")},
     **FORCES,
 }
@@ -23,6 +25,7 @@ COLUMNS = {
 LABELS = ("test", "condition")
 """Columns that name things: the test, and the condition (a water depth, say) that it was run under."""
 
+DEGREE = math.pi / 180
 # How headers spell units, where that is not how the units library does.
 SPELLINGS = {
     "1": "dimensionless", "°": "deg", "Nm": "N*m", "N m": "N*m", "kNm": "kN*m", "Nmm": "N*mm", "kn": "knot",
@@ -30,6 +33,14 @@ SPELLINGS = {
     "rpm": "1/minute", "rps": "1/s",
     "mps": "m/s", "mps2": "m/s^2", "degps": "deg/s", "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2",
 }  # fmt: skip
+USUAL = {
+    "m": {"mm": 1e-3, "cm": 1e-2}, "m/s": {"mm/s": 1e-3, "mps": 1.0, "kn": KNOT, "knot": KNOT},
+    "m/s2": {"mps2": 1.0, "mm/s2": 1e-3, "m/s^2": 1.0},
+    "rad": {"deg": DEGREE, "°": DEGREE}, "rad/s": {"radps": 1.0, "deg/s": DEGREE, "degps": DEGREE, "°/s": DEGREE},
+    "rad/s2": {"radps2": 1.0, "deg/s2": DEGREE, "degps2": DEGREE, "rad/s^2": 1.0, "deg/s^2": DEGREE},
+    "N": {"kN": 1e3}, "N m": {"Nm": 1.0, "kNm": 1e3, "N*m": 1.0, "Nmm": 1e-3}, "1/s": {"rpm": 1 / 60, "rps": 1.0},
+}  # fmt: skip
+"""How many of an SI unit one of another is, for those that most tables have: the units library takes long to load."""
 SUFFIXES = (
     "m",
     "mm",
@@ -45,7 +56,10 @@ SUFFIXES = (
     "N",
     "kN",
     "Nm",
+    "kNm",
+    "kn",
     "rpm",
+    "rps",
 )
 
 
@@ -78,11 +92,11 @@ def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     actuators : iterable of Actuator
         The others.
     """
-    return {**COLUMNS, **{own.name: Quantity(own.unit, own.meaning) for own in actuators}}
+    return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
 
 
 def parse_header(header: str, known: Mapping[str, Quantity] = COLUMNS) -> Column | None:
-    """Read one header: ``psi``, ``psi [deg]`` or ``psi_deg`` (ours).
+    """Read one header: ``psi``, ``psi [deg]``, ``psi (deg)`` or ``psi_deg`` (ours).
 
     Parameters
     ----------
@@ -108,15 +122,32 @@ def parse_header(header: str, known: Mapping[str, Quantity] = COLUMNS) -> Column
     return Column(header, name, 1.0 if unit is None else _scale(header, unit, si), unit is not None)
 
 
+def unit_of(header: str) -> str:
+    """Return the unit that any header carries, be it of a quantity or not; empty where it carries none (ours).
+
+    Parameters
+    ----------
+    header : str
+        As in the table.
+    """
+    if match := re.search(r"(?:\[([^\]]*)\]|\(([^)]*)\))\s*$", header):
+        return (match[1] or match[2] or "").strip()
+    name, _, suffix = header.strip().rpartition("_")
+    return suffix if name and suffix in SUFFIXES else ""
+
+
 def _split(header: str, known: Mapping[str, Quantity]) -> tuple[str, str | None]:
-    if match := re.fullmatch(r"(\w+)\s*\[(.*)\]", header):
-        return match[1], match[2].strip()
+    if match := re.fullmatch(r"(\w+)\s*(?:\[(.*)\]|\((.*)\))", header):
+        return match[1], (match[2] or match[3] or "").strip()
     name, _, suffix = header.rpartition("_")
     return (name, suffix) if name in known and suffix in SUFFIXES else (header, None)
 
 
 @cache
 def _scale(header: str, unit: str, si: str) -> float:
+    if unit == si or unit in USUAL.get(si, ()):
+        return USUAL.get(si, {}).get(unit, 1.0)
+
     import pint
 
     registry = _registry()
@@ -132,6 +163,22 @@ def _scale(header: str, unit: str, si: str) -> float:
 def _powers(unit: str) -> str:
     """Spell ``m/s2`` as ``m/s^2``."""
     return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace("°", "deg")
+
+
+@cache
+def is_unit(word: str) -> bool:
+    """Say whether a word is a unit of anything (ours).
+
+    Parameters
+    ----------
+    word : str
+        As written, without brackets.
+    """
+    try:
+        _registry()(SPELLINGS.get(word, _powers(word)))
+    except Exception:  # The units library raises nearly anything on what is no unit.
+        return False
+    return any(character.isalpha() or character == "°" for character in word)
 
 
 @cache

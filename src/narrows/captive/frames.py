@@ -1,36 +1,58 @@
-"""Files to data frames: CSV, Parquet, MATLAB and raw tab-separated records, whole or in chunks."""
+"""Files to data frames: text, Parquet, Excel and MATLAB, whole or in chunks."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
+from narrows.captive.dialect import dialect_of
 from narrows.captive.matlab import check_elements
-from narrows.errors import InputError, reason, shown
+from narrows.captive.table_head import head_of
+from narrows.captive.text_table import FIRST_ROW, read_text, text_chunks
+from narrows.errors import InputError, needs, reason
 
-FIRST_ROW = 2
-"""What editors call the row under a header."""
-READABLE = (".csv", ".parquet", ".mat", ".dat")
+TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
+READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
+STREAMED = (*TEXT, ".parquet")
+SHEET_ROWS = 400
+"""Of a sheet, among which its header is looked for."""
 
 
-def read_frame(path: Path) -> pd.DataFrame:
+class Sheet(NamedTuple):
+    """A table as it was read.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        Its index counts the rows of the file, less ``FIRST_ROW``.
+    notes : tuple of str
+        What there is to say of the file.
+    """
+
+    frame: pd.DataFrame
+    notes: tuple[str, ...] = ()
+
+
+def read_frame(path: Path) -> Sheet:
     """Read a whole table (ours).
 
     Parameters
     ----------
     path : Path
-        CSV, Parquet, MATLAB or a raw record by its suffix.
+        Text in any dialect, Parquet, Excel or MATLAB, by its suffix.
 
     Raises
     ------
     InputError
         Where the file is absent, empty, damaged or of another kind.
     """
-    readers = {".csv": _read_csv, ".parquet": _read_parquet, ".mat": _read_mat, ".dat": _read_dat}
-    reader: Any = readers[_suffix(path, READABLE)]
-    frame: pd.DataFrame = _guarded(path, lambda: _sound(reader(path)))
-    return frame
+    readers: dict[str, Callable[[Path], Sheet]] = {
+        **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
+    }  # fmt: skip
+    reader = readers[_suffix(path, READABLE)]
+    sheet: Sheet = guarded(path, lambda: reader(path))
+    return sheet
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
@@ -39,7 +61,7 @@ def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     Parameters
     ----------
     path : Path
-        CSV or Parquet by its suffix.
+        Text or Parquet by its suffix.
     rows : int
         Of a chunk, at most.
 
@@ -48,15 +70,33 @@ def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     InputError
         Where the file is absent, empty, damaged or of another kind.
     """
-    suffix = _suffix(path, READABLE[:2])
-    chunks = (_csv_chunks if suffix == ".csv" else _parquet_chunks)(path, rows)
-    while (chunk := _guarded(path, lambda: _sound(next(chunks, None)))) is not None:
+    parquet = _suffix(path, STREAMED) == ".parquet"
+    chunks = _parquet_chunks(path, rows) if parquet else guarded(path, lambda: _text_chunks(path, rows))
+    while (chunk := guarded(path, lambda: next(chunks, None))) is not None:
         yield chunk
 
 
-def _csv_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
-    with pd.read_csv(path, chunksize=rows, low_memory=False) as chunks:
-        yield from chunks
+def notes_of(path: Path) -> tuple[str, ...]:
+    """Return what there is to say of a file that is read in chunks (ours).
+
+    Parameters
+    ----------
+    path : Path
+        Text or Parquet by its suffix.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, empty, damaged or of another kind.
+    """
+    if _suffix(path, STREAMED) == ".parquet":
+        return ()
+    notes: tuple[str, ...] = guarded(path, lambda: dialect_of(path).head.notes)
+    return notes
+
+
+def _text_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
+    return text_chunks(path, dialect_of(path), rows)
 
 
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
@@ -69,18 +109,6 @@ def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
             yield frame
 
 
-def _sound(frame: Any) -> Any:
-    """A frame whose rows are counted and whose headers differ; pandas takes a surplus of cells for names of rows."""
-    if frame is None:
-        return None
-    if not isinstance(frame.index, pd.RangeIndex):
-        raise InputError(f"row {FIRST_ROW} has more cells than the header; give each column one header")
-    twice = frame.columns[frame.columns.duplicated()]
-    if len(twice):
-        raise InputError(f"two columns are headed {shown(twice[0])}; keep one")
-    return frame
-
-
 def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
     suffix = path.suffix.lower()
     if suffix not in allowed:
@@ -88,13 +116,25 @@ def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
     return suffix
 
 
-def _guarded(path: Path, read: Any) -> Any:
+def guarded(path: Path, read: Callable[[], Any]) -> Any:
+    """Return what reads a table, or say in one sentence why it cannot (ours).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    read : callable
+        Reads it.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, or is not what its suffix says.
+    """
     try:
         return read()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; check the path") from None
-    except pd.errors.EmptyDataError:
-        raise InputError(f"{path}: the table is empty; give a header and rows") from None
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     except Exception as error:  # Readers of formats raise nearly anything on what is none.
@@ -103,27 +143,41 @@ def _guarded(path: Path, read: Any) -> Any:
         ) from None
 
 
-def _read_csv(path: Path) -> pd.DataFrame:
-    return pd.read_csv(path, low_memory=False)
+def _read_text(path: Path) -> Sheet:
+    dialect = dialect_of(path)
+    return Sheet(read_text(path, dialect), dialect.head.notes)
 
 
 def _parquet() -> Any:
-    try:
+    with needs("parquet", "Parquet"):
         import pyarrow.parquet
-    except ImportError:
-        raise InputError(
-            "Parquet needs pyarrow: install narrows with its extra, pip install 'narrows[parquet]'"
-        ) from None
     return pyarrow.parquet
 
 
-def _read_parquet(path: Path) -> pd.DataFrame:
+def _read_parquet(path: Path) -> Sheet:
     """A column that pandas saved as its index is a column like any other."""
-    frame: pd.DataFrame = _parquet().read_table(path).to_pandas(ignore_metadata=True)
-    return frame
+    return Sheet(_parquet().read_table(path).to_pandas(ignore_metadata=True))
 
 
-def _read_mat(path: Path) -> pd.DataFrame:
+def _read_excel(path: Path) -> Sheet:
+    """The first sheet of a workbook."""
+    with needs("excel", "Excel"):
+        import openpyxl  # noqa: F401  # pandas asks for it
+    with pd.ExcelFile(path, engine="openpyxl") as book:
+        names, cells = book.sheet_names, pd.read_excel(book, header=None)
+    cells.index = pd.RangeIndex(len(cells))
+    cells = cells.dropna(how="all")
+    if cells.empty:
+        raise InputError(f"sheet {names[0]!r} is empty; give a header and rows, in the first sheet")
+    top = [["" if pd.isna(cell) else str(cell) for cell in row] for row in cells.head(SHEET_ROWS).to_numpy()]
+    head = head_of(top, [int(row) + 1 for row in cells.index[:SHEET_ROWS]])
+    frame = cells[cells.index >= head.first - 1].set_axis(list(head.headers), axis="columns").infer_objects()
+    frame.index += 1 - FIRST_ROW
+    others = (f"sheet {names[0]!r} is read, the first of {len(names)}",) if len(names) > 1 else ()
+    return Sheet(frame, (*others, *head.notes))
+
+
+def _read_mat(path: Path) -> Sheet:
     from scipy.io import loadmat
 
     check_elements(path.read_bytes())
@@ -131,14 +185,4 @@ def _read_mat(path: Path) -> pd.DataFrame:
     loaded = {k: v for k, v in variables.items() if not k.startswith("__")}
     if len(loaded) == 1 and isinstance(struct := next(iter(loaded.values())), dict):
         loaded = struct
-    return pd.DataFrame(loaded)
-
-
-def _read_dat(path: Path) -> pd.DataFrame:
-    """Tab separated, latin-1, a line of names over a line of units."""
-    with path.open(encoding="latin-1") as file:
-        names, units = (file.readline().rstrip("\n").split("\t") for _ in range(2))
-    frame = pd.read_csv(path, sep="\t", encoding="latin-1", header=None, skiprows=2)
-    headers = [f"{name.strip()} [{unit.strip()}]" for name, unit in zip(names, units, strict=True) if name.strip()]
-    frame.index += 1  # Two lines stand above the rows.
-    return frame.iloc[:, : len(headers)].set_axis(headers, axis="columns")
+    return Sheet(pd.DataFrame(loaded))

@@ -161,7 +161,7 @@ class StraightRun:
     Raises
     ------
     InputError
-        Where speed or duration are not positive, or she is towed sideways.
+        Where speed or duration are not positive, or it is towed sideways.
     """
 
     name: str

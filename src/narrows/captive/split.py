@@ -72,7 +72,7 @@ def _filtered(block: Block, keep: np.ndarray) -> Block:
     before = np.concatenate([[0], np.cumsum(keep)])
     spans = [Span(s.test, s.piece, int(before[s.start]), int(before[s.stop])) for s in block.spans]
     values = {name: v[keep] if np.ndim(v) else v for name, v in block.values.items()}
-    return Block(values, int(before[-1]), [span for span in spans if span.stop > span.start])
+    return block._replace(values=values, rows=int(before[-1]), spans=[span for span in spans if span.stop > span.start])
 
 
 def random_split(tests: Tests, fraction: float = 0.8, seed: int = 0) -> tuple[SomeRows, SomeRows]:

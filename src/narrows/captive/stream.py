@@ -1,25 +1,26 @@
 """Tests that stay on disk: the same blocks of rows, read when asked for, so that memory does not grow."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from narrows.captive import tests
-from narrows.captive.frames import read_chunks
-from narrows.captive.read import Rows, checked, prepared, sha256_of, tests_of
+from narrows.captive.frames import notes_of, read_chunks
+from narrows.captive.mapping import ColumnMapping, read_mapping
+from narrows.captive.read import sha256_of
+from narrows.captive.rows import Reading, Rows, checked, prepared, tests_of
 from narrows.captive.tests import Block, Span, cuts
-from narrows.errors import InputError
-from narrows.files import path_of
+from narrows.errors import InputError, path_of
 from narrows.model.model import Source
+from narrows.ship.actuator import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import read_ship
-from narrows.terms.canal_tables import PAPER
-from narrows.terms.term import TermTable
 
 
 @dataclass(frozen=True)
@@ -32,22 +33,28 @@ class StreamedTests:
         CSV or Parquet.
     configuration : Configuration
         Ship, canal and water.
-    terms : TermTable
-        What the columns must suffice for.
     where : str, optional
         Which rows to take.
+    mapping : ColumnMapping, optional
+        A laboratory's own names, units and signs.
+    actuators : tuple of Actuator
+        Of one's own, whose columns the table may have.
     source : Source
         Where the rows come from.
     notes : tuple of str
         What the reader has to say.
+    ship_file : str
+        What the ship was read from; empty where it is of no file.
     """
 
     path: Path
     configuration: Configuration
-    terms: TermTable
     where: str | None = None
+    mapping: ColumnMapping | None = None
+    actuators: tuple[Actuator, ...] = ()
     source: Source = field(default_factory=Source)
     notes: tuple[str, ...] = ("rows streamed from disk",)
+    ship_file: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -86,16 +93,17 @@ class StreamedTests:
         last: tuple[str, float] = ("", -np.inf)
         conditions: set[str] = set()
         for frame in self._frames():
-            rows = checked(frame, self.configuration, self.terms, str(self.path))
+            rows = checked(frame, self.configuration, str(self.path), self.actuators, self.ship_file)
             conditions |= set(rows.condition)
             self._check_continued(rows, last, conditions)
             last = (str(rows.test[-1]), float(rows.columns["t"][-1]) if "t" in rows.columns else -np.inf)
             spans = list(self._spans(rows.test, pieces, done))
-            yield Block({**self.configuration.values(), **rows.columns}, len(frame), spans)
+            yield Block({**self.configuration.values(), **rows.columns}, len(frame), spans, rows.headers)
 
     def _frames(self) -> Iterator[pd.DataFrame]:
+        asked = Reading(str(self.path), self.where, self.mapping, self.actuators)
         for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
-            frame, _ = prepared(chunk, self.where, str(self.path))
+            frame, _ = prepared(chunk, asked)
             if len(frame):
                 yield frame
 
@@ -128,8 +136,9 @@ def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
 
 
 def stream_captive(
-    path: str | Path, ship: str | Path | Configuration, terms: TermTable = PAPER, where: str | None = None
-) -> StreamedTests:
+    path: str | Path, ship: str | Path | Configuration, where: str | None = None, actuators: Iterable[Actuator] = (),
+    mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
+) -> StreamedTests:  # fmt: skip
     """Open a table of captive tests that is read block by block each time it is needed.
 
     Parameters
@@ -138,10 +147,12 @@ def stream_captive(
         CSV or Parquet, in the columns of ``read_captive``.
     ship : str, Path or Configuration
         The ship file, or what was read from it.
-    terms : TermTable
-        What the columns must suffice for.
     where : str, optional
         Which rows to take.
+    actuators : iterable of Actuator
+        Of one's own, whose columns the table and whose sections the ship file may have.
+    mapping : str, Path, mapping or ColumnMapping, optional
+        A laboratory's own names, units and signs, as in ``read_captive``.
 
     Returns
     -------
@@ -156,5 +167,10 @@ def stream_captive(
     path = path_of("path", path)
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
-    configuration = ship if isinstance(ship, Configuration) else read_ship(ship)
-    return StreamedTests(path, configuration, terms, where, Source("captive tests", path.name, sha256_of(path)))
+    movers = tuple(actuators)
+    configuration = ship if isinstance(ship, Configuration) else read_ship(ship, movers)
+    source, named = Source("captive tests", path.name, sha256_of(path)), read_mapping(mapping)
+    of_mapping = (f"columns by {named.name}",) if named else ()
+    notes = ("rows streamed from disk", *notes_of(path), *of_mapping)
+    ship_file = "" if isinstance(ship, Configuration) else str(ship)
+    return StreamedTests(path, configuration, where, named, movers, source, notes, ship_file)

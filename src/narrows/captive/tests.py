@@ -3,14 +3,18 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.captive.tabular import Tabular
+from narrows.errors import InputError, did_you_mean, reason, shown
 from narrows.model.model import Source
-from narrows.quantities.names import FORCES, Number
-from narrows.ship.particulars import Configuration
+from narrows.quantities.names import Number
+from narrows.ship.particulars import Configuration, Ship
+
+if TYPE_CHECKING:
+    pass
 
 BLOCK_ROWS = 32_000
 """Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory."""
@@ -35,6 +39,28 @@ class Span(NamedTuple):
     stop: int
 
 
+class Headers(NamedTuple):
+    """What a table was headed with that nothing was read from, to say where a column is missing.
+
+    Parameters
+    ----------
+    table : str
+        The file; empty where the tests are of none.
+    unread : tuple of str
+        Headers that are no quantity.
+    ship_file : str
+        What the ship was read from; empty where it is of no file.
+    """
+
+    table: str = ""
+    unread: tuple[str, ...] = ()
+    ship_file: str = ""
+
+
+NO_TABLE = Headers()
+"""Of tests that were not read from one."""
+
+
 class Block(NamedTuple):
     """Some rows.
 
@@ -46,11 +72,14 @@ class Block(NamedTuple):
         How many.
     spans : list of Span
         Whose rows they are.
+    headers : Headers
+        Of their table.
     """
 
     values: Mapping[str, Number]
     rows: int
     spans: list[Span]
+    headers: Headers = NO_TABLE
 
 
 class Tests(Protocol):
@@ -95,8 +124,8 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
     return np.unique(np.linspace(0, rows, pieces + 1).astype(int))
 
 
-@dataclass(frozen=True)
-class CaptiveTests:
+@dataclass(frozen=True, repr=False)
+class CaptiveTests(Tabular):
     """Captive tests in memory, in SI and radians.
 
     Parameters
@@ -115,6 +144,8 @@ class CaptiveTests:
         Where the rows come from.
     notes : tuple of str
         What the reader has to say: rows left out, columns assumed.
+    headers : Headers
+        Of their table.
     """
 
     columns: Mapping[str, np.ndarray]
@@ -124,11 +155,101 @@ class CaptiveTests:
     conditions: tuple[str, ...] = ()
     source: Source = field(default_factory=Source)
     notes: tuple[str, ...] = ()
+    headers: Headers = NO_TABLE
 
     @property
     def rows(self) -> int:
         """Number of rows."""
         return int(self.starts[-1])
+
+    @property
+    def ship(self) -> Ship:
+        """The hull."""
+        return self.configuration.ship
+
+    def __len__(self) -> int:
+        """How many tests."""
+        return len(self.names)
+
+    def __iter__(self) -> "Iterator[CaptiveTests]":
+        """The tests, each alone."""
+        places = np.arange(len(self.names))
+        return (self.where(places == place) for place in places)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such a column, or such a test."""
+        return name in self.columns or name in self.names
+
+    def __getitem__(self, key: Any) -> Any:
+        """A column by its name, a test by its name, or the rows of a mask.
+
+        Parameters
+        ----------
+        key : str or array (rows,) of bool
+            A column, or else a test; or which rows.
+
+        Raises
+        ------
+        InputError
+            Where there is neither, or the mask is not one answer a row.
+        """
+        if not isinstance(key, str):
+            return self.of_rows(key)
+        if key in self.columns or key not in self.names:
+            if key not in self.columns:
+                raise InputError(
+                    f"there is no column and no test {key!r}{did_you_mean(key, (*self.columns, *self.names))}"
+                )
+            return self.columns[key]
+        return self.where([name == key for name in self.names])
+
+    def of_rows(self, keep: Any) -> "CaptiveTests":
+        """Return some of the rows, each in its test; tests without rows are left out.
+
+        Parameters
+        ----------
+        keep : array (rows,) of bool
+            Which.
+
+        Raises
+        ------
+        InputError
+            Where it is not one answer a row, or none is kept.
+        """
+        mask = np.asarray(keep)
+        if mask.dtype != bool or mask.shape != (self.rows,):
+            raise InputError(f"rows are chosen by {self.rows} times True or False, one a row; give such a mask")
+        left = np.add.reduceat(mask, self.starts[:-1], dtype=int)
+        if not left.any():
+            raise InputError("no row is left after the selection; widen it")
+        whole = replace(
+            self,
+            columns={name: column[mask] for name, column in self.columns.items()},
+            starts=np.concatenate([[0], np.cumsum(left)]),
+        )
+        return whole.where(left > 0)
+
+    def query(self, where: str) -> "CaptiveTests":
+        """Return the rows for which an expression on the columns holds.
+
+        Parameters
+        ----------
+        where : str
+            As in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
+
+        Raises
+        ------
+        InputError
+            Where it cannot be understood, or no row is left.
+        """
+        frame = self.to_dataframe()
+        try:
+            chosen: Any = frame.eval(where, engine="python", local_dict={}, global_dict={})
+        except Exception as error:  # pandas raises nearly anything on text that is no expression.
+            raise InputError(
+                f"cannot select rows where {shown(where)} ({reason(error)}); use {', '.join(frame.columns)}"
+            ) from None
+        return self.of_rows(chosen)
 
     def test(self, name: str) -> dict[str, np.ndarray]:
         """Return the columns of one test.
@@ -145,7 +266,7 @@ class CaptiveTests:
         """
         if name not in self.names:
             raise InputError(f"no test is called {name!r}{did_you_mean(name, self.names)}")
-        return self._rows_of(self.names.index(name))
+        return self.rows_of(self.names.index(name))
 
     def where(self, keep: list[bool] | np.ndarray) -> "CaptiveTests":
         """Return some of the tests.
@@ -163,7 +284,7 @@ class CaptiveTests:
         kept = np.flatnonzero(np.asarray(keep, dtype=bool))
         if not kept.size:
             raise InputError("no test is left after the selection; widen it")
-        parts = [self._rows_of(int(i)) for i in kept]
+        parts = [self.rows_of(int(i)) for i in kept]
         lengths = np.diff(self.starts)[kept]
         return replace(
             self,
@@ -178,7 +299,10 @@ class CaptiveTests:
         labels = dict.fromkeys(self.conditions or ("",))
         if len(labels) <= 1:
             return {next(iter(labels)): self._with_own_depth()}
-        return {label: self.where([own == label for own in self.conditions])._with_own_depth() for label in labels}
+        return {
+            label: self.where([condition == label for condition in self.conditions])._with_own_depth()
+            for label in labels
+        }
 
     def _with_own_depth(self) -> "CaptiveTests":
         depth = self.columns.get("depth")
@@ -205,7 +329,7 @@ class CaptiveTests:
                 if a < stop and b > start
             ]
             columns = {name: column[start:stop] for name, column in self.columns.items()}
-            yield Block({**particulars, **columns}, stop - start, spans)
+            yield Block({**particulars, **columns}, stop - start, spans, self.headers)
 
     def _cuts(self, pieces: int) -> Iterator[Span]:
         for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False):
@@ -213,17 +337,13 @@ class CaptiveTests:
             for piece, (a, b) in enumerate(pairwise(edges)):
                 yield Span(test, piece, int(a), int(b))
 
-    def _rows_of(self, i: int) -> dict[str, np.ndarray]:
+    def rows_of(self, i: int) -> dict[str, np.ndarray]:
+        """Return the columns of one test by its number.
+
+        Parameters
+        ----------
+        i : int
+            Its place in ``names``.
+        """
         rows = slice(int(self.starts[i]), int(self.starts[i + 1]))
         return {name: column[rows] for name, column in self.columns.items()}
-
-
-def measured(columns: Mapping[str, np.ndarray]) -> list[str]:
-    """Return which of X, Y, N a table has (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array
-        The table.
-    """
-    return [force for force in FORCES if force in columns]

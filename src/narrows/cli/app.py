@@ -3,11 +3,12 @@
 import os
 import sys
 from contextlib import suppress
-from typing import NoReturn
+from typing import Annotated, NoReturn
 
 import typer
 
 from narrows.errors import InputError, reason
+from narrows.progress import listening
 
 app = typer.Typer(
     name="narrows",
@@ -19,8 +20,20 @@ app = typer.Typer(
 )
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from narrows import __version__
+
+        typer.echo(f"narrows {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
-def verbs() -> None:
+def verbs(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which version this is.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
     """Keep the verb in the command line even where there is one verb alone."""
 
 
@@ -37,15 +50,17 @@ def main() -> NoReturn:
     except KeyboardInterrupt:
         _leave("interrupted", 130)
     except Exception as error:
-        if debug or not (said := _sentence(error)):
+        if debug or not (sentence := _sentence(error)):
             raise
-        _leave(said, 2)
+        _leave(sentence, 2)
     raise SystemExit(code)
 
 
 def _run(arguments: list[str]) -> int:
+    told = sys.stderr.isatty() and "--json" not in arguments
     try:
-        code = app(arguments, standalone_mode=False)
+        with listening(lambda sentence: typer.echo(sentence, err=True), told):
+            code = app(arguments, standalone_mode=False)
     except SystemExit as left:
         code = left.code
     return code if isinstance(code, int) else 0

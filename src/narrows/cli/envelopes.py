@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, ModelFile
-from narrows.cli.output import print_json
+from narrows.cli.options import AsJson, DatasetOutput, ModelFile, Plot
+from narrows.cli.output import print_json, say_written
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def envelope(
         str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
     ] = None,
     waterway: Annotated[
-        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
+        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the index of the model's canal.")
     ] = None,
     at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0,
     level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0,
@@ -43,15 +43,19 @@ def envelope(
     keel: Annotated[
         float | None, typer.Option(help="Least water under the keel [m]; a twentieth of the draft.")
     ] = None,
+    most_revolutions: Annotated[
+        float | None, typer.Option(help="Of the engine [1/s], for a model with a propeller.")
+    ] = None,
     samples: Annotated[
-        int, typer.Option(help="Of the coefficients, where their covariance is known, and disturbances.")
-    ] = 200,
+        int | None,
+        typer.Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Data to write: NetCDF.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Chart to write: PNG, SVG or PDF.")] = None,
+    output: DatasetOutput = None,
+    plot: Plot = None,
     json: AsJson = False,
 ) -> None:
-    """Find how fast and how far off the middle of her canal a ship is still in hand, as a table and a chart.
+    """Find how fast and how far off the middle of its canal a ship is still in hand, as a table and a chart.
 
     MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
     """
@@ -59,9 +63,8 @@ def envelope(
     from narrows.cli.ranges import speed as read_speed
     from narrows.model.model_file import model_named
     from narrows.model.rudder_transfer import borrow_rudder
-    from narrows.report.envelope_table import envelope_summary, print_envelope
+    from narrows.report.envelope_table import print_envelope
     from narrows.safety import Disturbance, safe_envelope, wind_force
-    from narrows.simulation.netcdf import save_netcdf
 
     if waterway is None and (at or level):
         raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
@@ -71,37 +74,47 @@ def envelope(
     ship = model_named(model)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     ship, walls, where = _placed(ship, waterway, at, level) if waterway else (ship, None, "")
-    disturbance = Disturbance(heading_deg, gust=wind_force(gust, windage), gust_lever=gust_lever, gust_time=gust_time)
-    found = safe_envelope(
+    disturbance = Disturbance(
+        heading_deg, gust=wind_force(gust, windage), gust_lever=gust_lever, gust_time=gust_time, wind=gust or None
+    )
+    result = safe_envelope(
         ship,
         None if y is None else numbers("--y", y),
         None if speed is None else speeds("--speed", speed),
-        disturbance=disturbance, reserve=reserve, keel=keel, samples=samples, seed=seed, walls=walls,
+        disturbance=disturbance, reserve=reserve, keel=keel, most_revolutions=most_revolutions,
+        samples=samples, seed=seed, walls=walls,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip
     if where:
-        found = found.noting(where)
+        result = result.noting(where)
     if output:
-        save_netcdf(found.data, output)
+        result.save(output)
     if plot:
+        from narrows.files import save_figure
         from narrows.report.envelope_chart import envelope_chart
-        from narrows.report.voyage_figures import save_figure
 
-        save_figure(envelope_chart(found, ship, reserve), plot)
-    print_json(envelope_summary(found)) if json else print_envelope(found)
-    raise SystemExit(int(bool(found.highest_speed().isnull().all())))
+        save_figure(envelope_chart(result), plot)
+    print_json(result.to_dict()) if json else print_envelope(result)
+    say_written((output, plot), json)
+    raise SystemExit(int(bool(result.highest_speed().isnull().all())))
 
 
 def _placed(model: "Model", file: Path, at: float, level: float) -> "tuple[Model, tuple[float, float], str]":
-    """The model in the section of a waterway at a place; where her keel meets its banks, and where its middle is."""
+    """The model in the section of a waterway at a place; where its keel meets its banks, and where its middle is."""
     from narrows.waterway import read_waterway
 
-    found, ship = read_waterway(file).with_water(level=level), model.configuration.ship
-    if not 0 <= at <= found.line.length:
-        raise InputError(f"--at {at:g} is beyond the waterway, which is {found.line.length:.0f} m long")
-    found.check_fits(ship, at)
-    canal, middle, room = found.canal(at), float(found.section(at).middle), found.room(at, ship.draft)
+    waterway, ship = read_waterway(file).with_water(level=level), model.configuration.ship
+    if not 0 <= at <= waterway.line.length:
+        raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
+    waterway.check_fits(ship, at)
+    canal, middle, room = waterway.canal(at), float(waterway.section(at).middle), waterway.room(at, ship.draft)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     aside, half = float(room.middle) - middle, float(room.width) / 2
-    said = f"at {at:.0f} m along {found.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
-    return replace(model, configuration=replace(model.configuration, canal=canal)), (half - aside, half + aside), said
+    sentence = (
+        f"at {at:.0f} m along {waterway.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
+    )
+    return (
+        replace(model, configuration=replace(model.configuration, canal=canal)),
+        (half - aside, half + aside),
+        sentence,
+    )

@@ -6,26 +6,50 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, Condition, ModelFile, Report, ShipFile, Table, TermsName, Where
-from narrows.cli.output import folder, output_of, print_json
+from narrows.cli.options import (
+    AsJson,
+    Condition,
+    Mapping,
+    ModelFile,
+    ModelOutput,
+    Report,
+    ShipFile,
+    Table,
+    TableOutput,
+    TermsName,
+    Where,
+)
+from narrows.cli.output import folder, output_of, print_json, say_written
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
     from narrows.identification import Fit
+    from narrows.identification.bank_answer import Answer
 
 
 @app.command(epilog="Example: narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
 def identify(
     table: Table,
     ship: ShipFile,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Model file to write.")] = None,
+    output: ModelOutput = None,
     report: Report = None,
     split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test",
     seed: Annotated[int, typer.Option(help="Of the random split.")] = 0,
     weights: Annotated[str, typer.Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper",
     terms: TermsName = "paper",
+    accelerations: Annotated[
+        str, typer.Option(help="'checked': of the motion where the measured ones stray; 'motion'; 'measured'.")
+    ] = "checked",
     where: Where = None,
+    mapping: Mapping = None,
     condition: Condition = None,
+    run_errors: Annotated[
+        str, typer.Option(help="What runs differ by: gain, zero and form, as shares of the force.")
+    ] = "0.02,0.02,0.02",
+    pass_over: Annotated[
+        str, typer.Option(help="'rudder': fit although it moves and no term has it; its force goes to other terms.")
+    ] = "",
+    pool: Annotated[str | None, typer.Option(help="'depth': hulls of their own at each depth, one bank.")] = None,
     stream: Annotated[bool, typer.Option(help="Read block by block: for tables larger than memory.")] = False,
     json: AsJson = False,
 ) -> None:
@@ -35,13 +59,19 @@ def identify(
     """
     from narrows.captive import read_captive, stream_captive
     from narrows.identification.conditions import identify_conditions
+    from narrows.identification.uncertainty.run_errors import run_errors_of
+    from narrows.progress import stage
     from narrows.terms.tables import table_named
 
     chosen = table_named(terms)
     if stream and report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
-    tests = (stream_captive if stream else read_captive)(table, ship, chosen, where)
-    fits = identify_conditions(tests, condition, terms=chosen, weights=weights, split=split, seed=seed)
+    tests = (stream_captive if stream else read_captive)(table, ship, where, mapping=mapping)
+    options = {"terms": chosen, "weights": weights, "split": split, "seed": seed, "accelerations": accelerations}
+    passed = tuple(filter(None, pass_over.split(",")))
+    options |= {"errors": run_errors_of(run_errors), "pass_over": passed, "pool": pool}
+    with stage("fitting"):
+        fits = identify_conditions(tests, condition, **options)
     publish(fits, table.stem, output, report, json)
 
 
@@ -70,7 +100,9 @@ def explain(
     ] = None,
     compare: Annotated[str, typer.Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
     where: Where = None,
+    mapping: Mapping = None,
     condition: Condition = None,
+    output: TableOutput = None,
     report: Report = None,
     json: AsJson = False,
 ) -> None:
@@ -85,16 +117,18 @@ def explain(
     from narrows.report.explanation_report import print_explanation, write_explanation
 
     chosen = model_named(model)
-    tests = the_condition(read_captive(table, ship or chosen.configuration, chosen.terms, where), condition)
-    found = explained(chosen, tests, tuple(filter(None, compare.split(","))))
+    read = read_captive(table, ship or chosen.configuration, where, chosen.terms.actuators, mapping)
+    tests = the_condition(read, condition)
+    result = explained(chosen, tests, tuple(filter(None, compare.split(","))))
+    if output:
+        result.save(output)
     if report:
-        write_explanation(found, report, f"{model} on {table.name}")
+        write_explanation(result, report, f"{model} on {table.name}")
     if json:
-        print_json(found.to_dict())
+        print_json(result.to_dict())
         return
-    print_explanation(found, condition or "")
-    if report:
-        typer.echo(f"wrote {report}")
+    print_explanation(result, condition or "")
+    say_written((output, report))
 
 
 def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Path | None, json: bool) -> None:
@@ -113,8 +147,10 @@ def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Pat
     json : bool
         Print JSON.
     """
+    from narrows.identification.bank_answer import answer_of
     from narrows.model.model_file import save_model
 
+    answers = {label: answer_of(fit) for label, fit in fits.items()}
     written = []
     for label, fit in fits.items():
         if output:
@@ -122,23 +158,25 @@ def publish(fits: dict[str, "Fit"], title: str, output: Path | None, report: Pat
             save_model(fit.model, path)
             written.append(path)
     if report:
+        from narrows.progress import stage
         from narrows.report.fit_page import write_report
 
-        write_report(fits, report, title)
+        with stage("drawing the report"):
+            write_report(fits, report, title, answers)
         written.append(report)
-    _show(fits, json)
+    _show(fits, answers, json)
     if not json:
-        typer.echo("\n".join(f"wrote {path}" for path in written))
-    if not all(fit.solution.kkt.satisfied for fit in fits.values()):
+        say_written(written)
+    if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
 
 
-def _show(fits: dict[str, "Fit"], json: bool) -> None:
+def _show(fits: dict[str, "Fit"], answers: dict[str, "Answer"], json: bool) -> None:
     if json:
-        shown = {label: fit.to_dict() for label, fit in fits.items()}
+        shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in fits.items()}
         print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
         return
     from narrows.report.fit_table import print_fit
 
     for label, fit in fits.items():
-        print_fit(fit, label)
+        print_fit(fit, label, answer=answers[label])

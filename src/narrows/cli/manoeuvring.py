@@ -1,13 +1,12 @@
 """``trials``: turning circles and zigzags in open water."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, ModelFile
-from narrows.cli.output import print_json
+from narrows.cli.options import AsJson, ModelFile, Plot, TableOutput
+from narrows.cli.output import print_json, say_written
 
 
 @app.command(epilog="Example: narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
@@ -17,7 +16,8 @@ def trials(
     turn_deg: Annotated[float, typer.Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
     zigzags: Annotated[str, typer.Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
     dt: Annotated[float | None, typer.Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
+    output: TableOutput = None,
+    plot: Plot = None,
     json: AsJson = False,
 ) -> None:
     """Turn circles and sail zigzags in open water: advance, tactical diameter, overshoots.
@@ -29,9 +29,12 @@ def trials(
     from narrows.model.model_file import model_named
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
-    found = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, parse_zigzags(zigzags), dt)
+    result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, parse_zigzags(zigzags), dt)
+    if output:
+        result.save(output)
     if plot:
-        from narrows.report.voyage_figures import save_figure
+        from narrows.files import save_figure
 
-        save_figure(manoeuvres_figure(found), plot)
-    print_json(found.to_dict()) if json else print_manoeuvres(found)
+        save_figure(manoeuvres_figure(result), plot)
+    print_json(result.to_dict()) if json else print_manoeuvres(result)
+    say_written((output, plot), json)

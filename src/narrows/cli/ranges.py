@@ -89,7 +89,7 @@ def speed(option: str, text: str) -> float:
     InputError
         Where it is none, or there are several.
     """
-    found = speeds(option, text)
-    if found.size != 1:
+    values = speeds(option, text)
+    if values.size != 1:
         raise InputError(f"{option} {shown(text)} is more than one speed; give one, as 4.1m/s or 8kn")
-    return float(found[0])
+    return float(values[0])

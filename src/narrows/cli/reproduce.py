@@ -20,10 +20,10 @@ def reproduce(
     from narrows.studies.mikkelsen2025 import reproduce as made
 
     folder(out)
-    found = made(lambda doing: typer.echo(f"{doing} ...", err=True))
+    result = made(lambda doing: typer.echo(f"{doing} ...", err=True))
     typer.echo("figures ...", err=True)
-    write_reproduction(found, out / "report.html")
+    write_reproduction(result, out / "report.html")
     if json:
-        print_json(found.to_dict())
+        print_json(result.to_dict())
     else:
-        typer.echo(f"{found.summary()}\nwrote {out / 'report.html'}")
+        typer.echo(f"{result.summary()}\nwrote {out / 'report.html'}")

@@ -1,13 +1,12 @@
 """``scale``: a model at full size."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, ModelFile
-from narrows.cli.output import print_json
+from narrows.cli.options import AsJson, ModelFile, ModelOutput
+from narrows.cli.output import print_json, say_written
 from narrows.errors import InputError
 
 
@@ -21,7 +20,7 @@ def scale(
     form_factor: Annotated[float | None, typer.Option(help="Scale friction by the ITTC's line with this k.")] = None,
     wetted_surface: Annotated[float | None, typer.Option(help="Of the old hull [m2], with --form-factor.")] = None,
     at_speed: Annotated[str | None, typer.Option(help="Of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="Model file to write.")] = None,
+    output: ModelOutput = None,
     json: AsJson = False,
 ) -> None:
     """Scale a model to another length by Froude's law, and say what does not scale.
@@ -49,5 +48,4 @@ def scale(
         print_json(scaled.to_dict())
         return
     print_scaled(scaled)
-    if output:
-        typer.echo(f"wrote {output}")
+    say_written([output])

@@ -7,21 +7,43 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, ContactKind, Coriolis, Duration, ModelFile, Surge, SurgeInertia, TimeStep
-from narrows.cli.output import print_json
+from narrows.cli.options import (
+    AsJson,
+    ContactKind,
+    Coriolis,
+    Current,
+    DatasetOutput,
+    Duration,
+    Level,
+    ModelFile,
+    Plot,
+    Surge,
+    SurgeInertia,
+    TimeStep,
+    TrackOutput,
+    WaterwayFile,
+)
+from narrows.cli.output import print_json, say_written
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
     from narrows.model.model import Model
     from narrows.simulation.controllers import Autopilot
+    from narrows.simulation.usual import UsualVoyage
     from narrows.waterway import Waterway
+
+OFFSETS = 101
+"""Of a map, where none are given."""
 
 
 @app.command(epilog="Example: narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")
 def simulate(
     model: ModelFile,
     y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0,
-    speed: Annotated[str, typer.Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit.")] = "1m/s",
+    speed: Annotated[
+        str | None,
+        typer.Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; as suits the ship unless given."),
+    ] = None,
     psi_deg: Annotated[float, typer.Option(help="Heading at the start [deg].")] = 0.0,
     v: Annotated[str, typer.Option(help="Sway velocity at the start, likewise.")] = "0m/s",
     r_deg: Annotated[float, typer.Option(help="Yaw rate at the start [deg/s].")] = 0.0,
@@ -34,20 +56,18 @@ def simulate(
     hold: Annotated[
         float | None, typer.Option(help="Offset that an autopilot holds [m], for models with a rudder.")
     ] = None,
-    duration: Duration = 60.0,
-    dt: TimeStep = 0.02,
+    duration: Duration = None,
+    dt: TimeStep = None,
     surge: Surge = "held",
     surge_inertia: SurgeInertia = None,
     coriolis: Coriolis = False,
     contact: ContactKind = "corners",
-    waterway: Annotated[
-        Path | None, typer.Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
-    ] = None,
+    waterway: WaterwayFile = None,
     x: Annotated[float, typer.Option(help="Start along the canal [m].")] = 0.0,
-    current: Annotated[str, typer.Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s",
-    level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the voyage to write.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
+    current: Current = "0m/s",
+    level: Level = 0.0,
+    output: TrackOutput = None,
+    plot: Plot = None,
     json: AsJson = False,
 ) -> None:
     """Simulate one voyage: where, when and on which side the ship grounds.
@@ -58,32 +78,38 @@ def simulate(
 
     from narrows.cli.ranges import speed as read_speed
     from narrows.model.model_file import model_named
+    from narrows.simulation.usual import usual_voyage
     from narrows.simulation.voyage import simulate as run
 
-    chosen, u = model_named(model), read_speed("--speed", speed)
+    chosen = model_named(model)
+    usual = usual_voyage(chosen, None if speed is None else read_speed("--speed", speed))
+    u = usual.speed if speed is None else read_speed("--speed", speed)
     course = _waterway(waterway, read_speed("--current", current), level)
+    choices: dict[str, Any] = {"surge": surge, "contact": contact}
     voyage = run(
-        chosen, y, u, duration, dt, x=x, psi=radians(psi_deg), v=read_speed("--v", v), r=radians(r_deg),
+        chosen, y, u, usual.duration if duration is None else duration, usual.dt if dt is None else dt,
+        x=x, psi=radians(psi_deg), v=read_speed("--v", v), r=radians(r_deg),
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
-        surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
-        contact=contact, waterway=course,
+        surge_inertia=surge_inertia, coriolis=coriolis, waterway=course, **choices,
         controller=_pilot(chosen, hold, u, x, course),
     )  # fmt: skip
     if output:
         voyage.save(output)
     if plot:
-        from narrows.report.voyage_figures import save_figure, voyage_figure
+        from narrows.files import save_figure
+        from narrows.report.voyage_figures import voyage_figure
 
-        save_figure(voyage_figure(voyage, chosen.configuration, course), plot)
+        save_figure(voyage_figure(voyage), plot)
     if json:
         print_json(voyage.outcome.to_dict())
     else:
         typer.echo(voyage.outcome.sentence)
+    say_written((output, plot), json)
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
 def _pilot(model: "Model", hold: float | None, u: float, x: float, way: "Waterway | None") -> "Autopilot | None":
-    """A track pilot for the model's own canal, or for the section of a waterway where she starts."""
+    """A track pilot for the model's own canal, or for the section of a waterway where the ship starts."""
     if hold is None:
         return None
     from dataclasses import replace
@@ -95,7 +121,7 @@ def _pilot(model: "Model", hold: float | None, u: float, x: float, way: "Waterwa
     canal = way.canal(x)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     there = replace(model, configuration=replace(model.configuration, canal=canal))
-    # Her section counts from its middle, the voyage from the line.
+    # That section counts from its middle, the voyage from the line.
     return replace(track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
 
 
@@ -112,8 +138,16 @@ def _waterway(file: Path | None, current: float, level: float) -> "Waterway | No
 @app.command("map", epilog="Example: narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png")
 def map_(
     model: ModelFile,
-    y: Annotated[str, typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count.")] = "-2.5:2.5:101",
-    speed: Annotated[str, typer.Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit.")] = "1m/s",
+    y: Annotated[
+        str | None,
+        typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+    ] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; what suits the ship unless given."
+        ),
+    ] = None,
     psi_deg: Annotated[str, typer.Option(help="Heading at the start [deg], likewise.")] = "0",
     width: Annotated[str | None, typer.Option(help="Canal width [m], likewise; the model's own unless given.")] = None,
     samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0,
@@ -121,50 +155,70 @@ def map_(
         float | None, typer.Option(help="With --samples: map the probability of grounding so near [m].")
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
-    duration: Duration = 60.0,
-    dt: TimeStep = 0.02,
+    duration: Duration = None,
+    dt: TimeStep = None,
     contact: ContactKind = "corners",
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="NetCDF file of the map to write.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.")] = None,
+    waterway: WaterwayFile = None,
+    x: Annotated[str, typer.Option(help="Start along the waterway [m], likewise.")] = "0",
+    current: Current = "0m/s",
+    level: Level = 0.0,
+    output: DatasetOutput = None,
+    plot: Plot = None,
     json: AsJson = False,
 ) -> None:
-    """Map where the ship grounds over one or two things that vary, or how likely she does.
+    """Map where the ship grounds over one or two things that vary, or how likely it does.
 
     MODEL is a model file, or the name of a published model.
     """
+    from narrows.cli.ranges import speed as read_speed
     from narrows.model.model_file import model_named
+    from narrows.results import save_dataset
     from narrows.simulation.ensemble import ensemble
     from narrows.simulation.maps import map_summary
-    from narrows.simulation.netcdf import save_netcdf
 
     if within is not None and not 0 < within < float("inf"):
         raise InputError(f"--within {within} is no distance; give metres")
     if within is not None and not samples:
         raise InputError("--within maps a probability, which needs samples of the coefficients: add --samples 200")
-    chosen = model_named(model)
+    chosen, course = model_named(model), _waterway(waterway, read_speed("--current", current), level)
     shown = sys.stderr.isatty() and not json
-    vary = _varied(y, speed, psi_deg, width)
+    varied, usual = _varied(chosen, y, speed, psi_deg, width, x)
+    choices: dict[str, Any] = {"contact": contact}
     voyages = ensemble(
-        chosen, duration=duration, dt=dt, samples=samples, seed=seed, contact=contact, progress=shown, **vary
-    )
+        chosen, duration=usual.duration if duration is None else duration, dt=usual.dt if dt is None else dt,
+        samples=samples, seed=seed, progress=shown, waterway=course, **choices, **varied,
+    )  # fmt: skip
     if output:
-        save_netcdf(voyages, output)
+        save_dataset(voyages, output)
     if plot:
-        from narrows.report.voyage_figures import map_figure, save_figure
+        from narrows.files import save_figure
+        from narrows.report.map_figures import map_figure
 
-        save_figure(map_figure(voyages, chosen.configuration, within), plot)
+        save_figure(map_figure(voyages, chosen, within, course, varied), plot)
     summary = map_summary(voyages)
     print_json(summary) if json else typer.echo(summary["summary"])
+    say_written((output, plot), json)
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
 
-def _varied(y: str, speed: str, psi_deg: str, width: str | None) -> "dict[str, Any]":
-    """What a map varies, by the names of ``ensemble``; a number alone is no dimension."""
+def _varied(
+    model: "Model", y: str | None, speed: str | None, psi_deg: str, width: str | None, x: str
+) -> "tuple[dict[str, Any], UsualVoyage]":
+    """What a map varies, by the names of ``ensemble``, a number alone being no dimension; and what else suits it."""
     from math import radians
 
-    from narrows.cli.ranges import numbers, speeds
+    import numpy as np
 
-    vary = {"y": numbers("--y", y), "u": speeds("--speed", speed), "psi": radians(1) * numbers("--psi-deg", psi_deg)}
+    from narrows.cli.ranges import numbers, speeds
+    from narrows.simulation.usual import usual_voyage
+
+    u = None if speed is None else speeds("--speed", speed)
+    usual = usual_voyage(model, None if u is None else float(np.abs(u).min()))
+    aside = np.linspace(-usual.offset, usual.offset, OFFSETS)
+    vary = {
+        "y": aside if y is None else numbers("--y", y), "u": np.array([usual.speed]) if u is None else u,
+        "psi": radians(1) * numbers("--psi-deg", psi_deg), "x": numbers("--x", x),
+    }  # fmt: skip
     if width is not None:
         vary["width"] = numbers("--width", width)
-    return {name: own if own.size > 1 else float(own[0]) for name, own in vary.items()}
+    return {name: values if values.size > 1 else float(values[0]) for name, values in vary.items()}, usual

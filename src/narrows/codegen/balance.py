@@ -16,7 +16,7 @@ STEERED_BY = "rudder"
 def balance_module(system: "System") -> ModuleType:
     """Return the module that finds steady courses; its ``solve`` compiles when first called.
 
-    Its ``GIVEN`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside.
+    Its ``COLUMNS`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ def _text(system: "System") -> str:
     more, slopes = with_tangents(lines, unit, 2)
     out = [rates["v"], rates["r"], *slopes(rates["v"]), *slopes(rates["r"])]
     program, printer = more.needed_for(out), Arithmetic("real({})".format)
-    given = tuple(name for name in program.inputs if name not in ("drift", "angle"))
-    body = [f"{name} = given[{number}]" for number, name in enumerate(given)]
+    inputs = tuple(name for name in program.inputs if name not in ("drift", "angle"))
+    body = [f"{name} = inputs[{number}]" for number, name in enumerate(inputs)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in program.assignments]
     body.append(f"return {', '.join(printer.doprint(value) for value in out)}")
-    text = "\n    ".join(["@called\ndef balance(drift, angle, given):", *body]) + "\n"
+    text = "\n    ".join(["@called\ndef balance(drift, angle, inputs):", *body]) + "\n"
     tail = Path(__file__).with_name("kernels").joinpath("newton.py").read_text(encoding="utf-8")
     head = HEADER.format(version=version("narrows"), precision="float64")
     # The series of the kernels hold up to a quarter turn, and no further is looked: the C library's do as well here.
-    names = f"GIVEN = {given!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
+    names = f"COLUMNS = {inputs!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
     return "\n\n".join([head, names, elementary_text(text.replace("sine(", ""), "float64"), text, tail])

@@ -1,6 +1,7 @@
 """Generated modules on disk: written whole, named by what they were made from, shared by processes."""
 
 import hashlib
+import logging
 import os
 import platform
 import sys
@@ -143,6 +144,10 @@ def _sealed(text: str) -> str:
 
 
 def _made(path: Path, text: str) -> ModuleType:
+    if "import numba" in text or "from numba" in text:
+        logging.getLogger("narrows").info(
+            "compiling these equations, which takes some seconds and is kept for the next time ..."
+        )
     text = _sealed(text)
     # Numba says by a RuntimeError that it cannot keep compiled code beside a file.
     with suppress(OSError, RuntimeError):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.codegen.tape import Tape
 
 COLUMNS = (
@@ -16,7 +17,9 @@ ROW = 2 * len(COLUMNS)
 TIME, LENGTH, SHARE = "t", "step_length", "share"
 """The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
 contact is located, or where an output lies within the step."""
-
+COUNTED = "counted_psi"
+"""The heading that counts whole turns [rad], kept where nothing ends a voyage across the canal."""
+MIDSHIP_LEAVES = 0.9
 
 Pushed = Literal["never", "always", "until"]
 
@@ -79,18 +82,22 @@ class Choices:
 
     @property
     def kept(self) -> tuple[str, ...]:
-        """What goes from step to step: the state, the time where it is asked for, actuators, memory."""
+        """What goes from step to step: the state, turns and time where they are asked for, actuators, memory."""
         law = self.law
-        if law is None:
-            return (*STATE, *((TIME,) if self.pushed == "until" else ()))
-        timed = self.pushed == "until" or TIME in law.tape.inputs
-        return (*STATE, *((TIME,) if timed else ()), *(own.name for own in law.ordered), *law.memory)
+        timed = self.pushed == "until" or (law is not None and TIME in law.tape.inputs)
+        state = (*STATE, *(COUNTED,) * (self.contact == OPEN), *(TIME,) * timed)
+        return (*state, *(actuator.name for actuator in law.ordered), *law.memory) if law else state
+
+    @property
+    def leaves(self) -> float:
+        """Least share of the room that a step leaves [1]: at midship contact the suction ends infinite."""
+        return MIDSHIP_LEAVES if self.contact == MIDSHIP else 0.0
 
     @property
     def moving(self) -> tuple[str, ...]:
         """Quantities of the terms that change within a voyage, beside the state."""
         law = self.law.ordered if self.law else ()
-        controls = [name for own in law for name in control_names(own)]
+        controls = [name for actuator in law for name in control_names(actuator)]
         return (
             *controls,
             *(("width", "depth") if self.waterway else ()),

@@ -47,7 +47,7 @@ def with_tangents(
         The slopes of an expression of its lines.
     """
     out = Lines(_taken={str(name) for name, _ in lines.assignments})
-    slopes = {name: [sympy.sympify(slope) for slope in own] for name, own in inputs.items()}
+    slopes = {name: [sympy.sympify(slope) for slope in along] for name, along in inputs.items()}
 
     def through(value: Expr, name: str) -> list[Expr]:
         moving = [s for s in sorted(value.free_symbols, key=str) if s in slopes]
@@ -104,7 +104,7 @@ def slope(value: Expr, by: Expr) -> Expr:
     name = str(value.func)
     if name not in SLOPES:
         raise TypeError(f"no slope of {name}")
-    return sympy.Add(*(own * part for own, part in zip(SLOPES[name](*value.args), parts, strict=True)))
+    return sympy.Add(*(outer * part for outer, part in zip(SLOPES[name](*value.args), parts, strict=True)))
 
 
 def _product_slope(factors: Sequence[Expr], parts: Sequence[Expr]) -> Expr:
@@ -113,5 +113,5 @@ def _product_slope(factors: Sequence[Expr], parts: Sequence[Expr]) -> Expr:
 
 
 def _power_slope(base: Expr, power: Expr, base_slope: Expr, power_slope: Expr) -> Expr:
-    found = power * base ** (power - 1) * base_slope if base_slope != 0 else sympy.Integer(0)
-    return found + base**power * sympy.log(base) * power_slope if power_slope != 0 else found
+    by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else sympy.Integer(0)
+    return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base

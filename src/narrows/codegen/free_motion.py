@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from narrows.codegen.tape import Tape
 from narrows.errors import InputError
+from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
@@ -27,8 +28,8 @@ INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 """Force [N, N, N m] added from outside, by the component that it adds to."""
 SURGE_INERTIA = "surge_inertia"
 """The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
-MACHINERY = {name for own in STANDARD for name in (*own.controls, *own.particulars)}
-LIMITS = {f"{own.name}_{of}" for own in STANDARD for of in ("limit", "rate")}
+MACHINERY = {name for actuator in STANDARD for name in (*actuator.controls, *actuator.particulars)}
+LIMITS = {f"{actuator.name}_{of}" for actuator in STANDARD for of in ("limit", "rate")}
 WALLS = {"wall_starboard", "wall_port"}
 RESERVED = {*REGRESSOR_INPUTS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
@@ -137,8 +138,15 @@ def _regressors(tape: Tape, forces: Mapping[str, str], freedoms: Sequence[str]) 
     """Regressors of the forces that are solved for; accelerations that are not solved for are zero."""
     held = {name: 0 for force, name in ACCELERATIONS.items() if force not in freedoms}
     symbols = {name: held.get(name, symbol(name)) for name in tape.inputs}
-    expressions = tape.replay(symbols, exact_number)
+    expressions = tape.replay(symbols, exact_number, symbolic_functions())
     return {name: (forces[name], value) for name, value in expressions.items() if forces[name] in freedoms}
+
+
+def symbolic_functions() -> dict[str, Expr]:
+    """Return the functions of ``quantities.arithmetic`` in symbols, as printers know them (ours)."""
+    import sympy
+
+    return {name: sympy.Function(name, real=True) for name in COLUMNS}
 
 
 def exact_number(value: int | float) -> Expr:
@@ -177,7 +185,7 @@ def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr],
 
 def _unresisted(mass: Expr, freedoms: Sequence[str]) -> list[str]:
     accelerations = [ACCELERATIONS[force] for force in freedoms]
-    return [name for place, name in enumerate(accelerations) if not any(mass.col(place))] or accelerations
+    return [name for column, name in enumerate(accelerations) if not any(mass.col(column))] or accelerations
 
 
 def _columns(

@@ -33,16 +33,16 @@ def jacobian_text(motion: FreeMotion, names: Sequence[str], actuators: Sequence[
     rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
     linear, by_coefficient = _linear(rates, actuators), _by_coefficient(rates, names)
     constants = rates.constants
-    given = (*arguments(actuators), *constants.names)
+    inputs = (*arguments(actuators), *constants.names)
     assignments, results = straight_lines(list(constants.table))
     used = set().union(*(expression.free_symbols for expression in constants.table))
-    asked = {name: own for name, own in motion.names.items() if own in used}
+    asked = {name: parameter for name, parameter in motion.names.items() if parameter in used}
     parts = [
         f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}",
-        function_text("constants", [str(own) for own in asked.values()], assignments, results),
-        function_text("linear", given, linear[0].needed_for(linear[1]).assignments, linear[1]),
+        function_text("constants", [str(parameter) for parameter in asked.values()], assignments, results),
+        function_text("linear", inputs, linear[0].needed_for(linear[1]).assignments, linear[1]),
         function_text(
-            "coefficients", given, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]
+            "coefficients", inputs, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]
         ),
     ]
     return "\n\n".join(parts)
@@ -56,9 +56,9 @@ BATCH = """
 @cached
 def batch(values, constants, out):
     for row in range(len(values)):
-        found = linear(values[row], constants)
-        for entry in range(len(found)):
-            out[row, entry] = found[entry]
+        derivatives = linear(values[row], constants)
+        for entry in range(len(derivatives)):
+            out[row, entry] = derivatives[entry]
 """
 
 
@@ -76,8 +76,8 @@ def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str) 
     """
     rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
     (lines, results), printer = _linear(rates, actuators), Arithmetic("real({})".format)
-    body = [f"{name} = values[{place}]" for place, name in enumerate(arguments(actuators))]
-    body += [f"{name} = constants[{place}]" for place, name in enumerate(rates.constants.names)]
+    body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators))]
+    body += [f"{name} = constants[{index}]" for index, name in enumerate(rates.constants.names)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
     body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
     text = "\n    ".join(["@called\ndef linear(values, constants):", *body]) + "\n"
@@ -87,16 +87,16 @@ def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str) 
 
 def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
     """The rates of ``LINEARISED`` by state and by control, row by row."""
-    lines, found = rates.program()
-    angles = {"psi", *(own.name for own in actuators if own.angle)}
+    lines, results = rates.program()
+    angles = {"psi", *(actuator.name for actuator in actuators if actuator.angle)}
     directions = _directions(actuators)
     slopes: dict[Expr, list[Expr]] = {}
     for number, name in enumerate(directions):
         moved = _angle_slopes(name) if name in angles else {name: 1}
-        for own, slope in moved.items():
-            slopes[real(own)] = [slope if k == number else 0 for k in range(len(directions))]
+        for component, slope in moved.items():
+            slopes[real(component)] = [slope if k == number else 0 for k in range(len(directions))]
     more, slopes_of = with_tangents(lines, slopes, len(directions))
-    rows = [found["x"], found["y"], real("r"), found["u"], found["v"], found["r"]]
+    rows = [results["x"], results["y"], real("r"), results["u"], results["v"], results["r"]]
     return more, [entry for row in rows for entry in slopes_of(row)]
 
 

@@ -36,7 +36,7 @@ def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) ->
         Of narrows.
     """
     printer = Arithmetic("real({})".format)
-    body = "\n\n".join([_room_text(lanes, choices, printer), lanes.text(printer)])
+    body = "\n\n".join([_room_text(lanes, choices, printer), lanes.text(printer, choices.leaves)])
     exact = choices.waterway and choices.contact not in (MIDSHIP, OPEN)
     room = _module_text("narrows.waterway.room", "called") if exact else ABSENT
     return "\n\n".join(
@@ -61,9 +61,9 @@ def exact_room(track, step, s, n, cosine, sine, outline):
 
 def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
     fields, shared = lanes.fields, lanes.shared_inputs
-    numbers = {name: fields[field] for name, field in FIELDS.items()}
+    numbers: dict[str, float] = {name: fields[field] for name, field in FIELDS.items()}
     numbers |= {f"AT_{name.upper()}": shared.index(name) if name in shared else 0 for name in SHARED_PLACES}
-    own = lanes.own_inputs
+    vessel_inputs = lanes.vessel_inputs
     numbers |= {
         "LANES": lanes.count,
         "FIELDS": lanes.size,
@@ -71,8 +71,9 @@ def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
         "OLD": fields["old x"],
         "CELL_ENTRIES": ROW,
     }
-    numbers |= {"FIRST_OWN": fields[own[0]] if own else 0, "EXACT": exact, "WATERWAY": choices.waterway}
-    names = {"KEPT_NAMES": lanes.kept, "OWN": own, "SHARED": shared}
+    numbers["FIRST_VESSEL_INPUT"] = fields[vessel_inputs[0]] if vessel_inputs else 0
+    numbers |= {"EXACT": exact, "WATERWAY": choices.waterway, "LEAVES": choices.leaves}
+    names = {"KEPT_NAMES": lanes.kept, "VESSEL_INPUTS": vessel_inputs, "SHARED": shared}
     return "\n".join(f"{name} = {value!r}" for name, value in (numbers | names).items())
 
 
@@ -83,7 +84,7 @@ def _room_text(lanes: Lanes, choices: Choices, printer: Arithmetic) -> str:
     body = []
     for name in lines.inputs:
         if name in lanes.fields:
-            body.append(f"{name} = {lanes.place(name)}")
+            body.append(f"{name} = {lanes.entry(name)}")
         else:
             body.append(f"{name} = shared[{lanes.shared_inputs.index(name)}]")
     body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]

@@ -23,7 +23,7 @@ def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
     actuators : sequence of Actuated
         Of the model.
     """
-    return (*INPUTS.values(), *(own.name for own in actuators))
+    return (*INPUTS.values(), *(actuator.name for actuator in actuators))
 
 
 def arguments(actuators: Sequence[Actuated]) -> tuple[str, ...]:
@@ -34,7 +34,7 @@ def arguments(actuators: Sequence[Actuated]) -> tuple[str, ...]:
     actuators : sequence of Actuated
         Of the model.
     """
-    return (*STATE, *INPUTS.values(), *(name for own in actuators for name in control_names(own)))
+    return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)))
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ class Linearisation:
         at : mapping of str to number
             As for ``state``.
         """
-        found = self._matrix("coefficients", at, len(FORCES))
-        return np.concatenate([np.zeros_like(found), found], axis=-2)
+        slopes = self._matrix("coefficients", at, len(FORCES))
+        return np.concatenate([np.zeros_like(slopes), slopes], axis=-2)
 
     def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
         values = [*argument_values(at, self.actuators), *self.constants]
@@ -140,12 +140,12 @@ def argument_values(at: Mapping[str, Number], actuators: Sequence[Actuated]) -> 
     actuators : sequence of Actuated
         Of the model.
     """
-    given = dict(at)
-    for name in ("psi", *(own.name for own in actuators if own.angle)):
-        if f"cos_{name}" not in given:
-            position = given.get(name, 0.0)
-            given |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
-    return [given.get(name, 0.0) for name in arguments(actuators)]
+    values = dict(at)
+    for name in ("psi", *(actuator.name for actuator in actuators if actuator.angle)):
+        if f"cos_{name}" not in values:
+            position = values.get(name, 0.0)
+            values |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
+    return [values.get(name, 0.0) for name in arguments(actuators)]
 
 
 @dataclass(frozen=True)
@@ -180,8 +180,8 @@ class JacobianBatch:
         at : mapping of str to number or array (points,)
             As for ``Linearisation.state``.
         """
-        for place, value in enumerate(argument_values(at, self.actuators)):
-            self.values[:, place] = value
+        for column, value in enumerate(argument_values(at, self.actuators)):
+            self.values[:, column] = value
         return self.values
 
     def __call__(self, values: np.ndarray) -> np.ndarray:

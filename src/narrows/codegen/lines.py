@@ -52,10 +52,10 @@ def least(*values: Expr) -> Expr:
     *values : expression
         One or more.
     """
-    found, *rest = values
+    smallest, *rest = values
     for value in rest:
-        found = FUNCTIONS["minimum"](found, value)
-    return found
+        smallest = FUNCTIONS["minimum"](smallest, value)
+    return smallest
 
 
 def greatest(*values: Expr) -> Expr:
@@ -66,10 +66,10 @@ def greatest(*values: Expr) -> Expr:
     *values : expression
         One or more.
     """
-    found, *rest = values
+    largest, *rest = values
     for value in rest:
-        found = FUNCTIONS["maximum"](found, value)
-    return found
+        largest = FUNCTIONS["maximum"](largest, value)
+    return largest
 
 
 @dataclass

@@ -92,13 +92,13 @@ def rounds(lines: Lines) -> list[list[Assignment]]:
     """
     if any(_reads(value) for _, value in lines.assignments):
         return _scheduled(lines)
-    found: list[list[Assignment]] = [[]]
+    parts: list[list[Assignment]] = [[]]
     for line in lines.program:
         if line is CUT:
-            found.append([])
+            parts.append([])
         else:
-            found[-1].append(line)
-    return [part for part in found if part]
+            parts[-1].append(line)
+    return [part for part in parts if part]
 
 
 def _reads(value: Expr) -> bool:
@@ -108,19 +108,19 @@ def _reads(value: Expr) -> bool:
 def _scheduled(lines: Lines) -> list[list[Assignment]]:
     """Even rounds of arithmetic, odd ones of reads; each line in the earliest that has what it needs."""
     level: dict[Expr, int] = {}
-    found: dict[int, list[Assignment]] = {}
+    scheduled: dict[int, list[Assignment]] = {}
     floor = 0
     for line in lines.program:
         if line is CUT:
-            floor = (max(found, default=0) + 2) // 2 * 2
+            floor = (max(scheduled, default=0) + 2) // 2 * 2
             continue
         name, value = line
         first = max((level.get(s, 0) for s in value.free_symbols), default=0)
         if _reads(value):
-            place = first + (first % 2 == 0)
+            index = first + (first % 2 == 0)
         else:
             first = max(first, floor)
-            place = first + first % 2
-        level[name] = place
-        found.setdefault(place, []).append(line)
-    return [found[place] for place in sorted(found)]
+            index = first + first % 2
+        level[name] = index
+        scheduled.setdefault(index, []).append(line)
+    return [scheduled[index] for index in sorted(scheduled)]

@@ -52,7 +52,7 @@ class PreparedRun:
         What is kept from step to step, at the start.
     times : array (n, 3) [s]
         Length of a step, whole steps, length of the last and shorter one.
-    own : array (n, own inputs)
+    vessel_inputs : array (n, vessel inputs)
         Inputs of each vessel's own.
     shared : array (shared inputs,)
         Inputs that all share.
@@ -67,7 +67,7 @@ class PreparedRun:
     kernel: ModuleType
     start: np.ndarray
     times: np.ndarray
-    own: np.ndarray
+    vessel_inputs: np.ndarray
     shared: np.ndarray
     water: WaterTable
     limits: np.ndarray
@@ -92,16 +92,16 @@ class PreparedRun:
 
     def _arguments(self, part: slice) -> tuple[Any, ...]:
         water = self.water
-        given = (
+        inputs = (
             self.start[part],
             self.times[part],
-            self.own[part],
+            self.vessel_inputs[part],
             water.table,
             self.shared,
             water.track,
             water.outline,
         )
-        return (*given, self.limits, self.end[part], self.time[part], self.codes[part])
+        return (*inputs, self.limits, self.end[part], self.time[part], self.codes[part])
 
     def __call__(self) -> int:
         """Sail every vessel, and return the lane-steps that it took."""
@@ -216,12 +216,12 @@ def prepare(
     if precision == "float32" and times[:, 1].max(initial=0) >= MOST_STEPS_SINGLE:
         raise InputError(f"single precision counts fewer than {MOST_STEPS_SINGLE} steps; lengthen dt or use float64")
 
-    def table(names: tuple[str, ...], given: Mapping[str, Any]) -> np.ndarray:
-        columns = [np.broadcast_to(np.asarray(given[name], float), vessels) for name in names]
+    def table(names: tuple[str, ...], values: Mapping[str, Any]) -> np.ndarray:
+        columns = [np.broadcast_to(np.asarray(values[name], float), vessels) for name in names]
         stacked = np.stack(columns, axis=1) if columns else np.zeros((vessels, 0))
         return np.ascontiguousarray(stacked.astype(precision))
 
     shared = np.array([np.ravel(inputs[name])[0] for name in kernel.SHARED], precision)
     kept = table(kernel.KEPT_NAMES, start)
-    own = table(kernel.OWN, inputs)
-    return PreparedRun(kernel, kept, times, own, shared, water, limits.astype(precision), workers)
+    vessel_inputs = table(kernel.VESSEL_INPUTS, inputs)
+    return PreparedRun(kernel, kept, times, vessel_inputs, shared, water, limits.astype(precision), workers)

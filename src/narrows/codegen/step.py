@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from narrows.codegen.choices import COLUMNS, LENGTH, SHARE, TIME, Choices
+from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, Choices
 from narrows.codegen.contact import bank_room, reaches
 from narrows.codegen.free_motion import INPUTS, STATE, Expr, exact_number
 from narrows.codegen.lines import FUNCTIONS, Lines, clipped, least, real
@@ -91,15 +91,15 @@ def _felt_states(rates: Rates, choices: Choices) -> tuple[str, ...]:
 
 def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
     """Write the water at a place from the table, straight between its nodes."""
-    place = lines.put(f"place_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
-    cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](place, real("last_cell"))))
-    part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](place - cell, 1))
-    found = {}
+    position = lines.put(f"position_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
+    cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](position, real("last_cell"))))
+    part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](position - cell, 1))
+    section = {}
     for name in columns:
         first = 2 * COLUMNS.index(name)
         start, rise = (lines.put(f"{name}_{k}_{tag}", FUNCTIONS["entry"](first + k, cell)) for k in range(2))
-        found[name] = lines.put(f"{name}_{tag}", start + part * rise)
-    return found
+        section[name] = lines.put(f"{name}_{tag}", start + part * rise)
+    return section
 
 
 def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict[str, Expr], dict[str, Expr]]:
@@ -107,15 +107,15 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     if choices.law is None:
         return {}, {}
     asked = {**z, "dt": real(LENGTH)}
-    given = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
-    results = choices.law.tape.replay(given, exact_number, FUNCTIONS)
+    inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
+    results = choices.law.tape.replay(inputs, exact_number, FUNCTIONS)
     moves, out = {}, {}
-    for own in choices.law.ordered:
-        wanted = lines.put(f"{own.name}_order", clipped(results[own.name], real(f"{own.name}_limit")))
-        furthest = lines.put(f"{own.name}_reach", real(f"{own.name}_rate") * real(LENGTH))
-        whole = lines.put(f"{own.name}_whole", clipped(wanted - z[own.name], furthest))
-        moves[own.name] = lines.put(f"{own.name}_move", real(SHARE) * whole)
-        out[own.name] = lines.put(f"{own.name}_new", z[own.name] + moves[own.name])
+    for name in (actuator.name for actuator in choices.law.ordered):
+        wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))
+        furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
+        whole = lines.put(f"{name}_whole", clipped(wanted - z[name], furthest))
+        moves[name] = lines.put(f"{name}_move", real(SHARE) * whole)
+        out[name] = lines.put(f"{name}_new", z[name] + moves[name])
     return moves, out | {name: lines.put(f"{name}_new", results[name]) for name in choices.law.memory}
 
 
@@ -127,14 +127,15 @@ def _controls(
 
     def at(node: Expr) -> dict[str, Expr]:
         if node not in known:
-            known[node] = found = {}
-            for own in choices.law.ordered if choices.law else ():
-                position = lines.put(f"{own.name}_at{len(known)}", z[own.name] + node * moves[own.name])
-                if own.angle:
-                    found[f"cos_{own.name}"] = lines.put(f"cos_{own.name}{len(known)}", FUNCTIONS["cosine"](position))
-                    found[f"sin_{own.name}"] = lines.put(f"sin_{own.name}{len(known)}", FUNCTIONS["sine"](position))
+            known[node] = controls = {}
+            for actuator in choices.law.ordered if choices.law else ():
+                name = actuator.name
+                position = lines.put(f"{name}_at{len(known)}", z[name] + node * moves[name])
+                if actuator.angle:
+                    controls[f"cos_{name}"] = lines.put(f"cos_{name}{len(known)}", FUNCTIONS["cosine"](position))
+                    controls[f"sin_{name}"] = lines.put(f"sin_{name}{len(known)}", FUNCTIONS["sine"](position))
                 else:
-                    found[own.name] = position
+                    controls[name] = position
         return known[node]
 
     return at
@@ -151,7 +152,7 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 def _rate(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
     """The rates in the waterway, by those of the straight canal that the water is here."""
     if not choices.waterway:
-        return rates.written(lines, tag, values)
+        return {**rates.written(lines, tag, values), COUNTED: values["r"]}
     now = _section(lines, values["x"], _felt_columns(rates), f"stage{tag}")
     y = values["y"]
     values = {
@@ -160,11 +161,16 @@ def _rate(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr],
         "depth": now.get("depth", real("depth")),
         "y": lines.put(f"off_{tag}", y - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
     }
-    found = rates.written(lines, tag, values)
-    pace = lines.put(f"pace_{tag}", (found["x"] + real("current")) / (1 - now["curvature"] * y))
+    straight = rates.written(lines, tag, values)
+    pace = lines.put(f"pace_{tag}", (straight["x"] + real("current")) / (1 - now["curvature"] * y))
     turn = lines.put(f"turn_{tag}", values["r"] - now["curvature"] * pace)
     heading = {"cos_psi": -turn * values["sin_psi"], "sin_psi": turn * values["cos_psi"]}
-    return {**found, "x": pace, **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()}}
+    return {
+        **straight,
+        "x": pace,
+        COUNTED: turn,
+        **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()},
+    }
 
 
 Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
@@ -173,17 +179,18 @@ Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
 def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, felt: tuple[str, ...]) -> dict[str, Expr]:
     """Write the classical Runge-Kutta step, and bring the heading back to the unit circle."""
     at, k, middle = dict(z), [], {}
+    integrated = (*STATE, *(COUNTED,) * (COUNTED in z))
     for node in range(4):
         k.append(rate(at, node))
         if node == 2:
-            middle = {name: lines.put(f"middle_{name}", k[1][name] + k[2][name]) for name in STATE}
+            middle = {name: lines.put(f"middle_{name}", k[1][name] + k[2][name]) for name in integrated}
         if node < 3:
             ahead = lines.put(f"h_{node}", NODES[node + 1] * h)
             moved = [name for name in felt if k[node][name] != 0]
             at = {**z, **{name: lines.put(f"{name}_at{node + 1}", z[name] + ahead * k[node][name]) for name in moved}}
             lines.cut()
     sixth, after = lines.put("sixth", h * SIXTH), {}
-    for name in STATE:
+    for name in integrated:
         # Additions, for processors whose multipliers are the narrow place.
         total = (k[0][name] + k[3][name]) + (middle[name] + middle[name])
         after[name] = lines.put(f"{name}_new", z[name] + sixth * total) if k[3][name] != 0 else z[name]
@@ -220,5 +227,5 @@ def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
         return real("wall_starboard"), real("wall_port")
     kind = "keel" if choices.contact == MIDSHIP else "near"
     names = (f"{kind}_starboard", f"{kind}_port")
-    found = _section(lines, x, names, "after")
-    return found[names[0]], found[names[1]]
+    section = _section(lines, x, names, "after")
+    return section[names[0]], section[names[1]]

@@ -165,12 +165,12 @@ class System:
 
         return lambda: generated("jacobian_batch", (*self.key, actuators), text)
 
-    def kernel(self, own: tuple[str, ...], precision: str) -> ModuleType:
+    def kernel(self, vessel_inputs: tuple[str, ...], precision: str) -> ModuleType:
         """Return the module that sails a fleet; its ``sail`` compiles when first called.
 
         Parameters
         ----------
-        own : tuple of str
+        vessel_inputs : tuple of str
             Inputs that each vessel has of its own; with ``k`` among them all constants of the ship are.
         precision : {"float64", "float32"}
             Of a lane.
@@ -180,12 +180,12 @@ class System:
             from narrows.codegen.kernel import LANES, kernel_text
             from narrows.codegen.printers.lanes import Lanes
 
-            names = {*own, *(self.rates.constants.names if "k" in own else ())}
+            names = {*vessel_inputs, *(self.rates.constants.names if "k" in vessel_inputs else ())}
             step = self.step.with_whole_steps()
             lanes = Lanes(step, self.choices.kept, tuple(sorted(names)), LANES)
             return kernel_text(lanes, self.choices, precision, version("narrows"))
 
-        return generated("kernel", (*self.key, own, precision), text)
+        return generated("kernel", (*self.key, vessel_inputs, precision), text)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.
@@ -196,11 +196,11 @@ def _evaluated(
     constants: Callable[..., tuple[Number, ...]], parameters: Sequence[str], values: Mapping[str, Number]
 ) -> tuple[Number, ...]:
     """Evaluate constants of their parameters, or say what is missing."""
-    given = DEFAULTS | dict(values)
+    known = DEFAULTS | dict(values)
     for name in parameters:
-        if given.get(name) is None:
+        if known.get(name) is None:
             raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
-    numbers = [np.ravel(given[name])[0] if np.size(given[name]) == 1 else given[name] for name in parameters]
+    numbers = [np.ravel(known[name])[0] if np.size(known[name]) == 1 else known[name] for name in parameters]
     with np.errstate(all="ignore"):
         try:
             result = constants(*(float(number) if np.ndim(number) == 0 else number for number in numbers))

@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
-from narrows.terms.term import TermTable
+from narrows.terms.term import TermTable, uncompiled
 
 Line = tuple[str, ...]
 """``("input", name)``, ``("number", text)``, or an operation and the numbers of the lines that it works on."""
@@ -191,7 +191,7 @@ def tape_of_terms(table: TermTable) -> Tape:
     Raises
     ------
     InputError
-        Where a regressor does more than arithmetic and ``abs()``.
+        Where a regressor does more than arithmetic, ``abs()`` and the functions of ``quantities.arithmetic``.
     """
     notes, results = Notes(), {}
     inputs = {name: notes.note(("input", name)) for name in sorted(table.quantities)}
@@ -199,10 +199,7 @@ def tape_of_terms(table: TermTable) -> Tape:
         try:
             results[term.name] = notes.of(term.column(inputs)).line
         except Exception as error:
-            raise InputError(
-                f"term {term.name}: its regressor cannot be compiled ({error}); "
-                "write it with arithmetic and abs() alone"
-            ) from error
+            raise uncompiled(term, error) from error
     return Tape(tuple(notes.lines), results)
 
 
@@ -224,9 +221,9 @@ def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str,
         Where it does more than arithmetic and the functions of ``quantities.arithmetic``, or asks for another quantity.
     """
     notes = Notes()
-    given = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
+    quantities = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
     try:
-        results = {name: notes.of(value).line for name, value in function(given).items()}
+        results = {name: notes.of(value).line for name, value in function(quantities).items()}
     except InputError:
         raise
     except AttributeError as error:

@@ -5,8 +5,6 @@ import xarray as xr
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.ship.actuators import PROPELLER
-from narrows.ship.motion import Motion
 
 DOUBLINGS = 30
 
@@ -28,12 +26,11 @@ def self_propulsion(model: Model, u: float) -> float:
     """
     from scipy.optimize import brentq
 
-    if PROPELLER not in model.terms.actuators:
+    if not model.terms.propelled:
         raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
-    straight = Motion.at(u=u)
 
     def surplus(revolutions: float) -> float:
-        return float(model.forces(straight, revolutions=revolutions)["X"])
+        return -model.resistance(u, revolutions=revolutions)
 
     fast = next((n for n in 2.0 ** np.arange(-10, DOUBLINGS - 10) if surplus(float(n)) > 0), None)
     if fast is None:
@@ -51,11 +48,16 @@ def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
     vary : dict of str to number, sequence or DataArray
         With u [m/s].
     """
-    if PROPELLER not in model.terms.actuators or "revolutions" in vary:
+    if not model.terms.propelled or "revolutions" in vary:
         return vary
     speed = vary["u"]
     u = speed if isinstance(speed, xr.DataArray) else np.asarray(speed, float)
-    found = np.vectorize(lambda own: self_propulsion(model, float(own)), otypes=[float])(u)
+    revolutions = np.vectorize(lambda one_speed: self_propulsion(model, float(one_speed)), otypes=[float])(u)
     if isinstance(speed, xr.DataArray):
-        return {**vary, "revolutions": speed.copy(data=found)}
-    return {**vary, "revolutions": xr.DataArray(found, dims=["u"], coords={"u": u}) if found.ndim else float(found)}
+        return {**vary, "revolutions": speed.copy(data=revolutions)}
+    return {
+        **vary,
+        "revolutions": xr.DataArray(revolutions, dims=["u"], coords={"u": u})
+        if revolutions.ndim
+        else float(revolutions),
+    }

@@ -15,8 +15,8 @@ from narrows.codegen.tape import tape_of
 from narrows.control.self_propulsion import with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.simulation.grid import INPUTS, grid_of
-from narrows.simulation.inputs import check_workers
+from narrows.simulation.grid import grid_of
+from narrows.simulation.inputs import INPUTS, check_workers
 from narrows.simulation.ship import SimulatedShip
 
 SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
@@ -30,8 +30,8 @@ def steady_course(
 ) -> xr.Dataset:  # fmt: skip
     """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal (ours).
 
-    The speed is held; a propeller turns as the speed asks straight ahead. Where no angle below 69 degrees holds her,
-    there is no such course: the answer is NaN.
+    The speed is held; a propeller turns as the speed asks straight ahead. Where no angle below 69 degrees holds
+    the ship, there is no such course: the answer is NaN.
 
     Parameters
     ----------
@@ -49,7 +49,8 @@ def steady_course(
     Returns
     -------
     xarray.Dataset
-        ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies.
+        ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies; ``notes`` says where the
+        model feels no bank.
 
     Raises
     ------
@@ -71,8 +72,8 @@ def steady_course(
     psi = -np.arctan(v / values["u"])
     columns = {"rudder": (rudder, "rad"), "psi": (psi, "rad"), "v": (v, "m/s")}
     data = {name: (list(grid.sizes), c.reshape(shape), {"units": unit}) for name, (c, unit) in columns.items()}
-    found = xr.Dataset(data, coords=grid.coordinates())
-    return found.squeeze("vessel") if list(grid.sizes) == ["vessel"] else found
+    courses = xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(model.bank_notes)})
+    return courses.squeeze("vessel") if list(grid.sizes) == ["vessel"] else courses
 
 
 def check_rudder(model: Model) -> None:
@@ -95,7 +96,7 @@ def check_rudder(model: Model) -> None:
 
 
 def check_inside(y: Any, width: Any, beam: Any) -> None:
-    """Raise where a hull beside her line is in a bank (ours).
+    """Raise where a hull beside its line is in a bank (ours).
 
     Parameters
     ----------
@@ -132,23 +133,23 @@ def solved(
     workers : int, optional
         Threads.
     """
-    rudder = tuple(own for own in ship.actuators if own.name == RUDDER)
+    rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=_steered(rudder), pushed="until")
     module = balance_module(system)
-    given = {**dict.fromkeys(INPUTS, 0.0), **ship.values(), **values}
-    given |= {FORCES[name]: given[name] for name in INPUTS}
+    inputs = {**dict.fromkeys(INPUTS, 0.0), **ship.values(), **values}
+    inputs |= {FORCES[name]: inputs[name] for name in INPUTS}
     drift, angle = np.empty(count), np.empty(count)
 
     def run(rows: slice) -> None:
-        part = {name: value[rows] if np.size(value) > 1 else value for name, value in given.items()}
+        part = {name: value[rows] if np.size(value) > 1 else value for name, value in inputs.items()}
         part |= system.constants(part)
         size = rows.stop - rows.start
-        columns = [np.broadcast_to(np.asarray(part[name], float), size) for name in module.GIVEN]
+        columns = [np.broadcast_to(np.asarray(part[name], float), size) for name in module.COLUMNS]
         module.solve(np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
 
     workers = workers or cores()
     in_threads(run, [slice(i, min(i + BLOCK, count)) for i in range(0, count, BLOCK)], workers)
-    return drift * np.asarray(given["u"], float), angle
+    return drift * np.asarray(inputs["u"], float), angle
 
 
 @lru_cache(maxsize=4)

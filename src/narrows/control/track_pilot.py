@@ -1,4 +1,4 @@
-"""A course-keeping autopilot: the best linear one for the ship on the centreline, with the gear that she has."""
+"""A course-keeping autopilot: the best linear one for the ship on the centreline, with the gear that the ship has."""
 
 import math
 
@@ -22,7 +22,7 @@ IN_VAIN = "no autopilot holds this ship on the centreline: her rudder turns noth
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
-    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold her there (ours).
+    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold it there (ours).
 
     Parameters
     ----------
@@ -38,19 +38,19 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     Raises
     ------
     InputError
-        Where no rudder holds her there, or no autopilot on the centreline.
+        Where no rudder holds it there, or no autopilot on the centreline.
     """
     check_rudder(model)
     check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
     ship, limit = SimulatedShip(model), model.configuration.gear.limit
-    own = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
-    (v,), (rudder,) = solved(ship, {"y": y, "u": u, **own, **values}, 1, 1)
+    propulsion = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
+    (v,), (rudder,) = solved(ship, {"y": y, "u": u, **propulsion, **values}, 1, 1)
     if not abs(rudder) <= limit:
         raise InputError(
             f"no rudder to {math.degrees(limit):g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose "
             "a place nearer to it"
         )
-    gains = track_gains(ship, u, **own, **values)
+    gains = track_gains(ship, u, **propulsion, **values)
     by_y, by_psi, by_v, by_r = gains.tolist()
     return Autopilot(y, (by_y, by_psi, by_v, by_r), float(rudder), -math.atan(v / u), float(v))
 
@@ -73,7 +73,7 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     Raises
     ------
     InputError
-        Where no autopilot can hold her on the centreline.
+        Where no autopilot can hold it on the centreline.
 
     References
     ----------
@@ -81,12 +81,12 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     """
     from scipy.linalg import LinAlgError, solve_continuous_are
 
-    given = {**ship.values(), **values}
-    linear = ship.system().linearisation(given, ship.actuators)
-    at = {"u": speed, "revolutions": given.get("revolutions", 0.0)}
-    place = [LINEARISED.index(name) for name in FELT]
-    motion = linear.state(at)[np.ix_(place, place)]
-    push = linear.controls(at)[place][:, [linear.controlled.index("rudder")]]
+    inputs = {**ship.values(), **values}
+    linear = ship.system().linearisation(inputs, ship.actuators)
+    at = {"u": speed, "revolutions": inputs.get("revolutions", 0.0)}
+    indices = [LINEARISED.index(name) for name in FELT]
+    motion = linear.state(at)[np.ix_(indices, indices)]
+    push = linear.controls(at)[indices][:, [linear.controlled.index("rudder")]]
     half_beam = ship.model.configuration.ship.beam / 2
     weights = np.diag([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0])
     try:
@@ -94,7 +94,7 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     except (LinAlgError, ValueError):
         raise InputError(IN_VAIN) from None
     gains = np.asarray(HARD**2 * (push.T @ cost)[0])
-    # Where nothing stabilises her, SciPy gives an error or a matrix of rounding, by its release.
+    # Where nothing stabilises it, SciPy gives an error or a matrix of rounding, by its release.
     poles = np.linalg.eigvals(motion - push * gains)
     if not poles.real.max() < -SETTLES * np.abs(poles).max():
         raise InputError(IN_VAIN)

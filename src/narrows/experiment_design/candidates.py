@@ -16,7 +16,11 @@ OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
 """Of the room between hull and wall that a run may use."""
 CYCLES = (2, 3, 5)
 STRAIGHT_DRIFTS = (0.0, 6.0)
+SIDES = (1, -1)
+"""Starboard and port: each run off the centreline may be mirrored."""
 SAMPLES = 100
+UNASKED = 0.75
+"""Of the room that the clearance leaves, where no reach is asked for."""
 RUN_LENGTHS, MOST = 10.0, 1e5
 """A run's steady motion over the ship's length; and more than any tank has of anything, in SI."""
 MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
@@ -39,6 +43,9 @@ class Tank:
         To run at; three slow ones by the ship's length unless given.
     depths : sequence of float [m]
         To run at; the canal's own unless given.
+    reach : float, optional
+        Farthest offset of midship from the centreline [m]; three quarters of what the clearance allows unless given:
+        close to a wall every form of the bank errs most.
 
     Raises
     ------
@@ -51,6 +58,7 @@ class Tank:
     heading: float = 25.0
     speeds: Sequence[float] = ()
     depths: Sequence[float] = ()
+    reach: float | None = None
 
     def __post_init__(self) -> None:
         length = 1.0 if self.run_length is None else self.run_length
@@ -59,6 +67,7 @@ class Tank:
             *named.items(),
             *(("speeds", u) for u in self.speeds),
             *(("depths", h) for h in self.depths),
+            ("reach", 1.0 if self.reach is None else self.reach),
         ):
             if not 0 < value < MOST:
                 raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
@@ -114,14 +123,15 @@ def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
 
 
 def _room(configuration: Configuration, tank: Tank) -> float:
-    return configuration.canal.width / 2 - configuration.ship.beam * (0.5 + tank.clearance)
+    clear = configuration.canal.width / 2 - configuration.ship.beam * (0.5 + tank.clearance)
+    return UNASKED * clear if tank.reach is None else min(clear, tank.reach)
 
 
 def _straight(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
     shares = (0.0, 0.25, 0.5, 0.75, 1.0)
-    for share, drift in product(shares, STRAIGHT_DRIFTS):
-        offset = round(share * _room(configuration, tank), 3)
-        if share or drift:
+    for share, side, drift in product(shares, SIDES, STRAIGHT_DRIFTS):
+        offset, drift = side * round(share * _room(configuration, tank), 3), side * drift
+        if (share or drift) and (share or side > 0):
             name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
             yield StraightRun(
                 name, offset, speed, tank.length_for(configuration) / speed, float(np.radians(drift)), depth
@@ -129,10 +139,13 @@ def _straight(configuration: Configuration, tank: Tank, speed: float, depth: flo
 
 
 def _harmonic(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
-    for kind, offset_share, share, cycles in product(("yaw", "sway"), OFFSETS, AMPLITUDES, CYCLES):
+    for kind, offset_share, side, share, cycles in product(("yaw", "sway"), OFFSETS, SIDES, AMPLITUDES, CYCLES):
         room = _room(configuration, tank)
-        offset = round(offset_share * room, 3)
-        amplitude, period = round(share * (room - offset), 3), round(tank.length_for(configuration) / speed / cycles, 2)
+        offset = side * round(offset_share * room, 3)
+        if not offset and side < 0:
+            continue
+        amplitude = round(share * (room - abs(offset)), 3)
+        period = round(tank.length_for(configuration) / speed / cycles, 2)
         steep = np.sin if kind == "yaw" else np.tan
         if not 0 < amplitude * 2 * np.pi / period < speed * steep(np.radians(tank.heading)):
             continue

@@ -1,28 +1,100 @@
-"""What a run would tell: the information matrix of its columns, before it is made."""
+"""What a run would tell before it is made: its columns as a few rows for each force, and the errors of runs."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from narrows.captive.runs import Run
+from narrows.captive.runs import Run, StraightRun
 from narrows.captive.synthetic import NOISE, motion_of
 from narrows.errors import InputError
+from narrows.identification.identifiability.evidence import ONE_TEST
 from narrows.identification.regression.problem import slots
+from narrows.identification.uncertainty.error_model import pseudo_inverse
+from narrows.identification.uncertainty.interval import t_quantile
+from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.identification.uncertainty.second_level import roots
+from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
 
 RATE = 5.0
 """Of sampling [Hz]; what a run tells depends on its noise per time, not on how often it is sampled."""
+ZEROS = 3
+"""Of harmonic runs, of steady ones to starboard and of those to port: made on days of their own, often."""
+Forces = Callable[[Motion, float | None], Mapping[str, np.ndarray]]
+"""The forces that a motion at a depth is expected to have, to which gains are proportional."""
 
 
-def run_information(
-    run: Run,
-    configuration: Configuration,
-    terms: TermTable,
-    noise: Mapping[str, float] = NOISE,
-    correlation_time: float = 0.5,
-) -> np.ndarray:
-    """Return the information matrix (p, p) that one run adds, a row for each parameter (ours).
+@dataclass(frozen=True)
+class PlannedRun:
+    """The second level of a run: ``y = D theta + error`` in a few rows for each force.
+
+    Parameters
+    ----------
+    d : array (forces, q, p)
+        Columns of the parameters.
+    one : array (forces, q)
+        Column of a constant force.
+    v : array (forces, q, q)
+        Covariance of the rows; ones on the diagonal of empty ones.
+    zero : int
+        Which zero it has: 0 of harmonic runs, 1 of steady ones to starboard, 2 of those to port.
+    """
+
+    d: np.ndarray
+    one: np.ndarray
+    v: np.ndarray
+    zero: int
+
+    @cached_property
+    def plain(self) -> tuple[np.ndarray, np.ndarray]:
+        """D'D and D'VD, (p, p) each, of which the covariance of least squares is made."""
+        return np.einsum("fqi,fqj->ij", self.d, self.d), np.einsum("fqi,fqr,frj->ij", self.d, self.v, self.d)
+
+    @cached_property
+    def information(self) -> np.ndarray:
+        """Information (p + zeros, p + zeros), the zeros of each force and kind of run being unknown too."""
+        beside = zero_columns(self.one, np.arange(len(self.one)), np.full(len(self.one), self.zero))
+        columns = np.concatenate([self.d, beside], axis=2)
+        white = np.linalg.solve(np.linalg.cholesky(self.v), columns)
+        return np.asarray(np.einsum("fqi,fqj->ij", white, white))
+
+
+def zero_columns(one: np.ndarray, force: np.ndarray, zero: np.ndarray) -> np.ndarray:
+    """Return columns of the zeros, (blocks, q, forces x zeros), of blocks of the second level (ours).
+
+    Parameters
+    ----------
+    one : array (blocks, q)
+        Column of a constant force.
+    force, zero : array (blocks,) of int
+        Of each block.
+    """
+    count = int(force.max()) + 1
+    own = np.arange(count * ZEROS) == (force * ZEROS + zero)[:, None]
+    return np.asarray(one[:, :, None] * own[:, None, :])
+
+
+def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Return which zero runs have, as in ``PlannedRun`` (ours).
+
+    Parameters
+    ----------
+    steady : array (runs,) of bool
+        Nothing oscillates.
+    offset : array (runs,) [m]
+        Mean offset from the centreline.
+    """
+    return np.asarray(np.where(steady, np.where(offset >= 0, 1, 2), 0))
+
+
+def planned_run(
+    run: Run, configuration: Configuration, terms: TermTable, forces: Forces, level: Mapping[str, float],
+    noise: Mapping[str, float] = NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
+) -> PlannedRun:  # fmt: skip
+    """Work out what one run would tell (ours).
 
     Parameters
     ----------
@@ -32,30 +104,84 @@ def run_information(
         Ship, canal and water.
     terms : TermTable
         The terms; tied coefficients are one parameter.
+    forces : callable
+        Expected forces of a motion at a depth.
+    level : mapping of str to float [N, N, N m]
+        Root mean square of each force over all tests, which zeros are a share of.
     noise : mapping of str to float [N, N, N m]
         Standard deviation of each force.
     correlation_time : float [s]
         Of the noise: 2 of these hold one independent row.
+    errors : RunErrors, optional
+        By how much runs differ; those of ``identify`` unless given.
 
     Raises
     ------
     InputError
         Where a term needs a particular that the ship file does not give.
     """
+    errors = errors or RunErrors()
     columns = run.columns(RATE)
+    motion, rows = motion_of(columns), len(columns["t"])
     depth = {} if run.depth is None else {"depth": run.depth}
-    values = {**configuration.values(), **motion_of(columns).values(), **depth}
+    values = {**configuration.values(), **motion.values(), **depth}
     for name in terms.inputs:
         if name not in values:
             raise InputError(f"the terms need {name}, which the ship file does not give; add it")
-    slot = slots(terms)
-    information = np.zeros((max(slot.values()) + 1,) * 2)
-    rows_of_its_own = 1 / max(1.0, 2 * correlation_time * RATE)
-    for force, part in terms.forces.items():
-        if not part:
-            continue
-        design = np.array([np.broadcast_to(term.column(values), len(columns["t"])) for term in part])
-        products = design @ design.T * rows_of_its_own / noise[force] ** 2
-        index = [slot[term.name] for term in part]
-        np.add.at(information, np.ix_(index, index), products)
-    return information
+    own = {force: part for force, part in terms.forces.items() if part}
+    width = 1 + max(len(part) for part in own.values())
+    slot, expected = slots(terms), forces(motion, run.depth)
+    d = np.zeros((len(own), width, max(slot.values()) + 1))
+    one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(own), 1, 1))
+    for i, (force, part) in enumerate(own.items()):
+        a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
+        root, inverse, live = (found[0] for found in roots((a @ a.T)[None]))
+        q = len(live)
+        for j, term in enumerate(part):
+            d[i, :q, slot[term.name]] += root[:, j]
+        one[i, :q] = root[:, -1]
+        force_of_run = np.broadcast_to(np.asarray(expected.get(force, 0.0), float), rows)
+        fitted = inverse @ (a @ force_of_run)
+        within = noise[force] ** 2 * max(1.0, 2 * correlation_time * RATE)
+        within += errors.form**2 * float(force_of_run @ force_of_run) / max(int(live.sum()), 1)
+        v[i, :q, :q] = (
+            errors.gain**2 * np.outer(fitted, fitted)
+            + (errors.zero * level.get(force, 0.0)) ** 2 * np.outer(one[i, :q], one[i, :q])
+            + np.diag(np.where(live, within, 1.0))
+        )
+    zero = zero_of(np.array(isinstance(run, StraightRun)), np.array(np.mean(columns["y"])))
+    return PlannedRun(d, one, v, int(zero))
+
+
+def expected_errors(runs: Sequence[PlannedRun], known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return standard errors, variance inflations and half widths of the 95 % intervals of a fit, each (p,) (ours).
+
+    The interval is that of the error model, or of leaving out each run where that reaches farther, as ``identify`` has
+    it. All are infinite where the runs do not determine a parameter.
+
+    Parameters
+    ----------
+    runs : sequence of PlannedRun
+        Each a motion of its own.
+    known : array (2, p, p)
+        D'D and D'VD of tests that were made.
+    """
+    plain = np.array([run.plain for run in runs])
+    gram, middle = known + plain.sum(axis=0)
+    inverse, determined = pseudo_inverse(gram)
+    model = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
+    inflation = np.diag(inverse) * np.diag(gram)
+    others, left = pseudo_inverse(gram - plain[:, 0])
+    # What leaving out a run moves is a sum over runs k of (other - all) D_k'e_k, without the run itself.
+    count = len(runs)
+    change = np.tile((others - inverse)[:, None], (1, count, 1, 1))
+    change[np.arange(count), np.arange(count)] = -inverse
+    moved = np.einsum("mkij,kjl,nkil->imn", change, plain[:, 1], change, optimize=True)
+    trace, square = np.trace(moved, axis1=1, axis2=2), (moved**2).sum(axis=(1, 2))
+    freedom = trace**2 / np.where(square > 0, square, np.inf)
+    grown = np.diagonal(others @ (middle - plain[:, 1]) @ others, axis1=1, axis2=2)
+    rests = (~left | (grown * (1 - ONE_TEST) > model**2)).any(axis=0)
+    farther = t_quantile(freedom + 1) * np.sqrt((count - 1) / count * np.maximum(trace, 0.0))
+    half = t_quantile(np.inf) * model
+    half = np.where(rests, half, np.maximum(half, farther))
+    return tuple(np.where(determined, found, np.inf) for found in (model, inflation, half))  # type: ignore[return-value]

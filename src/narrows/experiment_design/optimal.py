@@ -1,4 +1,4 @@
-"""The best few of many runs for some of the coefficients: greedy choice, then exchanges while they help."""
+"""The best few of many runs for some coefficients, whatever the form of the bank: greedy choice, then exchanges."""
 
 from collections.abc import Sequence
 
@@ -14,11 +14,11 @@ ridge moves the spread by about 1e-5 of it."""
 
 
 def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
-    """Return what is to be made small, for each of a stack of information matrices.
+    """Return what is to be made small, for each of a stack of information matrices, under the worst form.
 
     Parameters
     ----------
-    information : array (..., p, p)
+    information : array (..., forms, p, p)
         Scaled to a unit diagonal or thereabouts.
     targets : sequence of int
         The parameters that matter.
@@ -27,8 +27,8 @@ def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> n
     """
     covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
     if criterion == "c":
-        return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
-    return np.asarray(np.linalg.slogdet(covariance)[1])
+        return np.asarray(np.trace(covariance, axis1=-2, axis2=-1).max(axis=-1))
+    return np.asarray(np.linalg.slogdet(covariance)[1].max(axis=-1))
 
 
 def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int], criterion: str = "c") -> list[int]:
@@ -36,9 +36,9 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
 
     Parameters
     ----------
-    runs : array (n, p, p)
-        Information that each would add.
-    known : array (p, p)
+    runs : array (n, forms, p, p)
+        Information that each would add, under each form that the bank's terms may have.
+    known : array (forms, p, p)
         Information that there is.
     count : int
         How many to choose.
@@ -51,10 +51,11 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
     ----------
     Fedorov (1972), Theory of optimal experiments: the exchange.
     """
-    scale = np.sqrt(np.diagonal(runs, axis1=1, axis2=2).max(axis=0))
+    scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0))
     scale[scale == 0] = 1.0
-    runs, known = runs / np.outer(scale, scale), known / np.outer(scale, scale)
-    base = known + RIDGE * np.eye(len(known))
+    outer = scale[:, :, None] * scale[:, None, :]
+    runs, known = runs / outer, known / outer
+    base = known + RIDGE * np.eye(known.shape[-1])
     chosen: list[int] = []
     for _ in range(min(count, len(runs))):
         chosen.append(_best(runs, base + runs[chosen].sum(axis=0), chosen, targets, criterion))

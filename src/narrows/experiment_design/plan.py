@@ -1,22 +1,32 @@
 """``plan_tests``: a ship, a tank and a budget of runs in; the runs and what they would tell out."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.captive.runs import HarmonicRun, Run, StraightRun
 from narrows.captive.synthetic import NOISE
-from narrows.captive.tests import CaptiveTests, Tests
+from narrows.captive.tests import Tests
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
-from narrows.experiment_design.information import run_information
-from narrows.experiment_design.optimal import CRITERIA, RIDGE, choose
-from narrows.identification.fitting import check_one_condition
-from narrows.identification.regression.accumulation import accumulate
-from narrows.identification.regression.problem import reduced, slots
+from narrows.experiment_design.expected_forces import expected_forces, usual_forces
+from narrows.experiment_design.information import (
+    PlannedRun,
+    expected_errors,
+    planned_run,
+)
+from narrows.experiment_design.known_tests import known_information, within_tested
+from narrows.experiment_design.optimal import CRITERIA, choose
+from narrows.identification.fitting import identify
+from narrows.identification.regression.problem import slots
+from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.results import Shown
 from narrows.ship.particulars import Configuration
+from narrows.ship.ship_file import read_ship
+from narrows.terms.bank_forms import with_bank
 from narrows.terms.canal_tables import PAPER
 from narrows.terms.term import TermTable
 
@@ -24,8 +34,20 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+UNITS = {
+    "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
+}  # fmt: skip
+"""Of the rows of a plan."""
+
+
+SEPARATING = 4
+"""Straight runs that a plan for the bank begins with."""
+OTHER_FORMS = ("distance", "tapered")
+"""Of the bank, that a plan does for beside that of the terms."""
+
+
 @dataclass(frozen=True, repr=False)
-class Plan:
+class Plan(Shown):
     """Runs to make, and what they would tell.
 
     Parameters
@@ -38,6 +60,8 @@ class Plan:
         Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is known.
     inflation : mapping of str to float [1]
         Variance inflation of each target's column under all runs.
+    reach : mapping of str to float
+        Half of the 95 % interval that a fit to all runs will give each of them, in the coefficient's unit.
     usual : mapping of str to float
         Predicted standard errors of the best plan of as many harmonic runs about the centreline.
     usual_inflation : mapping of str to float [1]
@@ -52,6 +76,7 @@ class Plan:
     targets: tuple[str, ...]
     std: Mapping[str, np.ndarray]
     inflation: Mapping[str, float]
+    reach: Mapping[str, float]
     usual: Mapping[str, float]
     usual_inflation: Mapping[str, float]
     considered: int
@@ -69,7 +94,8 @@ class Plan:
         """Say what is gained, for each target: a line each."""
         unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
         gains = tuple(
-            f"{name}: standard error {self.std[name][-1]:.2g} (VIF {self.inflation[name]:.3g}) with these runs, "
+            f"{name}: standard error {self.std[name][-1]:.2g}, interval +- {self.reach[name]:.2g} with these runs (VIF "
+            f"{self.inflation[name]:.3g}); "
             f"{self.usual[name]:.2g} (VIF {self.usual_inflation[name]:.3g}) with as many of the best harmonic runs "
             "about the centreline."
             for name in self.targets
@@ -85,6 +111,7 @@ class Plan:
             "targets": {
                 name: {
                     "std": float(self.std[name][-1]),
+                    "reach": self.reach[name],
                     "vif": self.inflation[name],
                     "usual_std": self.usual[name],
                     "usual_vif": self.usual_inflation[name],
@@ -102,10 +129,11 @@ class Plan:
         return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the runs as a table: a row each, with the standard errors once it is made."""
+        """Give the runs as a table, headed with units: a row each, with the standard errors once it is made."""
         import pandas as pd
 
-        return pd.DataFrame(self.rows())
+        headers = {name: f"{name.removesuffix('_deg')} [{unit}]" for name, unit in UNITS.items()}
+        return pd.DataFrame(self.rows()).rename(columns=headers)
 
 
 def _row(run: Run) -> dict[str, Any]:
@@ -115,16 +143,20 @@ def _row(run: Run) -> dict[str, Any]:
 
 
 def plan_tests(
-    configuration: Configuration, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
+    configuration: Configuration | str | Path, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
     targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = NOISE,
-    correlation_time: float = 0.5, after: Tests | None = None,
+    correlation_time: float = 0.5, after: Tests | None = None, errors: RunErrors | None = None,
 ) -> Plan:  # fmt: skip
     """Choose the runs that make some coefficients best known, all others being unknown too.
 
+    Runs differ by gain, zero and form, as ``identify`` takes it; a zero that all runs share is unknown too; and what is
+    best is best under the worst of several forms of the bank. A plan for the bank begins with straight runs, mirrored
+    to both sides: no hull that changes with the period or the speed takes their place.
+
     Parameters
     ----------
-    configuration : Configuration
-        Ship, canal and water.
+    configuration : Configuration, str or Path
+        Ship, canal and water, or the ship file.
     runs : int
         How many.
     tank : Tank, optional
@@ -141,7 +173,9 @@ def plan_tests(
     correlation_time : float [s]
         Of the noise.
     after : CaptiveTests, optional
-        Tests that were made already.
+        Tests that were made already; speeds and offsets stay within theirs where the tank asks for no others.
+    errors : RunErrors, optional
+        By how much runs differ beyond their noise; those of ``identify`` unless given.
 
     Returns
     -------
@@ -155,26 +189,77 @@ def plan_tests(
     """
     tank = tank or Tank()
     _check(runs, criterion, terms, noise, tank)
-    names = _targets(terms, targets)
+    if not isinstance(configuration, Configuration):
+        configuration = read_ship(configuration, terms.actuators)
+    names, errors = _targets(terms, targets), errors or RunErrors()
+    tables = _forms(terms)
+    made = [] if after is None else [identify(after, table, errors=errors) for table in tables]
+    tank, limits = within_tested(tank, made[0].data_range if made else None)
     offered = candidates(configuration, tank)
-    adds = np.array([run_information(run, configuration, terms, noise, correlation_time) for run in offered])
-    known = _known(after, terms, noise, correlation_time) if after is not None else np.zeros(adds.shape[1:])
+    forces = expected_forces(configuration)
+    level = usual_forces(offered, forces)
+    told = [
+        [planned_run(run, configuration, table, forces, level, noise, correlation_time, errors) for table in tables]
+        for run in offered
+    ]
+    adds = np.array([[run.information for run in forms] for forms in told])
+    known, known_plain = known_information(made, tables, adds.shape[1:])
     index = [slots(terms)[name] for name in names]
     parameters = sorted(set(index))  # tied coefficients are one
-    best = choose(adds, known, runs, parameters, criterion)
-    centred = adds[[isinstance(run, HarmonicRun) and run.offset == 0 for run in offered]]
-    usual = choose(centred, known, len(best), parameters, criterion)
-    std, inflation = _predicted(known + np.cumsum(adds[best], axis=0), index)
-    usual_std, usual_inflation = _predicted((known + centred[usual].sum(axis=0))[None], index)
+    best = _separating(offered, adds, known, min(runs, SEPARATING) * bool(_bank(terms) & set(names)), parameters)
+    rest = np.setdiff1d(np.arange(len(offered)), best)
+    more = choose(adds[rest], known + adds[best].sum(axis=0), runs - len(best), parameters, criterion)
+    best = [*best, *rest[more].tolist()]
+    centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
+    usual = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)]
+    std, inflation, half = _predicted([told[i][0] for i in best], known_plain, index)
+    usual_std, usual_inflation, _ = _predicted([told[i][0] for i in usual], known_plain, index)[:, -1:]
     return Plan(
         tuple(offered[i] for i in best),
         names,
         dict(zip(names, std.T, strict=True)),
         dict(zip(names, inflation[-1].tolist(), strict=True)),
+        dict(zip(names, half[-1].tolist(), strict=True)),
         dict(zip(names, usual_std[0].tolist(), strict=True)),
         dict(zip(names, usual_inflation[0].tolist(), strict=True)),
         len(offered),
-        (_assumed(noise, correlation_time, tank, configuration),),
+        (_assumed(noise, correlation_time, tank, configuration), _differing(errors), *limits),
+    )
+
+
+def _bank(terms: TermTable) -> set[str]:
+    return {term.name for term in terms.terms if term.from_bank}
+
+
+def _separating(
+    offered: list[Run], adds: np.ndarray, known: np.ndarray, count: int, parameters: list[int]
+) -> list[int]:
+    """Straight runs at the highest speed, each mirrored: they part the bank from hulls that change with the period."""
+    steady = {_path(run): i for i, run in enumerate(offered) if isinstance(run, StraightRun)}
+    fastest = max((speed for _, _, speed, _ in steady), default=0.0)
+    half = {path: i for path, i in steady.items() if path[0] > 0 and path[2] == fastest}
+    pairs = min(count // 2, len(half))
+    found = choose(adds[list(half.values())], 0 * known, pairs, parameters, "c") if pairs else []
+    chosen = [list(half)[i] for i in found]
+    return [steady[path] for y, drift, *rest in chosen for path in ((y, drift, *rest), (-y, -drift, *rest))]
+
+
+def _path(run: StraightRun) -> tuple[float, ...]:
+    return run.offset, run.drift, run.speed, run.depth or 0.0
+
+
+def _forms(terms: TermTable) -> list[TermTable]:
+    """The terms, and the same with other forms of the bank: a plan must do under each."""
+    if sum(term.from_bank for term in terms.terms) != 2 or terms.feels_depth:
+        return [terms]
+    return [terms, *(with_bank(terms, form) for form in OTHER_FORMS)]
+
+
+def _differing(errors: RunErrors) -> str:
+    return (
+        f"Runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and by "
+        f"{errors.form:.1%} of their force from the form of the terms; a zero that all runs share and the form of the "
+        "bank are unknown too."
     )
 
 
@@ -209,28 +294,7 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def _predicted(information: np.ndarray, index: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Standard errors and variance inflations of some parameters, (steps, targets); infinite while unknown."""
-    diagonal = np.diagonal(information, axis1=1, axis2=2)
-    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    scaled = information / (size[:, :, None] * size[:, None, :]) + RIDGE * np.eye(information.shape[-1])
-    inflation = np.diagonal(np.linalg.inv(scaled), axis1=1, axis2=2)[:, index]
-    inflation = np.where(inflation > 1e-2 / RIDGE, np.inf, inflation)
-    return np.sqrt(inflation) / size[:, index], inflation
-
-
-def _known(tests: Tests, terms: TermTable, noise: Mapping[str, float], correlation_time: float) -> np.ndarray:
-    """Information of tests that were made; rows nearer in time than two correlation times share theirs."""
-    check_one_condition(tests, terms)
-    equations, _ = accumulate(tests, terms)
-    problem = reduced(equations, terms)
-    weighed = replace(problem, weights={force: 1 / noise[force] ** 2 for force, part in terms.forces.items() if part})
-    share = np.array([1 / max(1.0, 2 * correlation_time * _rate(tests, name)) for name in equations.names])
-    h, _ = weighed.normal(np.tensordot(share, equations.by_test(), axes=1))
-    return np.asarray(h * np.outer(problem.scale, problem.scale))
-
-
-def _rate(tests: Tests, name: str) -> float:
-    """Of sampling [Hz]; 0 where the rows carry no time, so that each is taken as independent."""
-    t = tests.test(name).get("t") if isinstance(tests, CaptiveTests) else None
-    return 0.0 if t is None or len(t) < 2 else float(1 / np.median(np.diff(t)))
+def _predicted(runs: list[PlannedRun], known: np.ndarray, index: list[int]) -> np.ndarray:
+    """Standard errors, variance inflations and half intervals after each run, (3, runs, targets)."""
+    after = [expected_errors(runs[: i + 1], known) for i in range(len(runs))]
+    return np.array([[own[part][index] for own in after] for part in range(3)])

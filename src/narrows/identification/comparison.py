@@ -9,7 +9,9 @@ from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.identifiability.verdict import CONFOUNDED
-from narrows.terms.bank_forms import FORMS
+from narrows.identification.regression.problem import Weights
+from narrows.results import Shown
+from narrows.terms.bank_forms import FORMS, OPEN_WATER
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison:
+class Comparison(Shown):
     """Fits of several tables of terms to the same tests.
 
     Parameters
@@ -114,12 +116,12 @@ def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
 
 
 def ready_tables() -> tuple[str, ...]:
-    """Return the names of the tables to compare where none are asked for (ours)."""
-    return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"))
+    """Return the names of the tables to compare where none are asked for, the last without any bank (ours)."""
+    return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"), f"paper+{OPEN_WATER}")
 
 
 def compare(
-    tests: Tests, tables: str | TermTable | Sequence[str | TermTable] = (), weights: str = "paper"
+    tests: Tests, tables: str | TermTable | Sequence[str | TermTable] = (), weights: Weights = "paper"
 ) -> Comparison:
     """Fit several tables of terms to the same tests.
 
@@ -144,7 +146,7 @@ def compare(
         if chosen.name in fits:
             raise InputError(f"two tables of terms are called {chosen.name!r}; rename one")
         try:
-            fits[chosen.name] = identify(tests, chosen, weights)
+            fits[chosen.name] = identify(tests, chosen, weights, pass_over="rudder")
         except InputError as error:
             left_out[chosen.name] = str(error)
     if not fits:

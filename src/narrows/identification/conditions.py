@@ -23,13 +23,15 @@ def identify_conditions(tests: Tests, condition: str | None = None, **options: A
     Returns
     -------
     dict of str to Fit
-        By condition; the label is empty where the table names none.
+        By condition; the label is empty where the table names none, or where conditions are pooled.
 
     Raises
     ------
     InputError
         Where there is no such condition.
     """
+    if options.get("pool") is not None and condition is None:
+        return {"": identify(tests, **options)}
     if condition is not None:
         return {condition: identify(the_condition(tests, condition), **options)}
     parts = tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}

@@ -1,7 +1,11 @@
-"""Errors on what was left out of the fit: each cluster of tests in turn, and each speed."""
+"""Errors on what was left out of the fit: each distinct motion in turn with all its repeats, and each speed."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
+from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
@@ -9,23 +13,38 @@ from narrows.identification.regression.scores import Score, scores_of, squared_e
 from narrows.terms.term import TermTable
 
 
+class Validation(NamedTuple):
+    """How well a fit foresees rows that it did not see.
+
+    Parameters
+    ----------
+    scores : mapping of str to Score
+        R2 and RMSE of each force on rows left out.
+    split : str
+        ``test``, by distinct motion, or ``random``.
+    """
+
+    scores: Mapping[str, Score]
+    split: str
+
+
 def left_out_coefficients(problem: Problem, without: np.ndarray) -> np.ndarray:
-    """Fit without each cluster of rows in turn, (clusters, n).
+    """Fit without each group of rows in turn, (groups, n).
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    without : array (clusters, m, m)
-        Sums over all but each cluster.
+    without : array (groups, m, m)
+        Sums over all but each group.
     """
     return problem.coefficients(solve_many(*problem.normal(without), problem.lower, problem.upper))
 
 
 def left_out_score(
-    equations: NormalEquations, terms: TermTable, clusters: np.ndarray, without: np.ndarray
+    equations: NormalEquations, terms: TermTable, groups: np.ndarray, without: np.ndarray
 ) -> dict[str, Score]:
-    """Score each cluster with the coefficients that were fitted without it.
+    """Score each group of rows with the coefficients that were fitted without it; NaN where there is one group.
 
     Parameters
     ----------
@@ -33,24 +52,26 @@ def left_out_score(
         For its columns.
     terms : TermTable
         The terms.
-    clusters : array (clusters, m, m)
-        Sums over each cluster.
-    without : array (clusters, n)
+    groups : array (groups, m, m)
+        Sums over each group.
+    without : array (groups, n)
         Coefficients fitted without it.
     """
+    if len(groups) < 2:
+        return {force: Score(float("nan"), float("nan")) for force, part in terms.forces.items() if part}
     index = {name: i for i, name in enumerate(terms.names)}
     errors = {
         force: sum(
             squared_error(equations, sums, part, values[[index[term.name] for term in part]], force)
-            for sums, values in zip(clusters, without, strict=True)
+            for sums, values in zip(groups, without, strict=True)
         )
         for force, part in terms.forces.items()
         if part
     }
-    return scores_of(equations, clusters.sum(axis=0), errors)
+    return scores_of(equations, groups.sum(axis=0), errors)
 
 
-def left_out_by_speed(problem: Problem, equations: NormalEquations) -> dict[str, Score]:
+def left_out_by_speed(problem: Problem, equations: NormalEquations, motions: DistinctMotions) -> dict[str, Score]:
     """Score each speed with the coefficients that were fitted to the others: force -> score (ours).
 
     Parameters
@@ -59,8 +80,10 @@ def left_out_by_speed(problem: Problem, equations: NormalEquations) -> dict[str,
         The joint problem.
     equations : NormalEquations
         The sums.
+    motions : DistinctMotions
+        The distinct motions, and their speeds.
     """
-    groups = np.stack([equations.sums[group].sum(axis=0) for group in equations.speed_groups])
+    groups = np.stack([motions.sums[own].sum(axis=0) for own in motions.by_speed])
     if len(groups) < 2:
         return {}
     without = left_out_coefficients(problem, groups.sum(axis=0) - groups)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,13 +15,17 @@ from narrows.identification.regression.scores import Score, score
 from narrows.identification.shapley import KINDS
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
+from narrows.results import Shown
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 UNLIKELY = 3.0
 """Joint standard errors between the model's coefficient and the table's beyond which they disagree."""
 
 
 @dataclass(frozen=True, repr=False)
-class Explanation:
+class Explanation(Shown):
     """A model on a table of tests, that it was fitted on or not.
 
     Parameters
@@ -115,6 +119,17 @@ class Explanation:
             "tables_left_out": dict(self.comparison.left_out),
         }
 
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, the model's, that of these tests, how far apart they are."""
+        import pandas as pd
+
+        rows = {
+            name: (value, self.fit.coefficients[name], self.distance[name])
+            for name, value in self.model.coefficients.items()
+        }
+        columns = ["model", "these_tests", "distance"]
+        return pd.DataFrame.from_dict(rows, orient="index", columns=columns).rename_axis("coefficient")
+
 
 def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanation:
     """Put a model and a table of tests beside each other.
@@ -138,7 +153,7 @@ def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanati
     InputError
         Where the tests lack what the model's terms need, or are of several conditions.
     """
-    fit = identify(tests, model.terms)
+    fit = identify(tests, model.terms, pass_over="rudder")
     equations = fit.normal_equations
     return Explanation(
         model,

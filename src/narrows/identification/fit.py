@@ -10,24 +10,32 @@ import numpy as np
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
 from narrows.identification import shapley
-from narrows.identification.cross_validation import left_out_by_speed
+from narrows.identification.acceleration_noise import noise_bias, noise_sentence
+from narrows.identification.cross_validation import Validation, left_out_by_speed
 from narrows.identification.identifiability.correlation import CorrelatedPair, correlated_pairs
+from narrows.identification.identifiability.depths import DepthTest, depth_test
 from narrows.identification.identifiability.diagnostics import Diagnostics
-from narrows.identification.identifiability.evidence import verdicts
+from narrows.identification.identifiability.evidence import Evidence
 from narrows.identification.identifiability.influence import Influence, influence
-from narrows.identification.identifiability.verdict import IDENTIFIED, Verdict
+from narrows.identification.identifiability.verdict import IDENTIFIED, Verdict, verdicts
+from narrows.identification.motions import DistinctMotions
+from narrows.identification.plausibility import Judged, implausible, unmodelled_rudder
+from narrows.identification.prediction import Prediction
+from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.design_matrix import design_rows
 from narrows.identification.regression.normal_equations import NormalEquations, count
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import Score, score
 from narrows.identification.regression.solve import Solution
 from narrows.identification.uncertainty.bootstrap import Bootstrap, resampled
-from narrows.identification.uncertainty.clusters import Clusters
-from narrows.identification.uncertainty.interval import bounded_interval
+from narrows.identification.uncertainty.bootstrap import Kind as DrawnBy
+from narrows.identification.uncertainty.interval import bounded_interval, t_quantile
 from narrows.identification.uncertainty.profile import Profile, profile
-from narrows.identification.uncertainty.unbounded_fit import UnboundedFit, unbounded_fit
+from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.identification.uncertainty.unbounded_fit import ErrorModel, UnboundedFit, error_model, unbounded_fit
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
+from narrows.terms.pooled import AT
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
@@ -35,7 +43,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Fit:
+class Fit(Prediction):
     """A fitted table of terms and everything that is known of it.
 
     Parameters
@@ -48,27 +56,37 @@ class Fit:
         What was solved: the terms, their bounds and ties.
     solution : Solution
         The optimum and the check of it.
-    clusters : Clusters
-        What the standard errors take as independent.
-    left_out : mapping of str to Score
-        R2 and RMSE of each force on rows left out, by test or at random.
-    split : str
-        ``test`` or ``random``.
+    motions : DistinctMotions
+        The distinct motions: what the standard errors take as independent.
+    validation : Validation
+        Scores on rows left out, and how they were.
     data_range : DataRange
         What the rows cover.
+    errors : RunErrors
+        By how much runs differ beyond the noise within them, before repeats are looked at.
     """
 
     tests: Tests
     normal_equations: NormalEquations
     problem: Problem
     solution: Solution
-    clusters: Clusters
-    left_out: Mapping[str, Score]
-    split: str
+    motions: DistinctMotions
+    validation: Validation
     data_range: DataRange
+    errors: RunErrors
 
     def __repr__(self) -> str:
         return f"<Fit of {self.terms.name}: {len(self.terms.names)} coefficients, {self._size}>"
+
+    @property
+    def left_out(self) -> Mapping[str, Score]:
+        """R2 and RMSE of each force on rows left out, by distinct motion or at random."""
+        return self.validation.scores
+
+    @property
+    def split(self) -> str:
+        """How rows were left out: ``test`` or ``random``."""
+        return self.validation.split
 
     @property
     def terms(self) -> TermTable:
@@ -89,7 +107,9 @@ class Fit:
     def model(self) -> Model:
         """The fit as a model, ready to save or to simulate."""
         tests = self.tests
-        return Model(tests.configuration, self.terms, self.coefficients, self.covariance, self.data_range, tests.source)
+        verdicts = {name: verdict.words for name, verdict in self.verdicts.items()}
+        known = (self.coefficients, self.covariance, self.data_range, tests.source, verdicts)
+        return Model(tests.configuration, self.terms, *known)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -99,21 +119,31 @@ class Fit:
     @cached_property
     def left_out_speeds(self) -> dict[str, Score]:
         """Scores at each speed of a fit to the other speeds; empty where there is one speed."""
-        return left_out_by_speed(self.problem, self.normal_equations)
+        return left_out_by_speed(self.problem, self.normal_equations, self.motions)
+
+    @cached_property
+    def error_model(self) -> ErrorModel:
+        """The fit on distinct motions, the errors of runs about it, and how well the terms fit within these."""
+        return error_model(self.problem, self.normal_equations, self.motions, self.errors)
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """What speaks for and against coefficients: fits within strata, without each motion, otherwise weighted."""
+        return Evidence(self.problem, self.motions, self.error_model)
 
     @cached_property
     def unbounded(self) -> UnboundedFit:
-        """Estimates that do not know the bounds, and their cluster-robust standard errors."""
-        return unbounded_fit(self.problem, self.normal_equations)
+        """Estimates that do not know the bounds, and their standard errors by the errors of runs."""
+        return unbounded_fit(self.problem, self.error_model, self.evidence.errors, self.evidence.counts)
 
     @property
     def covariance(self) -> np.ndarray:
-        """Cluster-robust covariance (n, n) in the order of ``terms.names``; zero where a bound is rejected and held."""
+        """Covariance (n, n) by the errors of runs, as in ``terms.names``; zero where a bound is rejected and held."""
         return self.unbounded.covariance
 
     @cached_property
     def std(self) -> dict[str, float]:
-        """Cluster-robust standard error of each coefficient; NaN where the tests do not determine it."""
+        """Standard error of each coefficient by the errors of runs; NaN where the tests do not determine it."""
         sizes = zip(self.terms.names, self.unbounded.std, strict=True)
         return {name: float(size) if self.diagnostics.determined(name) else float("nan") for name, size in sizes}
 
@@ -129,12 +159,31 @@ class Fit:
     @cached_property
     def diagnostics(self) -> Diagnostics:
         """Rank, condition, VIF and correlations of each force's columns: ``overall``, ``by_test`` and ``by_speed``."""
-        return Diagnostics(self.normal_equations, self.terms)
+        return Diagnostics(self.normal_equations, self.terms, self.motions)
 
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """How far each coefficient can be trusted."""
-        return verdicts(self.diagnostics, self.clusters, self.intervals, self.at_bound)
+        return verdicts(self.diagnostics, self.evidence, self.intervals, self._past_bounds)
+
+    @cached_property
+    def implausible(self) -> tuple[str, ...]:
+        """What cannot be of this ship, each a sentence with its likely cause: masses, signs of forces and rudder."""
+        names = self.terms.names
+        errors = {name: std for name, std in self.std.items() if self.diagnostics.determined(name)}
+        rejected = tuple(name for name, held in zip(names, self.unbounded.held, strict=True) if held)
+        alone = dict(zip(names, self.unbounded.values.tolist(), strict=True))
+        return implausible(
+            Judged(self.tests, self.normal_equations, self.problem, self.coefficients, alone, errors, rejected)
+        )
+
+    @cached_property
+    def depth_tests(self) -> dict[str, DepthTest]:
+        """Of each coefficient of the bank that several depths tell of: whether it is the same at all of them."""
+        counts = t_quantile(self.evidence.freedom + 1)
+        bank = [(i, term.name) for i, term in enumerate(self.terms.terms) if term.from_bank]
+        tests = {name: depth_test(self.evidence.compared(i), 1 / float(counts[i])) for i, name in bank}
+        return {name: test for name, test in tests.items() if test}
 
     @cached_property
     def correlations(self) -> tuple[CorrelatedPair, ...]:
@@ -143,10 +192,10 @@ class Fit:
 
     @cached_property
     def influence(self) -> Influence:
-        """What each test tells of each coefficient, and how far it moves it."""
-        return influence(self.problem, self.normal_equations)
+        """What each distinct motion tells of each coefficient, and how far it moves it."""
+        return influence(self.problem, self.motions, self.error_model)
 
-    def bootstrap(self, resamples: int = 10_000, kind: str = "tests", seed: int = 0) -> Bootstrap:
+    def bootstrap(self, resamples: int = 10_000, kind: DrawnBy = "errors", seed: int = 0) -> Bootstrap:
         """Fit resamples of the tests, each under the constraints.
 
         Parameters
@@ -154,8 +203,8 @@ class Fit:
         resamples : int
             How many.
         kind : str
-            ``tests``: whole tests are drawn with replacement, stretches of them where there are fewer than ten;
-            ``scores``: the tests stay, each one's pull on the fit is multiplied by a random number.
+            ``errors``: the tests stay, errors as large as those of the fit are drawn; ``tests``: distinct motions are
+            drawn with replacement, each with all its repeats, which says little where there are few.
         seed : int
             Of the draws.
 
@@ -164,7 +213,7 @@ class Fit:
         InputError
             Where the kind is unknown, or there are fewer than 2 resamples.
         """
-        return resampled(self.problem, self.clusters, self.unbounded, resamples, kind, seed)
+        return resampled(self.problem, self.motions, self.unbounded, resamples, kind, seed)
 
     def profile(self, name: str) -> Profile | None:
         """Profile the likelihood of a coefficient under the constraints; None where it is not determined.
@@ -186,7 +235,7 @@ class Fit:
         return profile(self.problem, self.normal_equations.total, self.unbounded, name)
 
     def shapley(
-        self, kind: str = "mse", coefficients: Mapping[str, float] | None = None
+        self, kind: shapley.Kind = "mse", coefficients: Mapping[str, float] | None = None
     ) -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
 
@@ -208,14 +257,19 @@ class Fit:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the reader of the tests had to say, and what was taken as independent."""
-        few = [name for name, short in zip(self.terms.names, self.unbounded.few, strict=True) if short]
-        scarce = (
-            f"Too few of these tests tell of {', '.join(few)}: their errors are clustered by stretches of tests.",
-        )
-        depths = ("Terms that do not ask for the depth have one coefficient for all conditions of these tests.",)
+        alone = ("These tests are one motion: none can be left out, and no left-out error is known.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
+        one: tuple[str, ...] = (
+            "Terms that do not ask for the depth have one coefficient for all conditions of these tests.",
+        )
+        one = one * (several and AT not in self.terms.name)
+        depths = (*one, *(test.sentence(name) for name, test in self.depth_tests.items()))
         bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
-        return (*self.tests.notes, self.clusters.sentence, *scarce * bool(few), *depths * several, *bank)
+        helm = tuple(filter(None, [unmodelled_rudder(self.tests, self.problem)]))
+        bias = noise_bias(self.problem, self.solution, self.normal_equations.total)
+        noise = tuple(filter(None, [noise_sentence(self.tests, bias, self.coefficients)]))
+        known = (*self.tests.notes, self.motions.sentence, *alone * (len(self.motions) < 2), *depths)
+        return (*known, *bank, *helm, *noise)
 
     def summary(self) -> str:
         """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""
@@ -227,7 +281,7 @@ class Fit:
         ]
         doubts = [verdict.sentence(name) for name, verdict in self.verdicts.items() if verdict.status != IDENTIFIED]
         title = f"{len(self.terms.names)} coefficients of the terms {self.terms.name} on {self._size}."
-        return "\n".join([title, *scores, *doubts])
+        return "\n".join([title, *self.implausible, *scores, *doubts])
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: what ``identify --json`` prints."""
@@ -248,6 +302,7 @@ class Fit:
             "tradeoffs": [asdict(pair) for pair in self.correlations],
             "influence": {name: self.influence.of(name) for name in self.terms.names},
             "split": self.split,
+            "implausible": list(self.implausible),
             "notes": list(self.notes),
         }
 
@@ -275,6 +330,19 @@ class Fit:
             "confounded_with": list(verdict.partners),
             "reasons": list(verdict.reasons),
         }
+
+    @cached_property
+    def _past_bounds(self) -> dict[str, float]:
+        """Where each coefficient at a bound would be were that bound let go and the others kept."""
+        h, g = self.problem.normal(self.normal_equations.total)
+        found = {}
+        for name in self.at_bound:
+            slot = self.problem.slot[name]
+            free = np.arange(len(g)) == slot
+            lower, upper = np.where(free, -np.inf, self.problem.lower), np.where(free, np.inf, self.problem.upper)
+            z = solve_many(h[None], g[None], lower, upper)[0]
+            found[name] = float(z[slot] / self.problem.scale[slot])
+        return found
 
     @property
     def _size(self) -> str:

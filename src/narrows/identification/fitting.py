@@ -1,42 +1,72 @@
 """``identify``: tests in, a fit out."""
 
+import math
+from collections.abc import Sequence
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
+from narrows.captive.read import ShipSource
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, check_choice, check_count, shown
-from narrows.identification.cross_validation import left_out_coefficients, left_out_score
+from narrows.identification.cross_validation import Validation, left_out_coefficients, left_out_score
 from narrows.identification.fit import Fit
+from narrows.identification.motions import distinct_motions, numbered
+from narrows.identification.plausibility import rudder_angle
+from narrows.identification.prediction import tests_from
 from narrows.identification.regression.accumulation import accumulate
-from narrows.identification.regression.problem import reduced
+from narrows.identification.regression.problem import Weights, reduced
 from narrows.identification.regression.scores import score
 from narrows.identification.regression.solve import solve
-from narrows.identification.uncertainty.clusters import clustered, pieces_for
+from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.terms.pooled import pooled
 from narrows.terms.tables import PAPER, table_named
 from narrows.terms.term import TermTable
 
-SPLITS = ("test", "random")
+Split = Literal["test", "random"]
+Pool = Literal["depth"]
+PIECES = 8
+"""Stretches of each test: how they scatter about a fit to it says how large its noise is."""
+DEFAULT_ERRORS = RunErrors()
 
 
 def identify(
-    tests: Tests, terms: TermTable | str = PAPER, weights: str = "paper", split: str = "test", seed: int = 0
-) -> Fit:
+    tests: Any, terms: TermTable | str = PAPER, weights: Weights = "paper", split: Split = "test", seed: int = 0,
+    accelerations: Accelerations = "checked", errors: RunErrors = DEFAULT_ERRORS, pass_over: Sequence[str] = (),
+    pool: Pool | None = None, ship: ShipSource | None = None,
+) -> Fit:  # fmt: skip
     """Fit a table of terms to captive tests: the paper's joint constrained problem, solved exactly.
 
-    One pass over the rows leaves sums of products; the fit, its standard errors (cluster jackknife) and its
-    left-out scores all come from these.
+    One pass over the rows leaves sums of products; the fit, its standard errors and verdicts (by distinct motions) and
+    its left-out scores all come from these.
 
     Parameters
     ----------
-    tests : CaptiveTests or StreamedTests
-        Of one condition.
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
+        Of one condition; a table that was not read yet is read as by ``read_captive``, for the ship of ``ship``.
     terms : TermTable or str
         The terms, their bounds and ties, or the name of a table that comes with the package.
     weights : str
         ``paper``: the plain sum of squared errors of X, Y and N; ``variance``: each over its force's variance.
     split : str
-        ``test``: fit on every row, check on each test left out in turn; ``random``: fit on a seeded random
-        80 % of the rows, check on the rest, as the paper does.
+        ``test``: fit on every row, check on each distinct motion left out in turn, its repeats with it; ``random``:
+        fit on a seeded random 80 % of the rows, check on the rest, as the paper does.
     seed : int
         Of the random split.
+    accelerations : str
+        ``checked``: where the measured ones stray from a periodic or straight motion with time, those of the motion are
+        taken, and ``notes`` say so; ``motion``: wherever the motion gives them; ``measured``: never.
+    errors : RunErrors
+        By how much runs differ beyond the noise within them, where the tests hold no repeats that say so.
+    pass_over : sequence of str
+        Actuators that may move while no term has them: ``rudder``.
+    pool : str, optional
+        ``depth``: tests at several depths together, with hull coefficients of their own at each and the bank's shared;
+        whether these change with depth is tested, and ``notes`` say so.
+    ship : str, Path or Configuration, optional
+        The ship file of a table, or what was read from it; tests that were read have theirs.
 
     Returns
     -------
@@ -46,26 +76,62 @@ def identify(
     Raises
     ------
     InputError
-        Where an option is unknown or the tests are of several conditions.
+        Where an option is unknown, a table has no ship, the tests are of several conditions, or a rudder moves that no
+        term has.
     """
-    check_choice("split", split, SPLITS)
+    check_choice("split", split, get_args(Split))
     check_count("seed", seed)
+    check_choice("accelerations", accelerations, CHOICES)
+    tests = tests_from(tests, ship)
     terms = table_named(terms) if isinstance(terms, str) else terms
     if not isinstance(terms, TermTable):
         raise InputError(f"terms = {shown(terms)} is no table of terms; give one, or the name of one")
+    if pool is not None:
+        check_choice("pool", pool, get_args(Pool))
+        terms = pooled(terms, depths_of(tests))
     check_one_condition(tests, terms)
+    check_rudder(tests, terms, pass_over)
+    if isinstance(tests, CaptiveTests):
+        tests = with_accelerations(tests, accelerations)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
-    equations, data_range = accumulate(fitted, terms, pieces_for(len(tests.names)))
+    equations, data_range = accumulate(fitted, terms, PIECES)
+    if len(equations.tests) < 2:
+        raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
     problem = reduced(equations, terms, weights)
     solution = solve(*problem.normal(equations.total), problem.lower, problem.upper)
-    clusters = clustered(equations)
+    motions = distinct_motions(equations)
     if checked is None:
-        without = left_out_coefficients(problem, clusters.without)
-        left_out = left_out_score(equations, terms, clusters.sums, without)
+        without = left_out_coefficients(problem, motions.without)
+        left_out = left_out_score(equations, terms, motions.sums, without)
     else:
         rest, _ = accumulate(checked, terms)
         left_out = score(rest, rest.total, terms, problem.named(solution.z))
-    return Fit(fitted, equations, problem, solution, clusters, left_out, split, data_range)
+    return Fit(fitted, equations, problem, solution, motions, Validation(left_out, split), data_range, errors)
+
+
+def depths_of(tests: Tests) -> list[float]:
+    """Return the depths of tests, those within 5 % of the first of them as one [m] (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        The rows.
+
+    Raises
+    ------
+    InputError
+        Where they do not say how deep the water was.
+    """
+    found: dict[str, list[float]] = {}
+    for block in tests.blocks(1):
+        depth = np.broadcast_to(block.values.get("depth", np.nan), block.rows)
+        for span in block.spans:
+            found.setdefault(span.test, []).append(float(depth[span.start : span.stop].mean()))
+    means = np.array([np.mean(values) for values in found.values()])
+    if not np.isfinite(means).all():
+        raise InputError("the tests do not say how deep the water was; give depths in the ship file or a column")
+    group = numbered(means)
+    return [float(means[group == number].mean()) for number in range(group.max() + 1)]
 
 
 def check_one_condition(tests: Tests, terms: TermTable) -> None:
@@ -88,4 +154,32 @@ def check_one_condition(tests: Tests, terms: TermTable) -> None:
         raise InputError(
             f"the tests are of several conditions ({labels}), which no one model fits unless its terms ask for the "
             "depth; identify each of tests.by_condition()"
+        )
+
+
+def check_rudder(tests: Tests, terms: TermTable, pass_over: Sequence[str] = ()) -> None:
+    """Raise where a rudder moves while no term has it, unless that is asked for (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        The rows.
+    terms : TermTable
+        The terms.
+    pass_over : sequence of str
+        Actuators that may.
+
+    Raises
+    ------
+    InputError
+        Says how far it goes, and what to do.
+    """
+    for name in (pass_over,) if isinstance(pass_over, str) else pass_over:
+        check_choice("pass_over", name, ("rudder",))
+    angle = rudder_angle(tests, terms)
+    if angle and "rudder" not in pass_over:
+        raise InputError(
+            f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so that its force would be given to "
+            f"others: take the terms {terms.name}+helm, or rows with it amidships (where abs(rudder_deg) < 1), or say "
+            "that it is passed over (--pass-over rudder, in Python pass_over='rudder')"
         )

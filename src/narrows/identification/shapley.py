@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from itertools import combinations
 from math import factorial
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from narrows.errors import InputError
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
-KINDS = ("mse", "mean_abs", "lmg")
+Kind = Literal["mse", "mean_abs", "lmg"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -32,7 +34,7 @@ def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.nd
 
 
 def mean_abs_shares(deviations: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share of each term by the mean size of its contribution, mean |theta_j (x_j - mean x_j)|, (n,).
+    """Share of each term by the mean size of its contribution, mean ``|theta_j (x_j - mean x_j)|``, (n,).
 
     For a linear model these are the means of the sizes of the exact per-row Shapley values; never negative.
 

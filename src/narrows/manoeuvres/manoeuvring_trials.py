@@ -2,13 +2,17 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from narrows.errors import InputError
 from narrows.manoeuvres.measures import Turning, overshoots, turning_circle
 from narrows.model.model import Model
+from narrows.results import Shown
 from narrows.simulation.controllers import ConstantRudder, Zigzag
 from narrows.simulation.voyage import Voyage, simulate
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 STEPS_A_LENGTH = 120
 MODEL_LENGTH = 30.0
@@ -18,7 +22,7 @@ TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 
 
 @dataclass(frozen=True, repr=False)
-class Trials:
+class Trials(Shown):
     """Trials of one ship.
 
     Parameters
@@ -47,13 +51,13 @@ class Trials:
     def summary(self) -> str:
         """Say what was measured of each manoeuvre: a line each."""
         circles = [
-            f"Rudder {order} degrees: advance {own['advance_over_length']:.2f} L, tactical diameter "
-            f"{own['tactical_diameter_over_length']:.2f} L."
-            for order, own in self._circles().items()
+            f"Rudder {order} degrees: advance {measures['advance_over_length']:.2f} L, tactical diameter "
+            f"{measures['tactical_diameter_over_length']:.2f} L."
+            for order, measures in self._circles().items()
         ]
         zigzags = [
-            f"Zigzag {order}: overshoots {', '.join(f'{angle:.1f}' for angle in own['overshoots_deg'])} degrees."
-            for order, own in self._zigzags().items()
+            f"Zigzag {order}: overshoots {', '.join(f'{angle:.1f}' for angle in measures['overshoots_deg'])} degrees."
+            for order, measures in self._zigzags().items()
         ]
         return "\n".join(circles + zigzags)
 
@@ -67,22 +71,38 @@ class Trials:
             "notes": list(self.notes),
         }
 
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the measures as a table: a row for each manoeuvre and measure."""
+        import pandas as pd
+
+        circles = [
+            (f"turning {order}", *pair) for order, measures in self._circles().items() for pair in measures.items()
+        ]
+        zigzags = [
+            (f"zigzag {order}", f"overshoot_{number}_deg", angle)
+            for order, measures in self._zigzags().items()
+            for number, angle in enumerate(measures["overshoots_deg"], start=1)
+        ]
+        return pd.DataFrame(circles + zigzags, columns=["manoeuvre", "measure", "value"]).set_index(
+            ["manoeuvre", "measure"]
+        )
+
     def _circles(self) -> dict[str, dict[str, float]]:
         length = self.model.configuration.ship.length
         return {
             order: {
-                "advance_over_length": own.advance / length,
-                "transfer_over_length": own.transfer / length,
-                "tactical_diameter_over_length": own.tactical_diameter / length,
+                "advance_over_length": circle.advance / length,
+                "transfer_over_length": circle.transfer / length,
+                "tactical_diameter_over_length": circle.tactical_diameter / length,
                 "speed_over_approach": float(voyage.u[-1] / self.speed),
             }
-            for order, (voyage, own) in self.turning.items()
+            for order, (voyage, circle) in self.turning.items()
         }
 
     def _zigzags(self) -> dict[str, dict[str, list[float]]]:
         return {
-            order: {"overshoots_deg": [math.degrees(angle) for angle in own]}
-            for order, (_, own) in self.zigzags.items()
+            order: {"overshoots_deg": [math.degrees(angle) for angle in overshoot_angles]}
+            for order, (_, overshoot_angles) in self.zigzags.items()
         }
 
 
@@ -110,7 +130,7 @@ def sail_trials(
     Raises
     ------
     InputError
-        Where the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or she
+        Where the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or it
         does not turn far enough.
     """
     if not 0 < speed < math.inf:

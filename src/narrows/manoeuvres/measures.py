@@ -46,7 +46,7 @@ def turning_circle(voyage: Voyage) -> Turning:
     Raises
     ------
     InputError
-        Where she has not turned by 180 degrees.
+        Where the ship has not turned by 180 degrees.
 
     References
     ----------
@@ -83,18 +83,18 @@ def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
     IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
     heading = np.sign(zigzag.rudder) * (voyage.psi - voyage.psi[0])
-    found, side, place = [], 1.0, 0
+    angles, side, row = [], 1.0, 0
     while True:
-        over = np.flatnonzero(side * heading[place:] >= zigzag.heading)
+        over = np.flatnonzero(side * heading[row:] >= zigzag.heading)
         if not over.size:
             break
-        place += int(over[0])
-        back = np.flatnonzero(side * heading[place:] < zigzag.heading)
+        row += int(over[0])
+        back = np.flatnonzero(side * heading[row:] < zigzag.heading)
         if not back.size:
             break
-        found.append(float((side * heading[place : place + int(back[0])]).max() - zigzag.heading))
-        place += int(back[0])
+        angles.append(float((side * heading[row : row + int(back[0])]).max() - zigzag.heading))
+        row += int(back[0])
         side = -side
-    if not found:
+    if not angles:
         raise InputError("the voyage ends before the heading comes back once; sail on for longer")
-    return tuple(found)
+    return tuple(angles)

@@ -114,11 +114,11 @@ def extrapolation(
         Whether to name what the data did not say.
     """
     sentences = []
-    for name, values in ((name, np.asarray(own, float)) for name, own in asked.items()):
-        covered, own = getattr(known, name), measures[name]
+    for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
+        covered, measure = getattr(known, name), measures[name]
         if covered is None and unknown:
-            sentences.append(f"Beyond the data, or not: they do not say what {own.words} they covered.")
+            sentences.append(f"Beyond the data, or not: they do not say what {measure.words} they covered.")
         elif np.any(known.outside(name, values)):
-            there = own.shown(float(np.min(values)), float(np.max(values)))
-            sentences.append(f"Beyond the data: {own.words} {there}; they covered {own.shown(*covered)}.")
+            there = measure.shown(float(np.min(values)), float(np.max(values)))
+            sentences.append(f"Beyond the data: {measure.words} {there}; they covered {measure.shown(*covered)}.")
     return tuple(sentences)

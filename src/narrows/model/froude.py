@@ -14,6 +14,7 @@ from narrows.model.nondimensional import Units, nondimensional
 from narrows.quantities.constants import GRAVITY
 from narrows.quantities.dimensions import dimension_of
 from narrows.quantities.names import PARTICULARS
+from narrows.results import Shown
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
@@ -28,7 +29,7 @@ LONGEST = 1e4
 
 
 @dataclass(frozen=True, repr=False)
-class Scaled:
+class Scaled(Shown):
     """A model at another scale, and what does not go with it.
 
     Parameters
@@ -178,7 +179,7 @@ def scale_model(
     configuration = hull.with_parts(part.scaled(units.factor) for part in old.parts.values())
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
-    notes = (*_scale_notes(model, friction), *_place_notes(model, configuration))
+    notes = (*model.bank_notes, *_scale_notes(model, friction), *_place_notes(model, configuration))
     if friction:
         coefficients |= _with_friction(model, friction, configuration, coefficients)
     scaled = replace(
@@ -193,8 +194,8 @@ def scale_model(
 
 
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
-    given = {name: value for name, value in vars(ship).items() if name in PARTICULARS and value is not None}
-    return replace(ship, **{n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in given.items()})
+    particulars = {name: value for name, value in vars(ship).items() if name in PARTICULARS and value is not None}
+    return replace(ship, **{n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in particulars.items()})
 
 
 def _scaled_range(covered: DataRange, units: Units) -> DataRange:
@@ -202,20 +203,20 @@ def _scaled_range(covered: DataRange, units: Units) -> DataRange:
         pair, factor = getattr(covered, name), units.factor(dimension_of(MEASURES[name].unit))
         return pair and (pair[0] * factor, pair[1] * factor)
 
-    return DataRange(**{own.name: moved(own.name) for own in fields(DataRange)})
+    return DataRange(**{entry.name: moved(entry.name) for entry in fields(DataRange)})
 
 
 def _with_friction(
     model: Model, friction: Friction, configuration: Configuration, scaled: Mapping[str, float]
 ) -> dict[str, float]:
     """The resistance with the form's friction taken off at the old scale and put on at the new."""
-    found = _holding(model, ScaleEffect.FRICTION)
-    if not found:
+    terms = _holding(model, ScaleEffect.FRICTION)
+    if not terms:
         raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
-    name = found[0]
+    name = terms[0]
     small, large = (
-        _line(friction, place, nu, model.configuration) / _of_square(model.terms[name], place)
-        for place, nu in zip((model.configuration, configuration), friction.viscosity, strict=True)
+        _line(friction, setting, nu, model.configuration) / _of_square(model.terms[name], setting)
+        for setting, nu in zip((model.configuration, configuration), friction.viscosity, strict=True)
     )
     whole = model.coefficients[name]
     if small > whole > 0:
@@ -226,16 +227,16 @@ def _with_friction(
     return {name: max((whole - small) * share + large, 0.0)}
 
 
-def _line(friction: Friction, place: Configuration, viscosity: float, old: Configuration) -> float:
+def _line(friction: Friction, setting: Configuration, viscosity: float, old: Configuration) -> float:
     """Frictional resistance over the square of the speed, by the line, where the hull is as long as there [kg/m]."""
-    ratio, length = place.ship.length / old.ship.length, place.ship.length
+    ratio, length = setting.ship.length / old.ship.length, setting.ship.length
     coefficient = (1 + friction.form_factor) * ittc57(friction.speed * ratio**0.5 * length / viscosity)
-    return 0.5 * place.water.density * friction.wetted_surface * ratio**2 * coefficient
+    return 0.5 * setting.water.density * friction.wetted_surface * ratio**2 * coefficient
 
 
-def _of_square(term: Term, place: Configuration) -> float:
+def _of_square(term: Term, setting: Configuration) -> float:
     """Resistance over the square of the speed, per unit of a coefficient [kg/m and what the coefficient has less]."""
-    return -float(term.column({**place.values(), **Motion.at(u=1.0).values()}))
+    return -float(term.column({**setting.values(), **Motion.at(u=1.0).values()}))
 
 
 def _holding(model: Model, effect: ScaleEffect) -> list[str]:
@@ -243,47 +244,47 @@ def _holding(model: Model, effect: ScaleEffect) -> list[str]:
 
 
 def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
-    said = []
+    notes = []
     if (resisting := _holding(model, ScaleEffect.FRICTION)) and not friction:
-        said.append(
+        notes.append(
             f"The friction in {resisting[0]} does not follow Froude's law: a ship has less than this "
             "(give a form factor)."
         )
     if drags := _holding(model, ScaleEffect.CROSSFLOW_DRAG):
-        said.append(
+        notes.append(
             f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which is not kept."
         )
     if _holding(model, ScaleEffect.WAKE):
-        said.append(
+        notes.append(
             "The wake of a ship is thinner than her model's, and her propeller is loaded less; both are kept here."
         )
     if (held := _holding(model, ScaleEffect.TEST_SPEED)) and (pair := model.data_range.speed):
-        said.append(
+        notes.append(
             f"{', '.join(held)} hold parts proportional to the speed of the tests, {pair[0]:.3g} to {pair[1]:.3g} m/s: "
             "far from that speed, scaled, they do not hold."
         )
     if _holding(model, ScaleEffect.BANK_SHAPE):
-        said.append("The banks of the tests are the only shape that the coefficients know.")
-    return tuple(said)
+        notes.append("The banks of the tests are the only shape that the coefficients know.")
+    return tuple(notes)
 
 
 def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     """Where the new canal leaves what the data covered, in ratios that do not depend on the scale."""
-    said = []
+    notes = []
     old, ship = model.configuration, configuration.ship
     wide, was = configuration.canal.width / ship.beam, old.canal.width / old.ship.beam
     if DataRange(width_to_beam=(was, was)).outside("width_to_beam", wide):
-        said.append(f"W/B = {wide:.2f} is not that of the tests, {was:.2f}.")
+        notes.append(f"W/B = {wide:.2f} is not that of the tests, {was:.2f}.")
     if configuration.canal.depth is None:
-        return (*said, "The depth of the water is not given, so h/T and the depth Froude number are not known.")
+        return (*notes, "The depth of the water is not given, so h/T and the depth Froude number are not known.")
     covered = model.data_range.depth_to_draft or (old.canal.depth and (old.canal.depth / old.ship.draft,) * 2)
     ratio = configuration.canal.depth / ship.draft
     if not covered:
-        said.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
+        notes.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
     elif DataRange(depth_to_draft=covered).outside("depth_to_draft", ratio):
-        said.append(f"h/T = {ratio:.2f} is outside the tests' {covered[0]:.2f} to {covered[1]:.2f}.")
+        notes.append(f"h/T = {ratio:.2f} is outside the tests' {covered[0]:.2f} to {covered[1]:.2f}.")
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5
         most = froude * (GRAVITY * configuration.canal.depth) ** 0.5
-        said.append(f"Beyond {most:.3g} m/s her depth Froude number leaves the tests', up to {froude:.3g}.")
-    return tuple(said)
+        notes.append(f"Beyond {most:.3g} m/s her depth Froude number leaves the tests', up to {froude:.3g}.")
+    return tuple(notes)

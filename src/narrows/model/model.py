@@ -2,22 +2,33 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import reduce
+from importlib import import_module
 from numbers import Real
 from operator import add
+from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange
-from narrows.quantities.names import Number
+from narrows.model.operations import Operations
+from narrows.quantities.names import MOTION, Number
 from narrows.ship.motion import Motion
-from narrows.ship.particulars import Configuration
+from narrows.ship.particulars import Configuration, Ship
 from narrows.terms.bank_forms import without_bank
 from narrows.terms.term import Term, TermTable
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+UNSETTLED = "What the banks do is not settled by the tests"
+"""How a note begins that says so of the bank's coefficients of a model."""
+SETTLED, ALONE = "identified", "rests"
+"""The verdict that needs no word, and how the one begins that is no adjective."""
 NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
 
 
@@ -47,8 +58,8 @@ def _is_finite(value: object) -> bool:
         return False
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, repr=False, eq=False)
+class Model(Operations):
     """A bank-effect model: what a fit gives and what simulation takes.
 
     Parameters
@@ -65,11 +76,13 @@ class Model:
         What the data covered.
     source : Source
         Where the numbers come from.
+    verdicts : mapping of str to str
+        How far its tests can be trusted with each coefficient, in a word or two; empty where no fit made it.
 
     Raises
     ------
     InputError
-        Where a coefficient is missing, unknown or not finite.
+        Where a coefficient is missing, unknown or not finite, or a verdict is of none.
     """
 
     configuration: Configuration
@@ -78,6 +91,7 @@ class Model:
     covariance: np.ndarray | None = None
     data_range: DataRange = field(default_factory=DataRange)
     source: Source = field(default_factory=Source)
+    verdicts: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         names = self.terms.names
@@ -90,6 +104,112 @@ class Model:
         for name in names:
             if name not in self.coefficients:
                 raise InputError(f"coefficient {name} is missing; add it, or choose a table without its term")
+        for name, verdict in self.verdicts.items():
+            if name not in names or not isinstance(verdict, str) or not verdict.isprintable():
+                raise InputError(f"the verdict {shown(verdict)} on {name!r} is no words on a coefficient; leave it out")
+
+    def __repr__(self) -> str:
+        ship = self.configuration.ship.name
+        return f"<Model of {ship}: {len(self.coefficients)} coefficients of the terms {self.terms.name}>"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another model has the same ship, terms and numbers, of the same source."""
+        if not isinstance(other, Model):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, own.name), getattr(other, own.name)) for own in fields(self))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __getitem__(self, name: str) -> float:
+        """The value of a coefficient [SI].
+
+        Parameters
+        ----------
+        name : str
+            Of the coefficient.
+
+        Raises
+        ------
+        InputError
+            Where there is no such coefficient.
+        """
+        if name not in self.coefficients:
+            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
+        return self.coefficients[name]
+
+    @property
+    def ship(self) -> Ship:
+        """The hull."""
+        return self.configuration.ship
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is open of the banks."""
+        return self.bank_notes
+
+    def summary(self) -> str:
+        """Say whose model it is, of which terms, and where its numbers come from."""
+        source = f"; {self.source.text}" if self.source.text else ""
+        return (
+            f"{self.configuration.summary()}.\n{len(self.terms)} coefficients of the terms {self.terms.name}{source}."
+        )
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, with value, std, unit and verdict."""
+        import pandas as pd
+
+        names = list(self.terms.names)
+        std = np.full(len(names), np.nan) if self.covariance is None else np.sqrt(np.diag(self.covariance))
+        columns = {
+            "value": [self.coefficients[name] for name in names],
+            "std": std,
+            "unit": [self.terms[name].dimension.unit for name in names],
+            "verdict": [self.verdicts.get(name, "") for name in names],
+        }
+        return pd.DataFrame(columns, index=pd.Index(names, name="coefficient"))
+
+    @classmethod
+    def load(cls, path: str | Path, terms: TermTable | None = None) -> "Model":
+        """Read a model file, as ``load_model`` does.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+        terms : TermTable, optional
+            One's own table, where the file was made with one.
+        """
+        model: Model = import_module("narrows.model.model_file").load_model(path, terms)
+        return model
+
+    @classmethod
+    def from_dict(cls, tables: Mapping[str, Any], terms: TermTable | None = None) -> "Model":
+        """Return the model of what ``to_dict`` gave.
+
+        Parameters
+        ----------
+        tables : mapping of str to mapping
+            The sections of a model file.
+        terms : TermTable, optional
+            One's own table, where the model was made with one.
+        """
+        model: Model = import_module("narrows.model.model_file").from_tables(dict(tables), terms)
+        return model
+
+    def save(self, path: str | Path) -> None:
+        """Write it as a model file, which ``load_model`` reads to the last bit.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where to.
+
+        Raises
+        ------
+        InputError
+            Where the file cannot be written.
+        """
+        import_module("narrows.model.model_file").save_model(self, path)  # Files are read and written above models.
 
     def with_coefficients(self, **values: float) -> "Model":
         """Return the model with some coefficients changed.
@@ -99,32 +219,55 @@ class Model:
         **values : float
             New values by name.
         """
-        return replace(self, coefficients={**self.coefficients, **values})
+        verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
+        return replace(self, coefficients={**self.coefficients, **values}, verdicts=verdicts)
 
     def forces(
-        self, motion: Motion, rudder: Number | None = None, revolutions: Number | None = None, **others: Number
-    ) -> dict[str, Number]:
+        self, motion: Motion | None = None, rudder: Number | None = None, revolutions: Number | None = None,
+        **others: Number,
+    ) -> dict[str, Number]:  # fmt: skip
         """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
 
         Parameters
         ----------
-        motion : Motion
-            Floats or columns.
+        motion : Motion, optional
+            Floats or columns; its quantities may be given by name instead: y, psi, u, v, r, udot ...
         rudder : number [rad], optional
             Its angle, positive where it turns the bow to starboard, floats or columns; amidships unless given.
         revolutions : number [1/s], optional
             Of the propeller; those of the setting unless given.
         **others : number
-            Positions of other actuators that the terms ask for, by name and in their units; at rest unless given.
+            Quantities of the motion where none is given, and positions of other actuators that the terms ask for, by
+            name and in their units; at rest unless given.
 
         Raises
         ------
         InputError
             Where a term needs a particular that the setting does not give, or there is no such actuator.
         """
+        if motion is None:
+            named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
+            motion = Motion.at(**named) if "psi" in named else Motion(**named)
         asked = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
+
+    def resistance(self, u: float, **positions: Number) -> float:
+        """Return what the water and the actuators hold a ship back with straight ahead in the middle [N].
+
+        Parameters
+        ----------
+        u : float [m/s]
+            Surge velocity.
+        **positions : number
+            Of actuators, as in ``forces``.
+
+        Raises
+        ------
+        InputError
+            As ``forces``.
+        """
+        return -float(self.forces(Motion.at(u=u), **positions)["X"])
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
         """Evaluate the part of each force that the banks make [N, N, N m].
@@ -150,29 +293,46 @@ class Model:
         """What to say first to whoever asks about a canal; nothing where the model feels the banks."""
         return "" if self.feels_bank else self.terms.bank_note or NO_SUCTION
 
+    @property
+    def trust_note(self) -> str:
+        """What to say first of the bank's coefficients where their tests do not settle them; nothing where they do."""
+        doubted = [
+            f"{term.name} {'' if verdict.startswith(ALONE) else 'is '}{verdict}"
+            for term in self.terms.terms
+            if term.from_bank and self.coefficients[term.name]
+            and (verdict := self.verdicts.get(term.name, SETTLED)) != SETTLED
+        ]  # fmt: skip
+        return f"{UNSETTLED}: {', '.join(doubted)}." if doubted else ""
+
+    @property
+    def bank_notes(self) -> tuple[str, ...]:
+        """What to say first of the banks: that it feels none, or that its tests do not settle what they do."""
+        return tuple(note for note in (self.bank_note, self.trust_note) if note)
+
     def in_open_water(self) -> "Model":
         """Return the model without the terms of the banks; itself where it has none."""
         if not self.terms.feels_bank:
             return self
         terms = without_bank(self.terms)
-        place = [self.terms.names.index(name) for name in terms.names]
+        indices = [self.terms.names.index(name) for name in terms.names]
         return replace(
             self,
             terms=terms,
             coefficients={name: self.coefficients[name] for name in terms.names},
-            covariance=None if self.covariance is None else self.covariance[np.ix_(place, place)],
+            covariance=None if self.covariance is None else self.covariance[np.ix_(indices, indices)],
+            verdicts={name: verdict for name, verdict in self.verdicts.items() if name in terms.names},
         )
 
     def _values(self, motion: Motion, positions: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
         values = {**self.configuration.values(), **motion.values()}
-        movers = {own.name: own for own in self.terms.actuators}
+        movers = {actuator.name: actuator for actuator in self.terms.actuators}
         for name in positions:
             if name not in movers:
                 hint = did_you_mean(name, movers) if movers else "; leave it out"
                 raise InputError(f"the terms of this model have no actuator {name!r}{hint}")
-        for name, own in movers.items():
-            position = positions.get(name, values.get(name, own.rest))
-            values |= {} if position is None else own.placed(position)
+        for name, actuator in movers.items():
+            position = positions.get(name, values.get(name, actuator.rest))
+            values |= {} if position is None else actuator.placed(position)
         for name in self.terms.inputs:
             if name not in values:
                 raise InputError(f"the terms of this model need {name}; give it in the ship file")
@@ -181,7 +341,7 @@ class Model:
     @property
     def surge_inertia(self) -> float:
         """What the terms resist a surge acceleration with [kg]."""
-        values = self._values(Motion.at(u=1.0, udot=1.0), {own.name: 0.0 for own in self.terms.actuators})
+        values = self._values(Motion.at(u=1.0, udot=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
         still = {**values, "udot": 0.0}
         slopes = ((term.name, term.column(values) - term.column(still)) for term in self.terms.surge)
         return -float(sum(self.coefficients[name] * slope for name, slope in slopes))

@@ -5,12 +5,12 @@ import os
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.files import write_whole
+from narrows.files import form_of, write_whole
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model, Source
 from narrows.ship.ship_file import actuator_sections, check_table, configuration_from, load_toml
@@ -19,7 +19,7 @@ from narrows.terms.term import TermTable
 
 PARTS = ("ship", "canal", "water")
 REQUIRED = (*PARTS, "terms", "coefficients")
-OPTIONAL = ("covariance", "data_range", "source")
+OPTIONAL = ("covariance", "data_range", "source", "verdicts")
 
 
 def save_model(model: Model, path: str | Path) -> None:
@@ -35,11 +35,12 @@ def save_model(model: Model, path: str | Path) -> None:
     Raises
     ------
     InputError
-        Where the file cannot be written.
+        Where the file is none of TOML by its suffix, or cannot be written.
     """
     import tomli_w
 
-    write_whole(path, tomli_w.dumps(_as_tables(model)))
+    form_of(path, (".toml",))
+    write_whole(path, tomli_w.dumps(as_tables(model)))
 
 
 def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
@@ -64,23 +65,27 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     """
     tables = load_toml(path)
     try:
-        return _from_tables(tables, terms)
+        return from_tables(tables, terms)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
 
-def published(name: str) -> Model:
-    """Load a model that a paper published, as a file of this package.
+@overload
+def published() -> list[str]: ...
+@overload
+def published(name: str) -> Model: ...
+def published(name: str | None = None) -> "Model | list[str]":
+    """Load a model that a paper published, as a file of this package, or list their names.
 
     Parameters
     ----------
-    name : str
-        As in ``mikkelsen2025_dtc``.
+    name : str, optional
+        As in ``mikkelsen2025_dtc``; the names that there are unless given.
 
     Returns
     -------
-    Model
-        With its citation in ``source``.
+    Model or list of str
+        With its citation in ``source``; or the names.
 
     Raises
     ------
@@ -88,7 +93,9 @@ def published(name: str) -> Model:
         Where no such model is known.
     """
     folder = files("narrows") / "model" / "published"
-    known = [entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")]
+    known = sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    if name is None:
+        return known
     if name not in known:
         raise InputError(f"no published model is called {name!r}{did_you_mean(name, known)}")
     return load_model(Path(str(folder / f"{name}.toml")))
@@ -110,7 +117,14 @@ def model_named(name: str) -> Model:
     return load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)
 
 
-def _as_tables(model: Model) -> dict[str, Any]:
+def as_tables(model: Model) -> dict[str, Any]:
+    """Return a model as the sections of its file (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
     configuration = model.configuration
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
@@ -121,6 +135,8 @@ def _as_tables(model: Model) -> dict[str, Any]:
         tables["covariance"] = {"names": list(model.terms.names), "matrix": model.covariance.tolist()}
     tables["data_range"] = {name: list(pair) for name, pair in _without_none(asdict(model.data_range)).items()}
     tables["source"] = asdict(model.source)
+    if model.verdicts:
+        tables["verdicts"] = dict(model.verdicts)
     return tables
 
 
@@ -128,7 +144,21 @@ def _without_none(values: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
+def from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
+    """Return the model of the sections of a file (ours).
+
+    Parameters
+    ----------
+    tables : dict of str to dict
+        By section.
+    terms : TermTable, optional
+        The user's own table, where the file was made with one.
+
+    Raises
+    ------
+    InputError
+        Where a section, a key or a coefficient is missing or misspelt.
+    """
     actuators = terms.actuators if terms else ()
     parts = (*PARTS, *actuator_sections(actuators))
     known = (*REQUIRED, *OPTIONAL, *parts)
@@ -140,15 +170,16 @@ def _from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
         if name not in tables:
             raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
     terms = terms or _known_table(str(tables["terms"].get("table", "")))
-    own = {name: table for name, table in tables.items() if name in parts}
+    sections = {name: table for name, table in tables.items() if name in parts}
     return Model(
-        configuration=configuration_from(own, "its setting", actuators),
+        configuration=configuration_from(sections, "its setting", actuators),
         terms=terms,
         coefficients=tables["coefficients"],
         covariance=_covariance(tables.get("covariance"), terms),
         data_range=_of(
             "data_range", DataRange, {n: _pair(n, pair) for n, pair in tables.get("data_range", {}).items()}
         ),
+        verdicts=tables.get("verdicts", {}),
         source=_of("source", Source, {n: str(text) for n, text in tables.get("source", {}).items()}),
     )
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -9,7 +10,8 @@ from narrows.quantities.constants import GRAVITY
 from narrows.quantities.dimensions import Dimension
 from narrows.ship.particulars import Configuration
 
-SYSTEMS = ("prime1", "prime2", "bis")
+System = Literal["prime1", "prime2", "bis"]
+SYSTEMS = get_args(System)
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Units:
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
 
 
-def units_of(configuration: Configuration, system: str, speed: float | None = None) -> Units:
+def units_of(configuration: Configuration, system: System, speed: float | None = None) -> Units:
     """Return the units of a nondimensional system.
 
     Parameters
@@ -74,7 +76,7 @@ def units_of(configuration: Configuration, system: str, speed: float | None = No
     return Units(density / 2 * ship.length**2 * depth, ship.length, ship.length / speed)
 
 
-def nondimensional(model: Model, system: str = "prime2", speed: float | None = None) -> dict[str, float]:
+def nondimensional(model: Model, system: System = "prime2", speed: float | None = None) -> dict[str, float]:
     """Return a model's coefficients without dimensions.
 
     Parameters
@@ -96,7 +98,7 @@ def nondimensional(model: Model, system: str = "prime2", speed: float | None = N
 
 
 def dimensional(
-    numbers: Mapping[str, float], model: Model, system: str = "prime2", speed: float | None = None
+    numbers: Mapping[str, float], model: Model, system: System = "prime2", speed: float | None = None
 ) -> Model:
     """Return a model with coefficients that are given without dimensions.
 

@@ -16,7 +16,7 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     """Return a model with the rudder of another (ours).
 
     The coefficients of a rudder are over the area L T/100 and the length, so they hold for a hull with as large a
-    rudder for her size, behind a propeller as loaded. What is known of their errors goes along where the model's own
+    rudder for its size, behind a propeller as loaded. What is known of their errors goes along where the model's own
     are known.
 
     Parameters
@@ -42,7 +42,7 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
         model,
         configuration=replace(model.configuration, ship=ship),
         terms=terms,
-        coefficients={**model.coefficients, **{name: lender.coefficients[own] for name, own in names.items()}},
+        coefficients={**model.coefficients, **{name: lender.coefficients[lent] for name, lent in names.items()}},
         covariance=_joined(model, lender, terms.names, names),
         source=replace(model.source, text=f"{model.source.text}; rudder of {lender.configuration.ship.name}"),
     )
@@ -54,7 +54,7 @@ def _rudder(terms: TermTable) -> list[str]:
 
 def _helm(terms: TermTable) -> list[str]:
     """What the terms of a rudder are called in a table."""
-    return [term.name for own in helm_terms(terms).values() for term in own]
+    return [term.name for helm in helm_terms(terms).values() for term in helm]
 
 
 def _joined(model: Model, lender: Model, names: tuple[str, ...], lent: Mapping[str, str]) -> np.ndarray | None:
@@ -62,10 +62,10 @@ def _joined(model: Model, lender: Model, names: tuple[str, ...], lent: Mapping[s
     if model.covariance is None or lender.covariance is None:
         return None
     joined = np.zeros((len(names), len(names)))
-    for own, covariance, wanted in (
+    for source_names, covariance, wanted in (
         (model.terms.names, model.covariance, {name: name for name in model.terms.names}),
         (lender.terms.names, lender.covariance, lent),
     ):
-        place, there = [names.index(name) for name in wanted], [own.index(name) for name in wanted.values()]
-        joined[np.ix_(place, place)] = covariance[np.ix_(there, there)]
+        rows, there = [names.index(name) for name in wanted], [source_names.index(name) for name in wanted.values()]
+        joined[np.ix_(rows, rows)] = covariance[np.ix_(there, there)]
     return joined

@@ -2,15 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import asked_by
+from narrows.results import Shown
 from narrows.ship.particulars import Configuration
 from narrows.terms.about import DepthLaw
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHALLOWEST = 1.5
 """h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2."""
@@ -19,7 +23,7 @@ DEEP = 1e9
 
 
 @dataclass(frozen=True, repr=False)
-class DepthCorrected:
+class DepthCorrected(Shown):
     """A model taken to another depth.
 
     Parameters
@@ -41,11 +45,10 @@ class DepthCorrected:
 
     def summary(self) -> str:
         """Say what was multiplied by what."""
-        place = self.model.configuration
+        configuration = self.model.configuration
         grown = ", ".join(f"{name} times {factor:.3g}" for name, factor in self.factors.items())
-        return (
-            f"Taken to h/T = {(place.canal.depth or DEEP) / place.ship.draft:.3g}: {grown or 'nothing was corrected'}."
-        )
+        ratio = (configuration.canal.depth or DEEP) / configuration.ship.draft
+        return f"Taken to h/T = {ratio:.3g}: {grown or 'nothing was corrected'}."
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name."""
@@ -56,6 +59,13 @@ class DepthCorrected:
             "summary": self.summary(),
             "notes": list(self.notes),
         }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, with its factor and its new value."""
+        import pandas as pd
+
+        rows = {name: (self.factors.get(name, 1.0), value) for name, value in self.model.coefficients.items()}
+        return pd.DataFrame.from_dict(rows, orient="index", columns=["factor", "value"]).rename_axis("coefficient")
 
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
@@ -115,20 +125,20 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
 
 def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
     kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
-    said = [f"Left as they were: {', '.join(kept)}."]
+    notes = [f"Left as they were: {', '.join(kept)}."]
     unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
     if unverified:
-        said.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
+        notes.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
     if model.configuration.canal.depth is None:
-        said.append("The depth of the tests is not known; they were taken as deep water.")
+        notes.append("The depth of the tests is not known; they were taken as deep water.")
     deeper = [term.name for term in model.terms.terms if term.feels_depth]
     if deeper:
-        said.append(f"The terms of {', '.join(deeper)} ask for the depth: tests at one depth do not determine them.")
+        notes.append(f"The terms of {', '.join(deeper)} ask for the depth: tests at one depth do not determine them.")
     ratio = depth / model.configuration.ship.draft
     if ratio < SHALLOWEST:
-        said.append(
+        notes.append(
             f"h/T = {ratio:.2f} is below {SHALLOWEST}, where the factors grow without limit and none was measured."
         )
     if any(factor < 1 for factor in factors.values()) and depth < (model.configuration.canal.depth or DEEP):
-        said.append("A factor below 1 in shallower water is outside of what the corrections were made for.")
-    return tuple(said)
+        notes.append("A factor below 1 in shallower water is outside of what the corrections were made for.")
+    return tuple(notes)

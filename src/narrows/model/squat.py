@@ -3,14 +3,19 @@
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import squat_formulas as formulas
 from narrows.quantities.names import Number, asked_by
+from narrows.results import Shown
 from narrows.ship.particulars import Configuration
 
-GIVES = ("midship", "bow", "largest")
+if TYPE_CHECKING:
+    import pandas as pd
+
+Sinkage = Literal["midship", "bow", "largest"]
+GIVES = get_args(Sinkage)
 VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
 
 
@@ -64,11 +69,11 @@ class SquatFormula:
         speed : float [m/s]
             Through the water.
         """
-        place = ratios(configuration, speed)
+        values = ratios(configuration, speed)
         return tuple(
-            f"{name.replace('_', ' ')} {place[name]:.3g} is outside {low:g} to {high:g}"
+            f"{name.replace('_', ' ')} {values[name]:.3g} is outside {low:g} to {high:g}"
             for name, (low, high) in self.limits.items()
-            if not low <= place[name] <= high
+            if not low <= values[name] <= high
         )
 
 
@@ -85,8 +90,8 @@ SQUAT = {
 """The formulas by name, the preferred first."""
 
 
-@dataclass(frozen=True)
-class Squat:
+@dataclass(frozen=True, repr=False)
+class Squat(Shown):
     """A sinkage and what it rests on.
 
     Parameters
@@ -108,6 +113,16 @@ class Squat:
     gives: str
     critical_speed: float
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Squat: {self.summary()}>"
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give it as a table of one row, by the formula's name."""
+        import pandas as pd
+
+        row = {"formula": self.formula, "gives": self.gives, "sinkage": self.sinkage}
+        return pd.DataFrame([row | {"critical_speed": self.critical_speed}]).set_index("formula")
 
     def summary(self) -> str:
         """Say the sinkage, its formula and where the canal chokes."""
@@ -148,7 +163,7 @@ def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
 
 
 def choke_speed(configuration: Configuration) -> float:
-    """Return the critical speed of a ship in her canal [m/s] (Schijf).
+    """Return the critical speed of a ship in its canal [m/s] (Schijf).
 
     Parameters
     ----------
@@ -165,7 +180,7 @@ def choke_speed(configuration: Configuration) -> float:
     return float(formulas.critical_speed(ship.beam, ship.draft, canal.width, canal.depth))
 
 
-def squat(configuration: Configuration, speed: float, gives: str = "midship", formula: str | None = None) -> Squat:
+def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
     """Estimate how far a ship sinks at a speed.
 
     The first formula of ``SQUAT`` that gives the wanted sinkage and holds here is taken; if none holds, the first that
@@ -196,10 +211,10 @@ def squat(configuration: Configuration, speed: float, gives: str = "midship", fo
     critical = choke_speed(configuration)
     if not 0 <= speed < critical:
         raise InputError(f"{speed:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
-    offered = [formula] if formula else [name for name, own in SQUAT.items() if own.gives == gives]
+    offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]
     holding = [name for name in offered if not SQUAT[name].outside(configuration, speed)]
     name = (holding or offered)[0]
-    own = SQUAT[name]
-    doubts = [f"{name} is {own.status}"] if own.status == UNVERIFIED else []
-    notes = (*doubts, *own.outside(configuration, speed))
-    return Squat(own.sinkage(configuration, speed), name, own.gives, critical, notes)
+    chosen = SQUAT[name]
+    doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
+    notes = (*doubts, *chosen.outside(configuration, speed))
+    return Squat(chosen.sinkage(configuration, speed), name, chosen.gives, critical, notes)

@@ -1,4 +1,4 @@
-"""Where the banks are, seen from a ship with heading psi, and what that does to the pressure on her sides."""
+"""Where the banks are, seen from a ship with heading psi, and what that does to the pressure on its sides."""
 
 import math
 
@@ -52,7 +52,7 @@ def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
 
 
 def taper(y: Number, width: Number) -> Number:
-    """Boundary-layer taper near a wall [1], 1/2 - 1/2 tanh(5 (|y| - 2.5)) for a canal 7 m wide.
+    """Boundary-layer taper near a wall [1], ``1/2 - 1/2 tanh(5 (|y| - 2.5))`` for a canal 7 m wide.
 
     The paper gives its two numbers for that tank alone; here they scale with the width (ours), so that a
     geosim of the tank tapers at the same relative place.

@@ -29,7 +29,7 @@ class PropellerQuantities:
     propeller_position : number [1]
         Propeller forward of midship over L, x_P'.
     propeller_wake_rate : number [1]
-        How soon the wake thins as she turns C_1.
+        How soon the wake thins as the ship turns C_1.
     propeller_wake_starboard : number [1]
         Inflow turning to starboard over inflow straight C_2.
     propeller_wake_port : number [1]
@@ -66,9 +66,9 @@ class PropellerQuantities:
 
 
 def inflow(at: PropellerQuantities) -> Number:
-    """Velocity of the water along the propeller [m/s], u (1 - w_P), the wake thinner the more she turns.
+    """Velocity of the water along the propeller [m/s], u (1 - w_P), the wake thinner the more the ship turns.
 
-    (1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1), C_2 by the side of beta_P = beta - x_P' r'.
+    ``(1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1)``, C_2 by the side of beta_P = beta - x_P' r'.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
 

@@ -148,7 +148,7 @@ class RudderQuantities(PropellerQuantities):
     propeller_position : number [1]
         Propeller forward of midship over L, x_P'.
     propeller_wake_rate : number [1]
-        How soon the wake thins as she turns C_1.
+        How soon the wake thins as the ship turns C_1.
     propeller_wake_starboard : number [1]
         Inflow turning to starboard over inflow straight C_2.
     propeller_wake_port : number [1]

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
-from narrows.report.style import BLUE, GREEN, ORANGE, panels
+from narrows.report.style import BLUE, GREEN, ORANGE, Margins, panels
 from narrows.ship.particulars import Configuration
 
 
@@ -17,11 +17,11 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     configuration : Configuration
         Ship and canal.
     covered : pair of float [m], optional
-        Range of |y| in the data, shaded.
+        Range of ``|y|`` in the data, shaded.
     """
     width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 801) * 0.97 * (width - beam) / 2
-    figure, axes = panels(1, 1, 3.0)
+    figure, axes = panels(1, 1, 3.0, Margins())
     panel = axes[0, 0]
     if covered:
         panel.axvspan(-covered[1], covered[1], color=GREEN, alpha=0.15, label=f"data, |y| up to {covered[1]:.3g} m")
@@ -45,7 +45,7 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
     psi = np.linspace(-89, 89, 241)
     values = delta(y[None, :], np.cos(np.radians(psi))[:, None], width, beam)
-    figure, axes = panels(1, 1, 3.2)
+    figure, axes = panels(1, 1, 3.2, Margins())
     panel = axes[0, 0]
     levels = [-4, -2, -1, -0.5, -0.2, -0.1, 0, 0.1, 0.2, 0.5, 1, 2, 4]
     filled = panel.contourf(y, psi, values, levels=levels, cmap="PuOr", extend="both", norm="symlog")

@@ -1,102 +1,155 @@
-"""The chart that a pilot would pin up: safe speeds in knots over offsets in metres, rudder angles in degrees."""
+"""The chart that a pilot would pin up: where the ship is safe, the rudder that holds it there, and a table of both."""
+
+import textwrap
+from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
-from narrows.report.style import BLACK, BLUE, DASHES, GREY, ORANGE, PURPLE, panels
-from narrows.safety import FIVE_PERCENT, MEDIAN, RESERVE, SafeEnvelope
+from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture
+from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
 
-PALE, PALER = "#A9CFE8", "#DCEBF5"
+PALE, PALER = "#7FB8DA", "#D6E8F3"
+UNTESTED = ".."
+PAGE = (11.7, 8.3)
+"""A4, lying [in]."""
+MOST_ROWS = 17
 
 
-def envelope_chart(envelope: SafeEnvelope, model: Model, reserve: float = RESERVE) -> Figure:
-    """Draw the safe envelope: speeds above, rudder angles below, the banks on either side (ours).
+def envelope_chart(envelope: SafeEnvelope) -> Figure:
+    """Draw the safe envelope on one page: speeds above, rudder angles below, the banks on either side, a table (ours).
 
     Parameters
     ----------
     envelope : SafeEnvelope
         What to draw.
-    model : Model
-        The ship in her canal.
-    reserve : float [1]
-        Of the rudder.
     """
-    figure, axes = panels(2, 1, 7.0, sharex=True, height_ratios=(3, 2))
-    speeds, rudder = axes[:, 0]
-    _draw_speeds(speeds, envelope, model)
-    _draw_rudder(rudder, envelope, model, reserve)
-    for own in (speeds, rudder):
-        _draw_banks(own, envelope, model)
-    figure.suptitle(f"Safe envelope: {envelope.description}", fontsize=9.5)
+    with rc_context(FONT):
+        figure = Picture(figsize=PAGE, layout="constrained")
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.55, 1), height_ratios=(3, 2))
+        speeds = figure.add_subplot(grid[0, 0])
+        rudder = figure.add_subplot(grid[1, 0], sharex=speeds)
+        _draw_speeds(speeds, envelope)
+        _draw_rudder(rudder, envelope)
+        for panel in (speeds, rudder):
+            _draw_banks(panel, envelope)
+        _draw_table(figure.add_subplot(grid[:, 1]), envelope)
+        title = "\n".join([envelope.description, envelope.weather, *textwrap.wrap(envelope.summary(), 150)])
+        figure.suptitle(title, fontsize=9.5)
     return figure
 
 
-def _draw_speeds(axes: Axes, envelope: SafeEnvelope, model: Model) -> None:
-    """Each colour reaches from one offset that is safe to the next, and no farther; a safe one alone is its line."""
-    y, u = envelope.data["y"].to_numpy(), envelope.data["u"].to_numpy() / KNOT
-    for share, colour, dash in ((MEDIAN, PALER, "--"), (FIVE_PERCENT, PALE, "-")):
-        low, high = (own(share).to_numpy() / KNOT for own in (envelope.lowest_speed, envelope.highest_speed))
-        axes.fill_between(y, low, high, where=np.isfinite(high), color=colour, lw=0)
-        for edge in (low, high):
-            axes.plot(y, edge, color=BLACK, ls=dash, lw=1.8 * share, marker=".", markersize=3)
-        axes.vlines(y[_ends_of_runs(high)], low[_ends_of_runs(high)], high[_ends_of_runs(high)], color=BLACK, ls=dash,
-                    lw=1.8 * share)  # fmt: skip
-    blocked = u[~envelope.data["clear"].to_numpy()]
-    step = (u[-1] - u[0]) / max(len(u) - 1, 1) or 1.0
-    if blocked.size:
-        axes.axhspan(blocked.min() - step / 2, u[-1] + step / 2, facecolor="none", edgecolor=ORANGE, hatch="///", lw=0)
-    _draw_tested(axes, model)
+def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
+    """Shares of the cases straight between the offsets and speeds that were tried; no line where nobody asked on."""
+    data = envelope.data.transpose("y", "u", ...)
+    y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
+    if len(y) > 1 and len(u) > 1:
+        held = data["held"].to_numpy().T
+        axes.contourf(y, u, held, levels=[MEDIAN, SURE_SHARE, 1.01], colors=[PALER, PALE])
+        _line(axes, y, u, held, SURE_SHARE, "-", 1.8)
+        _line(axes, y, u, held, MEDIAN, "--", 1.0)
+        for name in ("held_low", "held_high"):
+            _line(axes, y, u, data[name].to_numpy().T, SURE_SHARE, ":", 1.0)
+    else:
+        _draw_marks(axes, envelope)
+    handles = _shade(axes, envelope, y, u)
     axes.set_ylabel("speed through the water [knots]")
-    axes.set_ylim(u[0] - step / 2, u[-1] + step / 2)
+    axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
     axes.legend(
-        handles=_speed_legend(bool(blocked.size)), loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2
+        handles=[*_speed_legend(), *handles], loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2
     )
     axes.grid(alpha=0.3)
 
 
-def _ends_of_runs(high: np.ndarray) -> np.ndarray:
-    """Places where safe offsets begin or end."""
-    safe = np.isfinite(high)
-    around = np.concatenate([[False], safe, [False]])
-    return np.flatnonzero(safe & ~(around[:-2] & around[2:]))
+def _line(axes: Axes, y: np.ndarray, u: np.ndarray, share: np.ndarray, level: float, style: str, width: float) -> None:
+    if share.min() < level < share.max():
+        axes.contour(y, u, share, levels=[level], colors=[BLACK], linestyles=[style], linewidths=[width])
 
 
-def _draw_tested(axes: Axes, model: Model) -> None:
-    """The offsets and speeds that the tests covered, at this size."""
-    speed, offset = model.data_range.speed, model.data_range.abs_y
-    for side in () if offset is None else (-offset[1], offset[1]):
-        axes.axvline(side, color=PURPLE, ls=":", lw=1.4)
-    if speed is not None:
-        axes.axhline(speed[1] / KNOT, color=PURPLE, ls=":", lw=1.4)
+def _draw_marks(axes: Axes, envelope: SafeEnvelope) -> None:
+    """A single offset or speed: a mark where the model has it safe."""
+    for share, colour in ((MEDIAN, PALER), (SURE_SHARE, PALE)):
+        where = envelope.by_model(share).stack(place=("y", "u"))
+        safe = where[where.to_numpy()]
+        axes.scatter(safe["y"], safe["u"] / KNOT, color=colour, edgecolor=BLACK, lw=0.6, s=40, zorder=3)
 
 
-def _speed_legend(blocked: bool) -> list[Patch | Line2D]:
-    handles: list[Patch | Line2D] = [
-        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 95 % of the samples (the 5 % line)"),
-        Patch(facecolor=PALER, edgecolor=BLACK, ls="--", label="safe in half of them"),
-        Line2D([], [], color=PURPLE, ls=":", label="as far as the tests went"),
-    ]
-    if blocked:
-        handles.append(Patch(facecolor="none", edgecolor=ORANGE, hatch="///", label="keel or choked canal"))
+def _half(values: np.ndarray) -> float:
+    """Half a step of a grid."""
+    return float(values[-1] - values[0]) / max(len(values) - 1, 1) / 2 or 0.5
+
+
+def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Patch]:
+    """Hatch what blocks the ship, and what no test covered."""
+    data, handles = envelope.data.transpose("y", "u", ...), []
+    for low, high in _bands(~data["clear"].to_numpy(), u):
+        axes.axhspan(low, high, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
+    if not data["clear"].all():
+        engine = ", engine" if "rudder_kick" in data else ""
+        handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
+    edges = (y[0] - _half(y), y[-1] + _half(y), u[0] - _half(u), u[-1] + _half(u))
+    for left, right, low, high in _untested(axes, envelope, *edges):
+        axes.fill_between(
+            (left, right), low, high, facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, lw=0, zorder=2.6
+        )
+    if envelope.untested or not data["tested"].all():
+        handles.append(Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label="not tested: the model's guess"))
     return handles
 
 
-def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: float) -> None:
-    limit = model.configuration.gear.limit_deg
+Box = tuple[float, float, float, float]
+
+
+def _untested(axes: Axes, envelope: SafeEnvelope, left: float, right: float, low: float, high: float) -> list[Box]:
+    """What lies beyond the speeds and the offsets of the tests, each with a line at its edge, or all that is asked."""
+    boxes: list[Box] = []
+    far = envelope.data.attrs.get("tested_offset", (0.0, np.inf))[1]
+    slow, fast = (end / KNOT for end in envelope.data.attrs.get("tested_speed", (0.0, np.inf)))
+    for edge, box in ((slow, (left, right, low, slow)), (fast, (left, right, fast, high))):
+        if low < edge < high:
+            axes.axhline(edge, color=PURPLE, lw=1.2)
+            boxes.append(box)
+    for edge, box in ((-far, (left, -far, low, high)), (far, (far, right, low, high))):
+        if left < edge < right:
+            axes.axvline(edge, color=PURPLE, lw=1.2)
+            boxes.append(box)
+    return [(left, right, low, high)] if envelope.untested or fast <= low or slow >= high else boxes
+
+
+def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
+    """Where a run of marked places begins and ends, half a step wide at either end."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(int)))
+    half = _half(values)
+    return [(float(values[a] - half), float(values[b - 1] + half)) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+
+
+def _speed_legend() -> list[Any]:
+    return [
+        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 19 cases of 20"),
+        Patch(facecolor=PALER, edgecolor=BLACK, ls="--", label="safe in half of the cases or more"),
+        Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
+        Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
+        Line2D([], [], color=BLACK, ls=":", lw=1.0, label="how well the edge is known by the cases tried"),
+        Line2D([], [], color=PURPLE, lw=1.2, label="speeds and offsets of the tests end"),
+    ]
+
+
+def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
+    limit, reserve = np.degrees(envelope.data.attrs["rudder_limit"]), envelope.data.attrs["reserve"]
     data, y = envelope.data, envelope.data["y"].to_numpy()
     sailed = np.flatnonzero(data["clear"].to_numpy() | ~data["clear"].to_numpy().any())
     ends = np.unique(sailed[[0, -1]])[:: -1 if envelope.speed_free else 1]
-    for style, place in zip(DASHES, ends[: 1 if envelope.speed_free else None].tolist(), strict=False):
-        own = data.isel(u=place)
-        label = "at every speed" if envelope.speed_free else f"at {float(own['u']) / KNOT:.1f} knots"
-        axes.plot(y, np.degrees(own["rudder"]), color=BLUE, ls=style, label=f"median, {label}")
-        for name, said in (("rudder_low", f"90 % of the samples, {label}"), ("rudder_high", None)):
-            axes.plot(y, np.degrees(own[name].where(np.isfinite(own[name]))), color=ORANGE, ls=style, label=said)
+    for style, index in zip(DASHES, ends[: 1 if envelope.speed_free else None].tolist(), strict=False):
+        here = data.isel(u=index)
+        label = "at every speed" if envelope.speed_free else f"at {float(here['u']) / KNOT:.1f} knots"
+        axes.plot(y, np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
+        for name, words in (("rudder_low", f"9 cases of 10 between, {label}"), ("rudder_high", None)):
+            axes.plot(y, np.degrees(here[name].where(np.isfinite(here[name]))), color=ORANGE, ls=style, label=words)
     for sign in (1, -1):
         axes.axhline(sign * limit, color=BLACK, lw=1.4)
         axes.axhline(sign * limit * (1 - reserve), color=GREY, lw=1.0, ls="--")
@@ -105,16 +158,46 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope, model: Model, reserve: floa
     )
     axes.text(0.01, limit, " hard over", transform=axes.get_yaxis_transform(), va="bottom")
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
-    axes.set_ylabel("rudder that holds her [deg]\npositive turns the bow to starboard")
+    axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
-    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2)
+    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     axes.grid(alpha=0.3)
 
 
-def _draw_banks(axes: Axes, envelope: SafeEnvelope, model: Model) -> None:
-    """Where her keel meets the banks in black, and in grey where the middle of the ship cannot be for her own side."""
-    side, (port, starboard) = model.configuration.ship.beam / 2, envelope.walls
+def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
+    """Where its keel meets the banks in black, and in grey where the middle of the ship cannot be for its own side."""
+    side, (port, starboard) = envelope.data.attrs["beam"] / 2, envelope.walls
     for sign, wall in ((-1, port), (1, starboard)):
         axes.axvspan(sign * (wall - side), sign * wall, color=GREY, alpha=0.35, lw=0)
         axes.axvline(sign * wall, color=BLACK, lw=3)
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
+
+
+def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
+    """Offset, speeds, rudder, what limits: at most so many rows, the middle among them."""
+    axes.axis("off")
+    rows = envelope.offset_rows()
+    stride = -(-len(rows) // MOST_ROWS)
+    rows = rows[(len(rows) // 2) % stride :: stride]
+    heads = ["offset\n[m]", "safe speeds\n[knots]", "rudder, 19 of 20\ncases within [deg]", "what limits it"]
+    cells = [
+        [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]), _degrees(row["rudder_95"]),
+         row["limited_by"]]
+        for row in rows
+    ]  # fmt: skip
+    table = axes.table(cells, colLabels=heads, loc="upper center", cellLoc="center", colWidths=(0.15, 0.24, 0.26, 0.35))
+    table.auto_set_font_size(False)
+    table.set_fontsize(7.5)
+    for (row, _), cell in table.get_celld().items():
+        cell.set_linewidth(0.3)
+        cell.set_height(0.055 if row == 0 else 0.03)
+    notes = [line for note in envelope.notes for line in textwrap.wrap(note, 72, subsequent_indent="  ")]
+    axes.text(0.0, 0.0, "\n".join(notes), fontsize=6.2, va="bottom", transform=axes.transAxes)
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:.1f} to {high:.1f}" if np.isfinite(low) and np.isfinite(high) else "-"
+
+
+def _degrees(angle: float) -> str:
+    return f"{angle:.0f}" if np.isfinite(angle) else "none"

@@ -16,12 +16,12 @@ from narrows.report.numbers import interval, readable
 from narrows.report.uncertainty_figures import comparison_figure
 
 
-def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
+def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
     """Write one HTML file with everything that is known of a model on a table of tests.
 
     Parameters
     ----------
-    found : Explanation
+    explanation : Explanation
         What was found.
     path : str or Path
         Where to.
@@ -33,37 +33,37 @@ def write_explanation(found: Explanation, path: str | Path, title: str) -> None:
     InputError
         Where the file cannot be written.
     """
-    rows = found.comparison.rows()
-    shares = found.shares
+    rows = explanation.comparison.rows()
+    shares = explanation.shares
     page = render(
         "explanation.html.j2",
         title=title,
-        says=[*found.summary().splitlines(), *found.notes],
-        forces=tuple(found.scores),
-        scores=found.scores,
-        by_test=found.by_test,
-        coefficients=[_row(found, name) for name in found.fit.terms.names],
+        says=[*explanation.summary().splitlines(), *explanation.notes],
+        forces=tuple(explanation.scores),
+        scores=explanation.scores,
+        by_test=explanation.by_test,
+        coefficients=[_row(explanation, name) for name in explanation.fit.terms.names],
         kinds=KINDS,
-        shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in found.scores for n in shares[KINDS[0]][f]],
-        compared=found.comparison.summary().splitlines(),
-        left_out=found.comparison.left_out,
+        shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in explanation.scores for n in shares[KINDS[0]][f]],
+        compared=explanation.comparison.summary().splitlines(),
+        left_out=explanation.comparison.left_out,
         comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on what was left out."),
         rows=[row | {"said": bank_said(row)} for row in rows],
-        s=section("", found.fit, 0) | {"heading": f"A fit to these tests: {heading(found.fit, '')}"},
+        s=section("", explanation.fit, 0) | {"heading": f"A fit to these tests: {heading(explanation.fit, '')}"},
     )
     write_whole(path, page)
 
 
-def _row(found: Explanation, name: str) -> dict[str, str]:
-    verdict, std, far = found.fit.verdicts[name], found.fit.std[name], found.distance[name]
+def _row(explanation: Explanation, name: str) -> dict[str, str]:
+    verdict, std, far = explanation.fit.verdicts[name], explanation.fit.std[name], explanation.distance[name]
     known = verdict.determined
     return {
         "name": name,
-        "model": f"{found.model.coefficients[name]:.4g}",
-        "value": readable(found.fit.coefficients[name], std) if known else "-",
-        "interval": interval(found.fit.intervals[name], std) if known else "-",
+        "model": f"{explanation.model.coefficients[name]:.4g}",
+        "value": readable(explanation.fit.coefficients[name], std) if known else "-",
+        "interval": interval(explanation.fit.intervals[name], std) if known else "-",
         "apart": f"{far:+.1f}" if far == far else "-",
-        "unit": found.fit.terms[name].dimension.unit,
+        "unit": explanation.fit.terms[name].dimension.unit,
         "verdict": verdict.status,
         "kind": verdict.status.replace(" ", "-"),
     }
@@ -78,56 +78,56 @@ def bank_said(row: dict[str, Any]) -> str:
         Of ``Comparison.rows``.
     """
     return "; ".join(
-        f"{name} {own['ci95'][0]:.3g} to {own['ci95'][1]:.3g} ({own['verdict']})"
-        if np.isfinite(own["ci95"]).all()
-        else f"{name} ({own['verdict']})"
-        for name, own in row["bank"].items()
+        f"{name} {coefficient['ci95'][0]:.3g} to {coefficient['ci95'][1]:.3g} ({coefficient['verdict']})"
+        if np.isfinite(coefficient["ci95"]).all()
+        else f"{name} ({coefficient['verdict']})"
+        for name, coefficient in row["bank"].items()
     )
 
 
-def print_explanation(found: Explanation, label: str = "") -> None:
+def print_explanation(explanation: Explanation, label: str = "") -> None:
     """Print a model on a table of tests.
 
     Parameters
     ----------
-    found : Explanation
+    explanation : Explanation
         What was found.
     label : str
         The condition, as a heading.
     """
-    console = Console(highlight=False)
-    for sentence in (*found.summary().splitlines(), *found.notes):
+    console = Console(highlight=False, markup=False)
+    for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
     table = Table(box=None, pad_edge=False, title="The model beside these tests", title_justify="left")
     for header in ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"):
         table.add_column(header, justify="left" if header in ("", "unit") else "right", no_wrap=True)
-    for name in found.fit.terms.names:
-        row = _row(found, name)
+    for name in explanation.fit.terms.names:
+        row = _row(explanation, name)
         table.add_row(*(row[key] for key in ("name", "model", "value", "interval", "apart", "unit")))
     console.print(table)
-    print_fit(found.fit, label)
-    print_comparison(found.comparison, console)
+    print_fit(explanation.fit, label)
+    print_comparison(explanation.comparison, console)
 
 
-def print_comparison(found: Comparison, console: Console | None = None) -> None:
+def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
     """Print tables of terms side by side.
 
     Parameters
     ----------
-    found : Comparison
+    comparison : Comparison
         What was fitted.
     console : Console, optional
         Standard output unless given.
     """
-    console = console or Console(highlight=False)
+    console = console or Console(highlight=False, markup=False)
     title = "Tables of terms by their error (RMSE) on what was left out"
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
     for header in ("terms", "force", "fit", "tests left out", "speeds left out", "confounded"):
         table.add_column(header, justify="left" if header in ("terms", "force") else "right")
-    for row in found.rows():
+    for row in comparison.rows():
         speeds = row["rmse_other_speeds"]
         errors = (f"{row['rmse']:.3g}", f"{row['rmse_left_out']:.3g}", f"{speeds:.3g}" if np.isfinite(speeds) else "-")
         table.add_row(row["table"], row["force"], *errors, f"{row['confounded']} of {row['coefficients']}")
     console.print(table)
-    for sentence in found.summary().splitlines():
+    for sentence in comparison.summary().splitlines():
         console.print(f"- {sentence}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,10 @@ import numpy as np
 from narrows.captive.tests import CaptiveTests
 from narrows.files import write_whole
 from narrows.identification import Fit
+from narrows.identification.bank_answer import Answer, answer_of
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
+from narrows.model.data_range import Range
 from narrows.quantities.names import name_of
 from narrows.report.bank_figures import delta_figure, delta_surface_figure
 from narrows.report.collinearity_figures import correlation_figure, inflation_figure
@@ -21,6 +24,7 @@ from narrows.report.motion_figures import motions_figure
 from narrows.report.numbers import interval, readable
 from narrows.report.style import svg
 from narrows.report.uncertainty_figures import influence_figure, profiles_figure
+from narrows.ship.particulars import Canal, Configuration, Ship
 
 ENVELOPE = {
     "speed": ("surge velocity", "m/s", 1.0),
@@ -32,8 +36,10 @@ ENVELOPE = {
 }
 
 
-def write_report(fits: Mapping[str, Fit], path: str | Path, title: str = "narrows") -> None:
-    """Write one HTML file with everything that is known of some fits.
+def write_report(
+    fits: Mapping[str, Fit], path: str | Path, title: str = "narrows", answers: Mapping[str, Answer] | None = None
+) -> None:
+    """Write one HTML file with everything that is known of some fits, their answers first.
 
     Parameters
     ----------
@@ -43,6 +49,8 @@ def write_report(fits: Mapping[str, Fit], path: str | Path, title: str = "narrow
         Where to.
     title : str
         Of the page.
+    answers : mapping of str to Answer, optional
+        By condition, where they are known already.
 
     Raises
     ------
@@ -50,7 +58,10 @@ def write_report(fits: Mapping[str, Fit], path: str | Path, title: str = "narrow
         Where the file cannot be written.
     """
     sections = [section(label, fit, number) for number, (label, fit) in enumerate(fits.items())]
-    write_whole(path, render("fits.html.j2", title=title, sections=sections, comparison=_comparison(fits)))
+    answers = answers or {label: answer_of(fit) for label, fit in fits.items()}
+    told = [(heading(fit, label), (*fit.implausible, *answers[label].sentences)) for label, fit in fits.items()]
+    page = render("fits.html.j2", title=title, answers=told, sections=sections, comparison=_comparison(fits))
+    write_whole(path, page)
 
 
 def render(template: str, **values: Any) -> str:
@@ -96,6 +107,7 @@ def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         Of the section.
     """
     source, envelope = fit.tests.source, asdict(fit.data_range)
+    shares = {kind: fit.shapley(kind) for kind in KINDS}
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
@@ -111,13 +123,13 @@ def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         "constraints": constraints(fit),
         "coefficients": [_row(fit, name) for name in fit.terms.names],
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
-        "scores": [(force, own, fit.left_out[force]) for force, own in fit.scores.items()],
+        "scores": [(force, score, fit.left_out[force]) for force, score in fit.scores.items()],
         "split": fit.split,
         "by_test": _by_test(fit),
         "correlations": fit.correlations,
         "influence": [_influence(fit, name) for name in fit.terms.names if fit.verdicts[name].determined],
-        "shapley": [(name, [fit.shapley(kind)[force][name] for kind in KINDS])
-                    for force in fit.scores for name in fit.shapley("mse")[force]],
+        "shapley": [(name, [shares[kind][force][name] for kind in KINDS])
+                    for force in fit.scores for name in shares[KINDS[0]][force]],
         "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": _figures(fit),
     }  # fmt: skip
@@ -173,18 +185,18 @@ def _row(fit: Fit, name: str) -> dict[str, str]:
 
 def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
     """Within each test: how the bank's column lies to the column that is most like it."""
-    banks_ = [(force, term.name) for force, own in fit.terms.forces.items() for term in own if term.from_bank]
+    banks_ = [(force, term.name) for force, terms in fit.terms.forces.items() for term in terms if term.from_bank]
     rows = []
-    for test, found in fit.diagnostics.by_test.items():
+    for test, diagnoses in fit.diagnostics.by_test.items():
         for force, name in banks_[:1]:
-            partner, alignment = found[force].partner(name)
-            vif = found[force].vif[name]
+            partner, alignment = diagnoses[force].partner(name)
+            vif = diagnoses[force].vif[name]
             rows.append((test, readable(vif) if np.isfinite(vif) else "without limit", partner, f"{alignment:+.4f}"))
     return rows
 
 
 def _figures(fit: Fit) -> list[dict[str, str]]:
-    configuration, covered = fit.tests.configuration, fit.data_range.abs_y
+    configuration = fit.tests.configuration
     pictures = [
         figure(intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
         figure(inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
@@ -192,17 +204,26 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
         figure(correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
         figure(influence_figure(fit), "Share of what is known of each coefficient that goes with each test."),
         figure(shapley_figure(fit), "Shapley shares of the terms under three value functions."),
-        figure(delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
-        figure(delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
+        *_of_delta(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
     ]  # fmt: skip
     if profiles := profiles_figure(fit):
-        said = "Profile likelihood under the constraints; dashed: the estimate, dotted: the limit of 95 %."
-        pictures.insert(1, figure(profiles, said))
+        caption = "Profile likelihood under the constraints; dashed: the estimate, dotted: the limit of 95 %."
+        pictures.insert(1, figure(profiles, caption))
     tests = fit.tests
     if isinstance(tests, CaptiveTests):
         measured = figure(forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
         pictures = [measured, *pictures, figure(motions_figure(tests), "The tests: motions and forces.")]
     return pictures
+
+
+@cache
+def _of_delta(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str, str], ...]:
+    """Pictures that know no depth, so that the conditions of a table share them."""
+    configuration = Configuration(ship, Canal(width))
+    return (
+        figure(delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
+        figure(delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
+    )
 
 
 def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:

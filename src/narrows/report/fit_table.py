@@ -2,18 +2,23 @@
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from narrows.identification import Fit
+from narrows.identification.bank_answer import Answer, answer_of
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
 from narrows.report.numbers import interval, readable
 
 MOST_PAIRS = 5
-COLOURS = {"identified": "green", "weakly identified": "yellow", "at its bound": "yellow", "confounded": "magenta"}
+COLOURS = {
+    "identified": "green", "weakly identified": "yellow", "at its bound": "yellow", "rests on one test": "yellow",
+    "contradicted": "magenta", "confounded": "magenta",
+}  # fmt: skip
 
 
-def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None:
-    """Print a fit.
+def print_fit(fit: Fit, label: str = "", console: Console | None = None, answer: Answer | None = None) -> None:
+    """Print a fit, its answer first.
 
     Parameters
     ----------
@@ -23,11 +28,18 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None
         The condition, as a heading.
     console : Console, optional
         Standard output unless given.
+    answer : Answer, optional
+        Of this fit, where it is known already.
     """
-    console = console or Console(highlight=False, soft_wrap=False)
-    console.print(f"\n[bold]{heading(fit, label)}[/bold]")
+    console = console or Console(highlight=False, markup=False, soft_wrap=False)
+    console.print(f"\n{heading(fit, label)}", style="bold")
+    for sentence in fit.implausible:
+        console.print(sentence, style="bold red")
+    for sentence in (answer or answer_of(fit)).sentences:
+        console.print(sentence)
+    console.print()
     console.print(_coefficients(fit))
-    console.print("[bold]What these tests cannot say[/bold]")
+    console.print("What these tests cannot say", style="bold")
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
@@ -36,7 +48,7 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None) -> None
     console.print(_scores(fit))
     console.print(_shares(fit))
     for note in (*fit.notes, kkt_sentence(fit)):
-        console.print(f"[dim]{note}[/dim]")
+        console.print(note, style="dim")
 
 
 def heading(fit: Fit, label: str) -> str:
@@ -79,18 +91,18 @@ def _coefficients(fit: Fit) -> Table:
         known = fit.verdicts[name].determined
         cells = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
         shown = cells if known else ("-", "-", "-")
-        table.add_row(name, *shown, fit.terms[name].dimension.unit, f"[{colour}]{status}[/{colour}]")
+        table.add_row(name, *shown, fit.terms[name].dimension.unit, Text(status, style=colour))
     return table
 
 
 def _scores(fit: Fit) -> Table:
-    out = "each test left out" if fit.split == "test" and fit.clusters.by_test else "rows left out"
+    out = "each distinct motion left out" if fit.split == "test" else "rows left out"
     table = Table(box=None, pad_edge=False, title=f"Fit, and on {out}", title_justify="left", title_style="bold")
     for header in ("", "R2", "RMSE", "R2 left out", "RMSE left out"):
         table.add_column(header, justify="left" if not header else "right")
-    for force, own in fit.scores.items():
+    for force, score in fit.scores.items():
         other = fit.left_out[force]
-        table.add_row(force, f"{own.r2:.3f}", f"{own.rmse:.3f}", f"{other.r2:.3f}", f"{other.rmse:.3f}")
+        table.add_row(force, f"{score.r2:.3f}", f"{score.rmse:.3f}", f"{other.r2:.3f}", f"{other.rmse:.3f}")
     return table
 
 

@@ -19,17 +19,17 @@ def print_manoeuvres(trials: Trials) -> None:
     trials : Trials
         What was sailed.
     """
-    console, found = Console(highlight=False), trials.to_dict()
+    console, results = Console(highlight=False, markup=False), trials.to_dict()
     circles = Table(box=None, pad_edge=False)
-    for head in ("rudder \\[deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach"):
+    for head in ("rudder [deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach"):
         circles.add_column(head, justify="right")
-    for order, own in found["turning"].items():
-        circles.add_row(order, *(f"{value:.2f}" for value in own.values()))
+    for order, measures in results["turning"].items():
+        circles.add_row(order, *(f"{value:.2f}" for value in measures.values()))
     zigzags = Table(box=None, pad_edge=False)
-    for head in ("zigzag \\[deg]", "overshoots \\[deg]"):
+    for head in ("zigzag [deg]", "overshoots [deg]"):
         zigzags.add_column(head, justify="right")
-    for order, own in found["zigzags"].items():
-        zigzags.add_row(order, ", ".join(f"{angle:.1f}" for angle in own["overshoots_deg"]))
+    for order, measures in results["zigzags"].items():
+        zigzags.add_row(order, ", ".join(f"{angle:.1f}" for angle in measures["overshoots_deg"]))
     console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
     for table in (circles, zigzags):
         console.print(table)
@@ -60,7 +60,7 @@ def manoeuvres_figure(trials: Trials) -> Figure:
         zigzags.plot(time, np.degrees(voyage.rudder), color=colour, ls=":", label="its rudder")
     zigzags.set_xlabel("time [ship lengths at the approach speed]")
     zigzags.set_ylabel("heading, rudder [deg], starboard positive")
-    for own in (circles, zigzags):
-        own.grid(alpha=0.3)
-        own.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7)
+    for panel in (circles, zigzags):
+        panel.grid(alpha=0.3)
+        panel.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7)
     return figure

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from narrows.captive.tests import CaptiveTests
-from narrows.report.style import BLUE, DASHES, FORCE_LABELS, GREY, ORANGE, panels
+from narrows.report.style import BLUE, DASHES, FORCE_LABELS, GREY, ORANGE, Margins, panels
 
 FEW = 4
 """Up to so many tests are drawn against time, each with a line of its own; more are drawn row by row."""
@@ -18,7 +18,7 @@ def motions_figure(tests: CaptiveTests) -> Figure:
     tests : CaptiveTests
         What to draw.
     """
-    figure, axes = panels(5, 1, 7.6, sharex=True)
+    figure, axes = panels(5, 1, 7.6, Margins(), sharex=True)
     shown = [("y", "offset y [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi)]
     shown += [(force, label, 1.0) for force, label in FORCE_LABELS.items()]
     for panel, (name, label, scale) in zip(axes[:, 0], shown, strict=True):
@@ -60,5 +60,5 @@ def boundaries(panel, tests: CaptiveTests) -> None:  # type: ignore[no-untyped-d
     tests : CaptiveTests
         Whose.
     """
-    for start in tests.starts[1:-1]:
-        panel.axvline(float(start), color=GREY, linestyle="--", linewidth=0.4)
+    across = {"transform": panel.get_xaxis_transform(), "color": GREY, "linestyles": "--", "linewidth": 0.4}
+    panel.vlines(tests.starts[1:-1], 0, 1, **across)

@@ -1,26 +1,15 @@
-"""A plan of tests in the terminal and as a table."""
+"""A plan of tests in the terminal."""
 
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from narrows.experiment_design import Plan
-from narrows.files import write_whole
+from narrows.experiment_design.plan import UNITS, Plan
 
 COLUMN = 14
 """Characters; a narrow terminal wraps lines rather than losing digits."""
 SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
-UNITS = {
-    "offset": "m",
-    "amplitude": "m",
-    "period": "s",
-    "speed": "m/s",
-    "drift_deg": "deg",
-    "depth": "m",
-    "duration": "s",
-}
 
 
 def print_plan(plan: Plan) -> None:
@@ -33,12 +22,12 @@ def print_plan(plan: Plan) -> None:
     """
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     console.width = max(console.width, COLUMN * (1 + len(names) + len(plan.targets)))
     table = Table(box=None, pad_edge=False)
     for name in ("run", *names, *(f"std {target}" for target in plan.targets)):
         unit = f" [{UNITS[name]}]" if name in UNITS else ""
-        table.add_column(name.removesuffix("_deg") + unit.replace("[", "\\["), justify="right")
+        table.add_column(name.removesuffix("_deg") + unit, justify="right")
     for number, row in enumerate(rows, start=1):
         errors = [f"{row[f'std {target}']:.2g}" for target in plan.targets]
         table.add_row(str(number), *(_cell(row.get(name)) for name in names), *errors)
@@ -50,24 +39,3 @@ def print_plan(plan: Plan) -> None:
 
 def _cell(value: Any) -> str:
     return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write a plan as CSV, with units in the headers.
-
-    Parameters
-    ----------
-    plan : Plan
-        The plan.
-    path : str or Path
-        Where to.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written.
-    """
-    frame = plan.to_dataframe().rename(
-        columns={name: f"{name.removesuffix('_deg')} [{unit}]" for name, unit in UNITS.items()}
-    )
-    write_whole(path, frame.to_csv(index=False))

@@ -17,12 +17,12 @@ from narrows.simulation.maps import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
 
-def write_reproduction(found: Reproduction, path: str | Path) -> None:
+def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
     """Write the reproduction of the paper as one HTML file.
 
     Parameters
     ----------
-    found : Reproduction
+    reproduced : Reproduction
         What was computed.
     path : str or Path
         Where to.
@@ -33,14 +33,14 @@ def write_reproduction(found: Reproduction, path: str | Path) -> None:
         Where the file cannot be written.
     """
     page = render(
-        "reproduction.html.j2", title="The paper, reproduced", figures=_figures(found),
-        coefficients=[_coefficient(found.fit, name, own) for name, own in found.truth.coefficients.items()],
-        shapley=[(name, PRINTED_SHARES[name], own.values()) for name, own in found.shares.items()],
-        kinds=KINDS, switches=found.switches, printed_switch=PRINTED_SWITCH, doubts=found.notes,
-        source=found.truth.source.text, clusters=found.fit.clusters.sentence, verdict=found.agreement,
-        voyages={y: voyage.outcome.sentence for y, voyage in found.voyages.items()},
-        eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in own] for name, own in found.modes.items()},
-        stiffness=found.stiffness,
+        "reproduction.html.j2", title="The paper, reproduced", figures=_figures(reproduced),
+        coefficients=[_coefficient(reproduced.fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],
+        shapley=[(name, PRINTED_SHARES[name], ours.values()) for name, ours in reproduced.shares.items()],
+        kinds=KINDS, switches=reproduced.switches, printed_switch=PRINTED_SWITCH, doubts=reproduced.notes,
+        source=reproduced.truth.source.text, clusters=reproduced.fit.motions.sentence, verdict=reproduced.agreement,
+        voyages={y: voyage.outcome.sentence for y, voyage in reproduced.voyages.items()},
+        eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in ours] for name, ours in reproduced.modes.items()},
+        stiffness=reproduced.stiffness,
     )  # fmt: skip
     write_whole(path, page)
 
@@ -66,10 +66,10 @@ def _why(known: bool, inside: bool) -> str:
     return "" if inside else "outside the 95 % interval, as one in twenty is"
 
 
-def _figures(found: Reproduction) -> dict[str, dict[str, str]]:
-    fit, tests, configuration = found.fit, found.fit.tests, found.truth.configuration
-    distances = {name: grounding_distance(voyages) for name, voyages in found.readings.items()}
-    sides = {name: voyages["side"] for name, voyages in found.readings.items()}
+def _figures(reproduced: Reproduction) -> dict[str, dict[str, str]]:
+    fit, tests, configuration = reproduced.fit, reproduced.fit.tests, reproduced.truth.configuration
+    distances = {name: grounding_distance(voyages) for name, voyages in reproduced.readings.items()}
+    sides = {name: voyages["side"] for name, voyages in reproduced.readings.items()}
     made: dict[str, tuple[Any, str]] = {
         "tests": (motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
         "delta": (delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
@@ -78,11 +78,11 @@ def _figures(found: Reproduction) -> dict[str, dict[str, str]]:
         "forces": (forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
         "shapley": (shapley_figure(fit), "Shapley shares under three value functions."),
         "paths": (
-            paths_figure(list(found.voyages.values()), configuration),
+            paths_figure(list(reproduced.voyages.values()), configuration),
             "Voyages from the starts of the table, hull corners.",
         ),
         "distance": (
             distances_figure(distances, sides, configuration), "Distance along the canal to the grounding."
         ),
     }  # fmt: skip
-    return {name: figure(*own) for name, own in made.items()}
+    return {name: figure(*drawn) for name, drawn in made.items()}

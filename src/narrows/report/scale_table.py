@@ -14,9 +14,9 @@ def print_scaled(scaled: Scaled) -> None:
     scaled : Scaled
         As it is now, and as it was.
     """
-    console, shown = Console(highlight=False), scaled.to_dict()
+    console, shown = Console(highlight=False, markup=False), scaled.to_dict()
     table = Table(box=None, pad_edge=False)
-    for header in ("", "was", "is", "unit", "bis \\[1]"):
+    for header in ("", "was", "is", "unit", "bis [1]"):
         table.add_column(header, justify="left" if header in ("", "unit") else "right", no_wrap=True)
     for name, row in shown["coefficients"].items():
         table.add_row(name, f"{row['old']:.4g}", f"{row['new']:.4g}", row["unit"], f"{shown['bis'][name]:.4g}")

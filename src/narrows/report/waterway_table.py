@@ -23,27 +23,27 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
     waterway : Waterway
         The waterway.
     draft : float [m]
-        Of a ship; the width is where her keel has room.
+        Of a ship; the width is where its keel has room.
 
     Raises
     ------
     InputError
-        Where there is no room for her, with the place.
+        Where there is no room for it, with the place.
     """
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.room(s, draft)
     shut = ~(here.width > 0) | (here.depth <= draft)
     if shut.any():
-        place = int(shut.argmax())
-        size = f"{here.width[place]:.4g} m wide and {here.depth[place]:.4g} m deep"
+        index = int(shut.argmax())
+        size = f"{here.width[index]:.4g} m wide and {here.depth[index]:.4g} m deep"
         raise InputError(
-            f"{waterway.name}: no room for a draft of {draft:g} m at {s[place]:.0f} m along it, {size}; mend its banks "
+            f"{waterway.name}: no room for a draft of {draft:g} m at {s[index]:.0f} m along it, {size}; mend its banks "
             "or depths there"
         )
     bend = np.abs(here.curvature)
     narrow, sharp = int(here.width.argmin()), int(bend.argmax())
     deep = bool(np.isfinite(here.depth).all())
-    found = {
+    summary = {
         "name": waterway.name,
         "length": waterway.line.length,
         "narrowest": {"width": float(here.width[narrow]), "at": float(s[narrow])},
@@ -51,7 +51,7 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         "sharpest": {"radius": float(1 / bend[sharp]), "at": float(s[sharp])} if bend[sharp] > STRAIGHT else None,
         "stations": _stations(waterway, draft),
     }
-    return {**found, "summary": _sentence(found), "notes": []}
+    return {**summary, "summary": _sentence(summary), "notes": []}
 
 
 def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
@@ -73,30 +73,30 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
     waterway : Waterway
         The waterway.
     draft : float [m]
-        Of a ship; the width is where her keel has room.
+        Of a ship; the width is where its keel has room.
     """
-    console, found = Console(highlight=False), waterway_summary(waterway, draft)
+    console, summary = Console(highlight=False, markup=False), waterway_summary(waterway, draft)
     table = Table(box=None, pad_edge=False)
-    for head in ("at \\[m]", "heading \\[deg]", "to starboard \\[m]", "to port \\[m]", "width \\[m]", "depth \\[m]"):
+    for head in ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]"):
         table.add_column(head, justify="right")
-    for row in found["stations"]:
+    for row in summary["stations"]:
         at, heading, *rest = row.values()
         table.add_row(
             f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest)
         )
     console.print(table)
-    console.print(found["summary"])
+    console.print(summary["summary"])
 
 
-def _sentence(found: dict[str, Any]) -> str:
-    narrowest = found["narrowest"]
+def _sentence(summary: dict[str, Any]) -> str:
+    narrowest = summary["narrowest"]
     return (
-        f"{found['name']}: {found['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
+        f"{summary['name']}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
         f"{narrowest['at']:.0f} m"
-        + _worst(found["shallowest"], "depth", "shallowest")
-        + _worst(found["sharpest"], "radius", "sharpest bend, radius")
+        + _worst(summary["shallowest"], "depth", "shallowest")
+        + _worst(summary["sharpest"], "radius", "sharpest bend, radius")
     )
 
 
-def _worst(found: dict[str, float] | None, name: str, word: str) -> str:
-    return "" if found is None else f"; {word} {found[name]:.4g} m at {found['at']:.0f} m"
+def _worst(extreme: dict[str, float] | None, name: str, word: str) -> str:
+    return "" if extreme is None else f"; {word} {extreme[name]:.4g} m at {extreme['at']:.0f} m"

@@ -1,7 +1,7 @@
 """How fast, and how far off the middle of a canal, a ship is still in hand."""
 
-from narrows.safety.answer import FIVE_PERCENT as FIVE_PERCENT
 from narrows.safety.answer import MEDIAN as MEDIAN
+from narrows.safety.answer import SURE_SHARE as SURE_SHARE
 from narrows.safety.answer import SafeEnvelope as SafeEnvelope
 from narrows.safety.disturbance import Disturbance as Disturbance
 from narrows.safety.disturbance import wind_force as wind_force

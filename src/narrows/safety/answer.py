@@ -2,24 +2,32 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from narrows.quantities.constants import KNOT
+from narrows.results import Shown
+from narrows.safety.edges import first_run
+from narrows.safety.headline import headline
 
-MEDIAN, FIVE_PERCENT = 0.5, 0.95
-"""Shares of samples that must be safe: the line of even odds, and the one that one sample in twenty may cross."""
+if TYPE_CHECKING:
+    import pandas as pd
+
+MEDIAN, SURE_SHARE = 0.5, 0.95
+"""Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a index is called safe."""
 SAME, TURNED = 1e-6, 1e-4
 """Rudder angles [rad] that are one, and the least that says something."""
-CHOKED, AGROUND, RUDDER, HELM, RANGE, NONE = (
-    "the canal chokes", "the keel", "the rudder", "the autopilot", "the range looked at", "no course holds her",
+CHOKED, AGROUND, ENGINE, RUDDER, PILOT, TESTS, RANGE, NONE = (
+    "the canal chokes", "the keel", "the engine", "the rudder", "the autopilot", "the tests end",
+    "faster was not asked", "no rudder holds it",
 )  # fmt: skip
 """What ends the range of safe speeds."""
 
 
-@dataclass(frozen=True)
-class SafeEnvelope:
+@dataclass(frozen=True, repr=False)
+class SafeEnvelope(Shown):
     """Where a ship is safe, and what the answer rests on.
 
     Parameters
@@ -28,17 +36,67 @@ class SafeEnvelope:
         Over y [m] and u [m/s]: ``rudder`` [rad] of the steady course, the median of the samples; ``rudder_low`` and
         ``rudder_high`` [rad], that 90 % of the samples are between; ``rudder_95`` [rad], the size that 95 % stay
         within, infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose
-        course leaves the reserve; ``held``, the share that the autopilot also holds; over u: ``clearance`` [m] under
-        the keel and whether the keel is ``clear``. Its attributes are ship and canal, the notes, and where a keel meets
-        the banks [m].
+        course leaves the reserve; ``held``, the share that the autopilot also holds, ``held_low`` and ``held_high``
+        its 95 % interval for the number of samples; whether the tests covered it, ``tested``; ``rudder_kick`` [rad]
+        of the steady course with the engine at its most, where that is known; over u: ``clearance`` [m] under the
+        keel and whether keel, canal and engine are ``clear``. Its attributes are ship and canal, the weather, the
+        notes, where a keel meets the banks [m], the beam [m], the limit of the rudder [rad] and the reserve of it, the
+        number of samples, the speeds [m/s] and offsets [m] of the tests, in what the section was not tested, and what
+        the tests do not settle of the banks.
     """
 
     data: xr.Dataset
+
+    def __repr__(self) -> str:
+        return f"<SafeEnvelope of {self.description}>"
+
+    def dataset(self) -> xr.Dataset:
+        """Give the answer over offsets and speeds, with units."""
+        return self.data
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the answer as a table: a row an offset, with rudder [deg], speeds [knots] and what limits them."""
+        import pandas as pd
+
+        return pd.DataFrame(self.offset_rows()).set_index("offset")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the whole answer in metres, knots and degrees: what ``envelope --json`` prints."""
+        return {
+            "summary": self.summary(),
+            "setting": self.description,
+            "weather": self.weather,
+            "untested": self.untested,
+            "samples": self.samples,
+            "offsets": self.offset_rows(),
+            "speeds": self.speed_rows(),
+            "notes": list(self.notes),
+        }
 
     @property
     def description(self) -> str:
         """Ship and canal in words."""
         return str(self.data.attrs["setting"])
+
+    @property
+    def weather(self) -> str:
+        """What throws the ship off, in words."""
+        return str(self.data.attrs["weather"])
+
+    @property
+    def untested(self) -> str:
+        """In what the section of water is none that was tested; nothing where it is one, or that is not known."""
+        return str(self.data.attrs["untested"])
+
+    @property
+    def trust(self) -> str:
+        """What the model's tests do not settle of the banks, in a sentence; nothing where they do."""
+        return str(self.data.attrs.get("trust", ""))
+
+    @property
+    def samples(self) -> int:
+        """How many cases were tried at each offset and speed."""
+        return int(self.data.attrs["samples"])
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -47,7 +105,7 @@ class SafeEnvelope:
 
     @property
     def walls(self) -> tuple[float, float]:
-        """Where her keel meets the banks [m], to port and to starboard of the middle."""
+        """Where its keel meets the banks [m], to port and to starboard of the middle."""
         return float(self.data.attrs["wall_port"]), float(self.data.attrs["wall_starboard"])
 
     def noting(self, note: str) -> "SafeEnvelope":
@@ -60,8 +118,8 @@ class SafeEnvelope:
         """
         return SafeEnvelope(self.data.assign_attrs(notes="\n".join((note, *self.notes))))
 
-    def safe(self, share: float = FIVE_PERCENT) -> xr.DataArray:
-        """Say at which offsets and speeds she is safe: keel clear, and held in at least a share of the samples.
+    def by_model(self, share: float = SURE_SHARE) -> xr.DataArray:
+        """Say where the model has it safe, tested or not: keel clear, and held in at least a share of the samples.
 
         Parameters
         ----------
@@ -70,7 +128,17 @@ class SafeEnvelope:
         """
         return (self.data["held"] >= share) & self.data["clear"]
 
-    def highest_speed(self, share: float = FIVE_PERCENT) -> xr.DataArray:
+    def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
+        """Say at which offsets and speeds it is safe: by the model, and within the speeds and offsets of its tests.
+
+        Parameters
+        ----------
+        share : float [1]
+            Of the samples.
+        """
+        return self.by_model(share) & self.data["tested"]
+
+    def highest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return the highest safe speed at each offset [m/s], NaN where there is none.
 
         It is the top of the lowest range of safe speeds: no faster one is counted across a gap.
@@ -82,7 +150,7 @@ class SafeEnvelope:
         """
         return self._speeds(share, 1)
 
-    def lowest_speed(self, share: float = FIVE_PERCENT) -> xr.DataArray:
+    def lowest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return the lowest safe speed at each offset [m/s], NaN where there is none: below it gusts may win.
 
         Parameters
@@ -92,7 +160,7 @@ class SafeEnvelope:
         """
         return self._speeds(share, 0)
 
-    def limited_by(self, share: float = FIVE_PERCENT) -> list[str]:
+    def limited_by(self, share: float = SURE_SHARE) -> list[str]:
         """Say what ends the range of safe speeds at each offset.
 
         Parameters
@@ -100,10 +168,10 @@ class SafeEnvelope:
         share : float [1]
             Of the samples.
         """
-        return [self._reason(place, ends, share) for place, ends in enumerate(self._ends(share))]
+        return [self._reason(index, ends, share) for index, ends in enumerate(self._ends(share))]
 
-    def safest_offset(self, share: float = FIVE_PERCENT) -> xr.DataArray:
-        """Return at each speed the offset [m] where she is safe and needs the least rudder, NaN where there is none.
+    def safest_offset(self, share: float = SURE_SHARE) -> xr.DataArray:
+        """Return at each speed the offset [m] where it is safe and needs the least rudder, NaN where there is none.
 
         Parameters
         ----------
@@ -112,57 +180,78 @@ class SafeEnvelope:
         """
         need = self.data["rudder_95"].where(self.safe(share), np.inf).transpose("u", "y").to_numpy()
         offsets = self.data["y"].to_numpy()
-        found = [float(offsets[row.argmin()]) if np.isfinite(row).any() else math.nan for row in need]
-        return xr.DataArray(found, coords={"u": self.data["u"]}, dims="u", attrs={"units": "m"})
+        safest = [float(offsets[row.argmin()]) if np.isfinite(row).any() else math.nan for row in need]
+        return xr.DataArray(safest, coords={"u": self.data["u"]}, dims="u", attrs={"units": "m"})
 
     @property
     def speed_free(self) -> bool:
-        """Whether the rudder that holds her is the same at every speed, as where all forces go with its square."""
+        """Whether the rudder that holds it is the same at every speed, as where all forces go with its square."""
         rudder = self.data["rudder"].transpose("y", "u").to_numpy()
         telling = rudder[np.isfinite(rudder).all(axis=1) & (np.abs(rudder) > TURNED).all(axis=1)]
         return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME)
 
-    @property
-    def says(self) -> str:
-        """The answer in one sentence."""
-        top, bottom = self.highest_speed().to_numpy(), self.lowest_speed().to_numpy()
-        if np.isnan(top).all():
-            return "At no offset and speed is she held in 95 % of the samples with the rudder and the keel in reserve."
-        best = int(np.nanargmax(top - bottom + 1e-9 * (top == np.nanmax(top))))
-        offsets, alike = self.data["y"].to_numpy(), (top == top[best]) & (bottom == bottom[best])
-        first, last = best, best
-        while first > 0 and alike[first - 1]:
-            first -= 1
-        while last < len(alike) - 1 and alike[last + 1]:
-            last += 1
-        return (
-            f"Safe from {bottom[best] / KNOT:.1f} to {top[best] / KNOT:.1f} knots between {offsets[first]:+.1f} and "
-            f"{offsets[last]:+.1f} m off the middle (starboard is positive), in 95 % of the samples."
-        )
+    def summary(self) -> str:
+        """Say from where to where it is safe, where the tests end, and what they do not settle of the banks."""
+        return f"{headline(self.data, SURE_SHARE)} {self.trust}".strip()
+
+    def offset_rows(self) -> list[dict[str, Any]]:
+        """Give a row an offset: rudder [deg], speeds between which it is safe [knots], and what limits them."""
+        top, likely, bottom = self.highest_speed(), self.highest_speed(MEDIAN), self.lowest_speed()
+        return [
+            {
+                **self._rudder(index, float(top[index]), float(likely[index])),
+                "lowest_speed": float(bottom[index]) / KNOT,
+                "highest_speed": float(top[index]) / KNOT,
+                "highest_speed_median": float(likely[index]) / KNOT,
+                "limited_by": why,
+            }
+            for index, why in enumerate(self.limited_by())
+        ]
+
+    def _rudder(self, index: int, best: float, even: float) -> dict[str, float]:
+        """The rudder at an offset, at the highest speed that is safe there, or likely, or else the lowest."""
+        at = best if math.isfinite(best) else even if math.isfinite(even) else float(self.data["u"][0])
+        here = self.data.isel(y=index).sel(u=at)
+        kick = {"rudder_kick": math.degrees(here["rudder_kick"])} if "rudder_kick" in here else {}
+        return {
+            "offset": float(here["y"]), "rudder": math.degrees(here["rudder"]),
+            "rudder_95": math.degrees(here["rudder_95"]), **kick, "held": float(here["held"]),
+        }  # fmt: skip
+
+    def speed_rows(self) -> list[dict[str, Any]]:
+        """Give a row a speed [knots]: clearance under the keel [m], and the safest offset [m]."""
+        best = self.safest_offset()
+        return [
+            {
+                "speed": float(u) / KNOT,
+                "keel_clearance": float(self.data["clearance"][index]),
+                "keel_clear": bool(self.data["clear"][index]),
+                "safest_offset": float(best[index]),
+            }
+            for index, u in enumerate(self.data["u"].to_numpy())
+        ]
 
     def _ends(self, share: float) -> list[tuple[int, int] | None]:
-        return [_first_run(row) for row in self.safe(share).transpose("y", "u").to_numpy()]
+        return [first_run(row) for row in self.safe(share).transpose("y", "u").to_numpy()]
 
     def _speeds(self, share: float, end: int) -> xr.DataArray:
         speeds = self.data["u"].to_numpy()
-        found = [math.nan if ends is None else float(speeds[ends[end]]) for ends in self._ends(share)]
-        return xr.DataArray(found, coords={"y": self.data["y"]}, dims="y", attrs={"units": "m/s"})
+        ends_of = [math.nan if ends is None else float(speeds[ends[end]]) for ends in self._ends(share)]
+        return xr.DataArray(ends_of, coords={"y": self.data["y"]}, dims="y", attrs={"units": "m/s"})
 
-    def _reason(self, place: int, ends: tuple[int, int] | None, share: float) -> str:
+    def _reason(self, index: int, ends: tuple[int, int] | None, share: float) -> str:
         if ends is not None and ends[1] == self.data.sizes["u"] - 1:
             return RANGE
-        next_up = self.data.isel(y=place, u=0 if ends is None else ends[1] + 1)
+        next_up = self.data.isel(y=index, u=0 if ends is None else ends[1] + 1)
         if not bool(next_up["clear"]):
-            return CHOKED if math.isnan(float(next_up["clearance"])) else AGROUND
+            return self._blocked(next_up)
         if float(next_up["found"]) < share:
             return NONE
-        return RUDDER if float(next_up["holds"]) < share else HELM
+        if float(next_up["holds"]) < share:
+            return RUDDER
+        return PILOT if float(next_up["held"]) < share else TESTS
 
-
-def _first_run(safe: np.ndarray) -> tuple[int, int] | None:
-    """First and last of the first run of safe speeds."""
-    if not safe.any():
-        return None
-    first = int(safe.argmax())
-    after = np.flatnonzero(~safe[first:])
-    return first, first + int(after[0]) - 1 if after.size else len(safe) - 1
+    def _blocked(self, here: xr.Dataset) -> str:
+        if not bool(here.get("driven", True)):
+            return ENGINE
+        return CHOKED if math.isnan(float(here["clearance"])) else AGROUND

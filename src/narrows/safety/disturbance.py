@@ -26,6 +26,8 @@ class Disturbance:
         Of that force, forward of midship.
     gust_time : float [s]
         How long it lasts.
+    wind : float [m/s], optional
+        That the gust comes from, for words alone.
 
     Raises
     ------
@@ -38,6 +40,7 @@ class Disturbance:
     gust: float = 0.0
     gust_lever: float = 0.0
     gust_time: float = 60.0
+    wind: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("heading_deg", "offset", "gust", "gust_time"):
@@ -45,6 +48,17 @@ class Disturbance:
                 raise InputError(f"a disturbance's {name} = {getattr(self, name)} must be a number from 0")
         if not math.isfinite(self.gust_lever):
             raise InputError("a gust's lever must be a finite number of metres")
+
+    @property
+    def words(self) -> str:
+        """What it is, as a pilot would say it."""
+        parts = [f"heading off by {self.heading_deg:g} deg"] if self.heading_deg else []
+        parts += [f"offset by {self.offset:g} m"] if self.offset else []
+        begin = f" at the start {' and '.join(parts)} (standard deviation)" if parts else " nothing off at the start"
+        if not self.gust:
+            return f"no wind;{begin}"
+        strength = f"{self.gust / 1e3:.4g} kN" if self.wind is None else f"{self.wind:.3g} m/s"
+        return f"a gust of {strength} on the beam for {self.gust_time:g} s, from either side;{begin}"
 
     def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
         """Draw disturbances along a dimension ``sample``: psi [rad], y [m], Y [N], N [N m] off.

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.model.model import Model
 from narrows.model.squat import choke_speed, squat
-from narrows.ship.particulars import Configuration
 
 
 @dataclass(frozen=True)
@@ -30,27 +30,28 @@ class Keel:
     notes: tuple[str, ...]
 
 
-def keel_at(configuration: Configuration, speeds: np.ndarray) -> Keel:
+def keel_at(model: Model, speeds: np.ndarray) -> Keel:
     """Estimate sinkage and clearance at some speeds (ours).
 
     Parameters
     ----------
-    configuration : Configuration
-        Ship and canal.
+    model : Model
+        Of the ship in its canal.
     speeds : array (speeds,) [m/s]
         Through the water.
     """
+    configuration = model.configuration
     if configuration.canal.depth is None:
         unknown = np.full(len(speeds), np.nan)
         return Keel(np.zeros(len(speeds)), unknown, np.inf, ("the depth is not given: no squat, no choking",))
     choke, room = choke_speed(configuration), configuration.canal.depth - configuration.ship.draft
     midship, clearance, notes = np.zeros(len(speeds)), np.full(len(speeds), np.nan), []
-    for place, speed in enumerate(speeds.tolist()):
+    for index, speed in enumerate(speeds.tolist()):
         if speed < choke:
             ends = [squat(configuration, speed, gives) for gives in ("bow", "largest")]
             middle = squat(configuration, speed)
-            midship[place], clearance[place] = middle.sinkage, room - max(end.sinkage for end in ends)
-            notes += [f"squat by {own.formula}: {word}" for own in (middle, *ends) for word in own.notes]
+            midship[index], clearance[index] = middle.sinkage, room - max(end.sinkage for end in ends)
+            notes += [f"squat by {estimate.formula}: {word}" for estimate in (middle, *ends) for word in estimate.notes]
     return Keel(midship, clearance, choke, tuple(dict.fromkeys(_without_numbers(note) for note in notes)))
 
 
@@ -59,5 +60,5 @@ def _without_numbers(note: str) -> str:
     words = note.split()
     if "outside" not in words:
         return note
-    place = words.index("is")
-    return " ".join(words[: place - 1] + words[place:])
+    index = words.index("is")
+    return " ".join(words[: index - 1] + words[index:])

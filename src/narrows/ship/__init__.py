@@ -1,1 +1,1 @@
-"""The ship, what drives and steers her, how she moves, the canal she is in, and the file that says so."""
+"""The ship, what drives and steers it, how it moves, the canal it is in, and the file that says so."""

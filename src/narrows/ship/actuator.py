@@ -14,13 +14,20 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity
+from narrows.ship.checks import check_fields
 
 ENDS = ("limit", "rate")
 
 
 @dataclass(frozen=True)
 class Part:
-    """A section of a ship file that belongs to an actuator; subclasses are frozen dataclasses of its numbers."""
+    """A section of a ship file that belongs to an actuator; subclasses are frozen dataclasses of its numbers.
+
+    Raises
+    ------
+    InputError
+        Where a number of the section is not finite, or breaks a rule of ``narrows.ship.checks``.
+    """
 
     SECTION: ClassVar[str] = ""
     """What the section is called, and what the names of its numbers begin with."""
@@ -30,6 +37,9 @@ class Part:
     """Unit and meaning of each number."""
     ASKED: ClassVar[bool] = True
     """Whether terms may ask for its numbers."""
+
+    def __post_init__(self) -> None:
+        check_fields(self, {entry.name: self.known_as(entry.name) for entry in fields(self)}, self.SECTION)
 
     @classmethod
     def known_as(cls, number: str) -> str:
@@ -44,7 +54,7 @@ class Part:
 
     def values(self) -> dict[str, float]:
         """Every number by the name that terms and the equations of motion call it."""
-        return {self.known_as(own.name): getattr(self, own.name) for own in fields(self)}
+        return {self.known_as(entry.name): getattr(self, entry.name) for entry in fields(self)}
 
     def scaled(self, factor: Callable[[Dimension], float]) -> Self:
         """Return the same at another size: each number by the dimension of its unit (ours).
@@ -56,8 +66,8 @@ class Part:
         """
         changed: dict[str, Any] = {
             name: getattr(self, name) * factor(dimension)
-            for name, own in self.NUMBERS.items()
-            if (dimension := dimension_of(own.unit)) != Dimension()
+            for name, quantity in self.NUMBERS.items()
+            if (dimension := dimension_of(quantity.unit)) != Dimension()
         }
         return replace(self, **changed)
 
@@ -118,10 +128,10 @@ class Actuator:
     def particulars(self) -> dict[str, Quantity]:
         """What its sections of a ship file give to the terms."""
         return {
-            part.known_as(number): own
+            part.known_as(number): quantity
             for part in self.parts
             if part.ASKED
-            for number, own in part.NUMBERS.items()
+            for number, quantity in part.NUMBERS.items()
             if number != self.name
         }
 
@@ -145,6 +155,22 @@ class Actuator:
     def at_rest(self) -> dict[str, Number]:
         """Its position as the terms ask for it, where nothing is said of it; nothing where it must be said."""
         return {} if self.rest is None else self.placed(self.rest)
+
+
+def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
+    """Return the section and key that give each number of actuators in a file (ours).
+
+    Parameters
+    ----------
+    actuators : iterable of Actuator
+        The actuators.
+    """
+    return {
+        part.known_as(number): f"[{part.SECTION}] {number}"
+        for actuator in actuators
+        for part in actuator.parts
+        for number in part.NUMBERS
+    }
 
 
 def free(names: Iterable[str]) -> dict[str, float]:

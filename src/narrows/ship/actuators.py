@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import ClassVar
 
 from narrows.quantities.names import PARTICULARS, Quantity
 from narrows.ship.actuator import Actuator, Part
-from narrows.ship.checks import check_particulars, flat
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class Propeller(Part):
     position : float [1]
         Forward of midship over L, x_P'.
     wake_rate : float [1]
-        How soon the wake thins as she turns, C_1.
+        How soon the wake thins as the ship turns, C_1.
     wake_starboard, wake_port : float [1]
         Inflow turning over inflow straight, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
 
@@ -47,7 +46,7 @@ class Propeller(Part):
         "thrust_1": Quantity("1", "slope of K_T by the advance k_1"),
         "thrust_2": Quantity("1", "curvature of K_T by the advance k_2"),
         "position": Quantity("1", "propeller forward of midship over L, x_P'"),
-        "wake_rate": Quantity("1", "how soon the wake thins as she turns C_1"),
+        "wake_rate": Quantity("1", "how soon the wake thins as the ship turns C_1"),
         "wake_starboard": Quantity("1", "inflow turning to starboard over inflow straight C_2"),
         "wake_port": Quantity("1", "inflow turning to port over inflow straight C_2"),
     }
@@ -62,9 +61,6 @@ class Propeller(Part):
     wake_rate: float = 0.0
     wake_starboard: float = 1.0
     wake_port: float = 1.0
-
-    def __post_init__(self) -> None:
-        check_particulars(flat(self, (own.name for own in fields(self)), "propeller_"))
 
 
 @dataclass(frozen=True)
@@ -116,9 +112,6 @@ class Rudder(Part):
     straightening_starboard: float
     straightening_port: float
 
-    def __post_init__(self) -> None:
-        check_particulars(flat(self, (own.name for own in fields(self)), "rudder_"))
-
 
 @dataclass(frozen=True)
 class SteeringGear(Part):
@@ -152,8 +145,16 @@ class SteeringGear(Part):
     limit_deg: float = 35.0
     rate_deg: float = 65 / 28
 
-    def __post_init__(self) -> None:
-        check_particulars(flat(self, ("limit_deg", "rate_deg")))
+    @classmethod
+    def known_as(cls, number: str) -> str:
+        """Return the key itself: terms ask for neither (ours).
+
+        Parameters
+        ----------
+        number : str
+            Its key in the section.
+        """
+        return number
 
     @property
     def limit(self) -> float:
@@ -187,4 +188,7 @@ def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
     actuators : iterable of Actuator
         Beside those of the package.
     """
-    return {**PARTICULARS, **{name: said for own in (*STANDARD, *actuators) for name, said in own.particulars.items()}}
+    return {
+        **PARTICULARS,
+        **{name: quantity for actuator in (*STANDARD, *actuators) for name, quantity in actuator.particulars.items()},
+    }

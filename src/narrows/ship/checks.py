@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,12 +11,9 @@ from narrows.errors import InputError, shown
 from narrows.quantities.names import Number
 
 SMALLEST, LARGEST = 1e-12, 1e20
-"""Between these every size of a ship, her water and her parts is, and every product of them is a number."""
-SECTIONS = {
-    "canal": ("width", "depth"), "water": ("density",), "steering": ("limit_deg", "rate_deg"),
-    "propeller": ("revolutions",),
-}  # fmt: skip
-"""Where a file gives what is not the ship's own and does not begin with its section's name."""
+"""Between these every size of a ship, its water and its parts is, and every product of them is a number."""
+SECTIONS = {"width": "canal", "depth": "canal", "density": "water"}
+"""Where a file gives what is not the ship's own."""
 POSITIVE = (
     "length", "beam", "draft", "block_coefficient", "mass", "inertia", "flow_straightening", "width", "depth",
     "density", "limit_deg", "rate_deg", "propeller_diameter", "rudder_area", "rudder_lift",
@@ -82,20 +79,20 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
     values : mapping of str to number or DataArray
         By name; None where one is not given.
     places : mapping of str to str
-        Where a name was given, if it was not in its own section.
+        Where a name was given, if not in the section of ship, canal or water.
 
     Raises
     ------
     InputError
         Names the first that is wrong: its section and key, its value, and in a column where it stands.
     """
-    given = {name: value for name, value in values.items() if value is not None}
-    places = {name: place_of(name) for name in given} | dict(places or {})
-    for name, value in given.items():
+    known = {name: value for name, value in values.items() if value is not None}
+    places = {name: place_of(name) for name in known} | dict(places or {})
+    for name, value in known.items():
         check_number(places[name], value)
     for rule in RULES:
-        if all(name in given for name in rule.asks):
-            check_rule(rule, given, places)
+        if all(name in known for name in rule.asks):
+            check_rule(rule, known, places)
 
 
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
@@ -120,27 +117,22 @@ def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, st
 
 
 def place_of(name: str) -> str:
-    """Return the section and key that give a particular in a file (ours).
+    """Return the section and key that give a particular of ship, canal or water in a file (ours).
 
     Parameters
     ----------
     name : str
         Of the vocabulary.
     """
-    for section, names in SECTIONS.items():
-        if name in names:
-            return f"[{section}] {name}"
-        if name.startswith(f"{section}_"):
-            return f"[{section}] {name.removeprefix(f'{section}_')}"
-    return f"[rudder] {name.removeprefix('rudder_')}" if name.startswith("rudder_") else f"[ship] {name}"
+    return f"[{SECTIONS.get(name, 'ship')}] {name}"
 
 
-def check_number(place: str, value: object) -> None:
+def check_number(location: str, value: object) -> None:
     """Raise where a value is no finite number, or a column of values holds one that is not (ours).
 
     Parameters
     ----------
-    place : str
+    location : str
         Its section and key.
     value : object
         As given.
@@ -152,13 +144,13 @@ def check_number(place: str, value: object) -> None:
     """
     if hasattr(value, "dims"):
         asked = {"": value}
-        _check(np.isfinite(value), "{} is not a finite number; give it in SI units", asked, {"": place})  # type: ignore[call-overload]
-        _check(abs(value) < LARGEST, "{} is beyond all measure; check its unit", asked, {"": place})  # type: ignore[arg-type]
+        _check(np.isfinite(value), "{} is not a finite number; give it in SI units", asked, {"": location})  # type: ignore[call-overload]
+        _check(abs(value) < LARGEST, "{} is beyond all measure; check its unit", asked, {"": location})  # type: ignore[arg-type]
         return
     if not is_finite(value):
-        raise InputError(f"{place} = {shown(value)} is not a finite number; give it in SI units")
+        raise InputError(f"{location} = {shown(value)} is not a finite number; give it in SI units")
     if not abs(value) < LARGEST:  # type: ignore[arg-type]
-        raise InputError(f"{place} = {shown(value)} is beyond all measure; check its unit")
+        raise InputError(f"{location} = {shown(value)} is beyond all measure; check its unit")
 
 
 def is_finite(value: object) -> bool:
@@ -179,43 +171,44 @@ def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping
     if np.all(right):
         return
     at = _first(~right) if hasattr(right, "dims") else {}
-    said = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}
-    labels = (f"{name} = {right[name].to_numpy()[place]}" for name, place in at.items() if name not in values)
+    words = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}
+    labels = (f"{name} = {right[name].to_numpy()[index]}" for name, index in at.items() if name not in values)
     where = ", ".join(labels)
-    raise InputError(sentence.format(*said.values(), **said) + (f" (the first is at {where})" if where else ""))
+    raise InputError(sentence.format(*words.values(), **words) + (f" (the first is at {where})" if where else ""))
 
 
 def _first(wrong: Any) -> dict[str, int]:
     """The place of the first hit, by dimension."""
     places = np.unravel_index(int(np.argmax(wrong.to_numpy())), wrong.shape)
-    return {str(name): int(place) for name, place in zip(wrong.dims, places, strict=True)}
+    return {str(name): int(index) for name, index in zip(wrong.dims, places, strict=True)}
 
 
 def _picked(value: Any, at: Mapping[str, int]) -> Any:
     if not hasattr(value, "dims"):
         return value
-    return float(value.isel({name: place for name, place in at.items() if name in value.dims}))
+    return float(value.isel({name: index for name, index in at.items() if name in value.dims}))
 
 
-def flat(part: object, names: Iterable[str], prefix: str = "") -> dict[str, Any]:
-    """Return the numbers of a part, no columns, by the names of the vocabulary (ours).
+def check_fields(part: object, names: Mapping[str, str], section: str) -> None:
+    """Raise where the numbers of a section of a ship file are columns, not finite or break a rule (ours).
 
     Parameters
     ----------
     part : object
-        Of a configuration.
-    names : iterable of str
-        Of its numbers.
-    prefix : str
-        That the vocabulary puts before them.
+        What was made of the section.
+    names : mapping of str to str
+        What the rules call each of its keys.
+    section : str
+        What it is called.
 
     Raises
     ------
     InputError
-        Where one is a column.
+        Names the first that is wrong.
     """
-    found = {name if name == "revolutions" else f"{prefix}{name}": getattr(part, name) for name in names}
-    for name, value in found.items():
+    values = {name: getattr(part, key) for key, name in names.items()}
+    places = {name: f"[{section}] {key}" for key, name in names.items()}
+    for name, value in values.items():
         if hasattr(value, "dims"):
-            raise InputError(f"{place_of(name)} is a column, and not a finite number; vary it in an ensemble")
-    return found
+            raise InputError(f"{places[name]} is a column, and not a finite number; vary it in an ensemble")
+    check_particulars(values, places)

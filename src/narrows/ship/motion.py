@@ -2,6 +2,9 @@
 
 import math
 from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
 
 from narrows.quantities.names import Number
 
@@ -43,17 +46,18 @@ class Motion:
     heave: Number = 0.0
 
     @classmethod
-    def at(cls, psi: float = 0.0, **rest: Number) -> "Motion":
+    def at(cls, psi: Number = 0.0, **rest: Number) -> "Motion":
         """Make a Motion of a heading instead of its cosine and sine.
 
         Parameters
         ----------
-        psi : float [rad]
-            Heading.
+        psi : number [rad]
+            Heading, a float or a column.
         **rest : number
             The other fields, by name.
         """
-        return cls(cos_psi=math.cos(psi), sin_psi=math.sin(psi), **rest)
+        of: Any = math if isinstance(psi, float | int) else np
+        return cls(cos_psi=of.cos(psi), sin_psi=of.sin(psi), **rest)
 
     def values(self) -> dict[str, Number]:
         """Every field by its name, as the arguments that terms ask for."""

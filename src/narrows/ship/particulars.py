@@ -4,14 +4,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from narrows.errors import InputError, shown
+from narrows.errors import Described, InputError, shown
 from narrows.ship.actuator import Part, free
 from narrows.ship.actuators import STANDARD, Propeller, Rudder, SteeringGear
-from narrows.ship.checks import check_particulars, flat
+from narrows.ship.checks import check_fields, check_particulars
 
 
-@dataclass(frozen=True)
-class Ship:
+@dataclass(frozen=True, repr=False)
+class Ship(Described):
     """A hull's main particulars.
 
     Parameters
@@ -52,9 +52,22 @@ class Ship:
     name: str = "ship"
 
     def __post_init__(self) -> None:
-        check_particulars(flat(self, (own.name for own in fields(self) if own.name != "name")))
+        check_fields(self, {entry.name: entry.name for entry in fields(self) if entry.name != "name"}, "ship")
         if not isinstance(self.name, str):
             raise InputError(f"[ship] name = {shown(self.name)} must be a word; put it in quotes")
+
+    def summary(self) -> str:
+        """Say name, size and fullness."""
+        return f"{self.in_words}, block coefficient {self.block_coefficient:.4g}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give what is known by name, as in a ship file."""
+        return _known(self)
+
+    @property
+    def in_words(self) -> str:
+        """Name and size, as titles and answers give them."""
+        return f"{self.name}, {self.length:.4g} x {self.beam:.4g} x {self.draft:.4g} m"
 
 
 @dataclass(frozen=True)
@@ -78,7 +91,13 @@ class Canal:
     depth: float | None = None
 
     def __post_init__(self) -> None:
-        check_particulars(flat(self, ("width", "depth")))
+        check_fields(self, {"width": "width", "depth": "depth"}, "canal")
+
+    @property
+    def in_words(self) -> str:
+        """Width and depth, as titles and answers give them."""
+        deep = "of unknown depth" if self.depth is None else f"{self.depth:.4g} m deep"
+        return f"a canal {self.width:.4g} m wide, {deep}"
 
 
 @dataclass(frozen=True)
@@ -99,12 +118,12 @@ class Water:
     density: float = 1000.0
 
     def __post_init__(self) -> None:
-        check_particulars(flat(self, ("density",)))
+        check_fields(self, {"density": "density"}, "water")
 
 
-@dataclass(frozen=True)
-class Configuration:
-    """A ship in her canal and water: everything about a test but the motion.
+@dataclass(frozen=True, repr=False)
+class Configuration(Described):
+    """A ship in its canal and water: everything about a test but the motion.
 
     Parameters
     ----------
@@ -150,6 +169,17 @@ class Configuration:
         for label, depth in self.depths.items():
             check_particulars({"draft": draft, "depth": depth}, {"depth": f"[depths] {label}"})
 
+    def summary(self) -> str:
+        """Say ship, canal, and what drives and steers it."""
+        driven = f"; with {', '.join(self.parts)}" if self.parts else ""
+        return f"{self.ship.in_words}, in {self.canal.in_words}{driven}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give what is known by section and name, as in a ship file."""
+        depths = {"depths": dict(self.depths)} if self.depths else {}
+        sections = {"ship": self.ship, "canal": self.canal, "water": self.water, **self.parts}
+        return {name: _known(part) for name, part in sections.items()} | depths
+
     @property
     def gear(self) -> SteeringGear:
         """What turns the rudder: as given, or as slow as the rules allow."""
@@ -162,8 +192,8 @@ class Configuration:
 
     @property
     def _given(self) -> tuple[Part, ...]:
-        own = (self.steering, self.propeller, self.rudder, *self.others)
-        return tuple(part for part in own if part is not None)
+        parts = (self.steering, self.propeller, self.rudder, *self.others)
+        return tuple(part for part in parts if part is not None)
 
     def with_parts(self, parts: Iterable[Part]) -> "Configuration":
         """Return the configuration with some sections of actuators changed.
@@ -174,7 +204,9 @@ class Configuration:
             The new sections; those of other names stay.
         """
         new = {**self.parts, **{part.SECTION: part for part in parts}}
-        fixed: dict[str, Any] = {own.SECTION: new.pop(own.SECTION, None) for own in (SteeringGear, Propeller, Rudder)}
+        fixed: dict[str, Any] = {
+            part_type.SECTION: new.pop(part_type.SECTION, None) for part_type in (SteeringGear, Propeller, Rudder)
+        }
         return replace(self, **fixed, others=tuple(new.values()))
 
     def values(self) -> dict[str, float]:
@@ -186,7 +218,11 @@ class Configuration:
         plain = (self.ship, self.canal, self.water)
         named = {name: value for part in plain for name, value in asdict(part).items()}
         actuated = (self.gear, *self._given)
-        named |= free(own.name for own in STANDARD) | free(part.POSITION for part in actuated)
+        named |= free(actuator.name for actuator in STANDARD) | free(part.POSITION for part in actuated)
         for part in actuated:
             named |= part.values()
         return {name: value for name, value in named.items() if value is not None}
+
+
+def _known(part: Any) -> dict[str, Any]:
+    return {name: value for name, value in asdict(part).items() if value is not None}

@@ -49,7 +49,7 @@ def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part
     actuators : iterable of Actuator
         Beside those of the package.
     """
-    return {part.SECTION: part for own in (*STANDARD, *actuators) for part in own.parts}
+    return {part.SECTION: part for actuator in (*STANDARD, *actuators) for part in actuator.parts}
 
 
 def load_toml(path: str | Path) -> dict[str, Any]:
@@ -69,14 +69,14 @@ def load_toml(path: str | Path) -> dict[str, Any]:
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
-def configuration_from(tables: Mapping[str, Any], place: str, actuators: Iterable[Actuator] = ()) -> Configuration:
+def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable[Actuator] = ()) -> Configuration:
     """Make a Configuration of the [ship], [canal], [water], [depths] and actuators' tables of a file (ours).
 
     Parameters
     ----------
     tables : mapping
         The parsed file.
-    place : str
+    file : str
         The file's name, for messages.
     actuators : iterable of Actuator
         Of one's own, whose sections the file may have.
@@ -90,17 +90,17 @@ def configuration_from(tables: Mapping[str, Any], place: str, actuators: Iterabl
     known = {*NEEDED, *sections, "depths"}
     for name, table in tables.items():
         if name not in known:
-            raise InputError(f"{place}: unknown section [{name}]{did_you_mean(name, known)}")
-        check_table(name, table, place)
+            raise InputError(f"{file}: unknown section [{name}]{did_you_mean(name, known)}")
+        check_table(name, table, file)
     try:
         main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
         parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
         return Configuration(**main, depths=dict(tables.get("depths", {}))).with_parts(parts)
     except InputError as error:
-        raise InputError(f"{place}: {error}") from None
+        raise InputError(f"{file}: {error}") from None
 
 
-def check_table(name: str, table: object, place: str) -> None:
+def check_table(name: str, table: object, file: str) -> None:
     """Raise where what should be a section of a file is a bare value (ours).
 
     Parameters
@@ -109,7 +109,7 @@ def check_table(name: str, table: object, place: str) -> None:
         Of the section.
     table : object
         What stands there.
-    place : str
+    file : str
         The file.
 
     Raises
@@ -118,7 +118,7 @@ def check_table(name: str, table: object, place: str) -> None:
         Names the section.
     """
     if not isinstance(table, Mapping):
-        raise InputError(f"{place}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
+        raise InputError(f"{file}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
 
 
 def _renamed(name: str, values: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -138,6 +138,6 @@ def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
     try:
         return cls(**values)
     except TypeError:
-        required = [key for key, own in known.items() if own.default is MISSING]
+        required = [key for key, entry in known.items() if entry.default is MISSING]
         missing = [key for key in required if key not in values]
         raise InputError(f"[{name}] lacks {', '.join(missing)}; add it, in SI units") from None

@@ -130,8 +130,8 @@ def _tabulated(
         near = least_walls(table, np.array(outline))
         columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
         cells = np.empty((len(table.s) - 1, ROW))
-        for place, name in enumerate(COLUMNS):
-            cells[:, 2 * place], cells[:, 2 * place + 1] = columns[name][:-1], np.diff(columns[name])
+        for index, name in enumerate(COLUMNS):
+            cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
         # The parts of the waterway are kept with the table, so that no other can take their place in memory.
         known[key] = (table, cells)
         known[key, "parts"] = (waterway.starboard, waterway.port, waterway.depths)  # type: ignore[assignment]
@@ -148,11 +148,11 @@ def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[st
     contact : str or points [m]
         What of the hull meets a bank.
     """
-    found = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
+    inputs = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
     if isinstance(contact, str):
-        return found
+        return inputs
     points = {f"outline_forward_{i}": forward for i, (forward, _) in enumerate(contact)}
-    return found | points | {f"outline_starboard_{i}": starboard for i, (_, starboard) in enumerate(contact)}
+    return inputs | points | {f"outline_starboard_{i}": starboard for i, (_, starboard) in enumerate(contact)}
 
 
 def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import Described, InputError, shortened
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
 
@@ -84,7 +84,17 @@ class Controller(Protocol):
         """Return what gives the orders of one voyage, with a memory of its own."""
 
 
-class _WithoutMemory:
+class _Law(Described):
+    def summary(self) -> str:
+        """Say its numbers."""
+        return ", ".join(f"{name} = {_short(value)}" for name, value in vars(self).items())
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else shortened(" ".join(str(value).split()), 40)
+
+
+class _WithoutMemory(_Law):
     def memory(self, start: Named) -> Named:
         """Return nothing: this law looks at the present alone.
 
@@ -96,7 +106,7 @@ class _WithoutMemory:
         return {}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ConstantRudder(_WithoutMemory):
     """One rudder angle, ordered at the start: a turning circle.
 
@@ -132,7 +142,7 @@ class ConstantRudder(_WithoutMemory):
         return {"rudder": at.angle}, {}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RudderSchedule(_WithoutMemory):
     """Rudder angles by time: each is ordered from its time until the next; amidships before the first.
 
@@ -177,8 +187,8 @@ class RudderSchedule(_WithoutMemory):
         return {"rudder": order}, {}
 
 
-@dataclass(frozen=True)
-class Zigzag:
+@dataclass(frozen=True, repr=False)
+class Zigzag(_Law):
     """The zigzag test: the rudder is put over each time the heading has come as far to the other side.
 
     Parameters
@@ -236,7 +246,7 @@ class Zigzag:
         return {"rudder": side * at.angle}, {"side": side, "cos_start": at.cos_start, "sin_start": at.sin_start}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Autopilot(_WithoutMemory):
     """A track pilot: rudder in proportion to what is off, from the rudder that holds the ship.
 
@@ -287,6 +297,23 @@ class Autopilot(_WithoutMemory):
         """
         off = at.by_y * (at.y - at.held_y) + at.by_psi * (at.psi - at.held_psi)
         return {"rudder": at.held_rudder - (off + at.by_v * (at.v - at.held_v) + at.by_r * at.r)}, {}
+
+
+@dataclass(frozen=True)
+class Ordering:
+    """A controller that is a function of time [s] and ``VoyageState``, without a memory (ours).
+
+    Parameters
+    ----------
+    order : callable
+        Gives the rudder angle [rad].
+    """
+
+    order: Order
+
+    def begin(self) -> Order:
+        """Return the function."""
+        return self.order
 
 
 class Asked(_WithoutMemory):

@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from narrows.errors import InputError
-from narrows.files import path_of
+from narrows.codegen.free_motion import Surge
+from narrows.errors import InputError, path_of
 from narrows.model.model import Model
+from narrows.progress import bar
 from narrows.simulation.ensemble_notes import notes_of
+from narrows.simulation.felt import check_felt
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.inputs import (
     MOST_STEPS,
+    Contact,
+    Precision,
     check_precision,
     check_steps,
     check_vessels,
@@ -23,7 +27,6 @@ from narrows.simulation.inputs import (
 )
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.output_columns import attributes_of, empty_of
-from narrows.simulation.progress import bar
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
 
@@ -38,8 +41,8 @@ OF_THE_TABLE = ("length", "beam", "draft")
 
 def ensemble(
     model: Model, *, duration: float = 60.0, dt: float = 0.02, samples: int = 0, seed: int = 0,
-    surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: str | Points = "corners", precision: str = "float64", waterway: "Waterway | None" = None,
+    surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
+    contact: Contact | Points = "corners", precision: Precision = "float64", waterway: "Waterway | None" = None,
     controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
     client: Any = None, **vary: Any,
 ) -> xr.Dataset:  # fmt: skip
@@ -102,18 +105,21 @@ def ensemble(
     check_precision(precision)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     steering = steering_of(controller, ship.actuators)
-    grid = with_values(grid_of(model, vary, samples, seed), steering.parameters if steering else {})
+    plain = grid_of(model, vary, samples, seed)
+    check_felt(ship, vary)
+    grid = with_values(plain, steering.parameters if steering else {})
     check_vessels(grid.vessels, stored=store is not None)
     run = KernelRun(ship, duration, dt, precision, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:
         from narrows.simulation.store import run_into
 
-        return run_into(path_of("store", store), run, grid, client, progress)
-    if client is not None:  # One that is none is refused here too.
+        voyages = run_into(path_of("store", store), run, grid, client, progress)
+    elif client is not None:  # One that is none is refused here too.
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
-    found = _labelled(grid, *_run_here(run, grid, workers, progress))
-    return found.assign_attrs(notes="\n".join(notes_of(run, grid, found)))
+    else:
+        voyages = _labelled(grid, *_run_here(run, grid, workers, progress))
+    return voyages.assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
 
 
 def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:

@@ -35,22 +35,20 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
     """
     model = run.ship.model
     varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
-    bank = () if run.ship.shape == OPEN or varied or not model.bank_note else (model.bank_note,)
-    return (*bank, *_coarse(run, grid, voyages), *_diverged(voyages), *_beyond(model.data_range, grid, voyages))
+    bank = () if run.ship.shape == OPEN or (varied and not model.feels_bank) else model.bank_notes
+    coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # Who interrupts wants no more sailed.
+    return (*bank, *coarse, *_diverged(voyages), *_beyond(model.data_range, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     """A sample retaken at half the step, and the share of it that changed."""
-    flat = {name: voyages[name].to_numpy().ravel() for name in ("outcome", "side", "distance", "y_end")}
-    places = np.unique(np.linspace(0, len(flat["outcome"]) - 1, TAKEN_AGAIN).round().astype(int))
-    places = places[flat["outcome"][places] >= 0]
-    if not places.size:
-        return ()
-    values = _at(grid, places)
+    places = np.unique(np.linspace(0, grid.vessels - 1, TAKEN_AGAIN).round().astype(int))
+    first = {name: _picked(voyages[name], grid, places) for name in ("outcome", "side", "distance", "y_end")}
+    values = {name: _picked(value, grid, places) for name, value in grid.values.items()}
     again = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1)
     far = COARSE * run.ship.model.configuration.ship.beam
-    same_end = (again["outcome"] == flat["outcome"][places]) & (again["side"] == flat["side"][places])
-    moved = np.hypot(again["distance"] - flat["distance"][places], again["y_end"] - flat["y_end"][places])
+    same_end = (again["outcome"] == first["outcome"]) & (again["side"] == first["side"])
+    moved = np.hypot(again["distance"] - first["distance"], again["y_end"] - first["y_end"])
     changed = ~same_end | (moved > far)
     if not changed.any():
         return ()
@@ -60,15 +58,13 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     )
 
 
-def _at(grid: Grid, places: np.ndarray) -> dict[str, Any]:
-    """Every value at some vessels."""
-    shape = tuple(grid.sizes.values())
-    index = dict(zip(grid.sizes, np.unravel_index(places, shape), strict=True))
-    found: dict[str, Any] = {}
-    for name, value in grid.values.items():
-        cut = value.isel({d: xr.DataArray(index[str(d)], dims="vessel") for d in value.dims})
-        found[name] = np.broadcast_to(cut.to_numpy(), len(places)) if value.dims else float(value)
-    return found
+def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
+    """A value at some vessels; one number where it does not vary."""
+    if not value.dims:
+        return float(value)
+    index = dict(zip(grid.sizes, np.unravel_index(places, tuple(grid.sizes.values())), strict=True))
+    cut = value.isel({name: xr.DataArray(index[str(name)], dims="vessel") for name in value.dims})
+    return np.broadcast_to(cut.to_numpy(), len(places))
 
 
 def _diverged(voyages: xr.Dataset) -> tuple[str, ...]:
@@ -86,22 +82,17 @@ def _beyond(known: DataRange, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...
         "abs_y": (abs(values["y"]), abs(voyages["y_end"]), "m", "an offset from the centreline"),
         "abs_r": (abs(values["r"]), abs(voyages["r_end"]), "rad/s", "a yaw rate"),
     }
-    found = []
+    notes = []
     for name, (first, last, unit, word) in asked.items():
         covered = getattr(known, name)
         if covered is None:
             continue
-        slack = 1e-6 * max(map(abs, covered))
-        out = _outside(first, covered, slack) | _outside(last, covered, slack)
+        out = known.outside(name, first) | known.outside(name, last)
         share = float(out.broadcast_like(voyages["outcome"]).mean())
         if share and math.isfinite(share):
             low, high = covered
-            found.append(
+            notes.append(
                 f"{share:.1%} of these voyages begin or end with {word} outside the data ({low:.3g} to "
                 f"{high:.3g} {unit})."
             )
-    return tuple(found)
-
-
-def _outside(values: xr.DataArray, covered: tuple[float, float], slack: float) -> xr.DataArray:
-    return (values < covered[0] - slack) | (values > covered[1] + slack)
+    return tuple(notes)

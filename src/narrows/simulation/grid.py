@@ -11,15 +11,9 @@ import xarray as xr
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.ship.actuators import STANDARD, particulars_with
+from narrows.simulation.inputs import INPUTS, START, STEADY
 from narrows.simulation.samples import check_samples, sampled
-from narrows.simulation.variation import check_columns, labelled, sizes_of, tied
-
-START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
-"""State at the start, and what it is unless said otherwise."""
-INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
-"""Constant surge force, sway force and yaw moment."""
-STEADY = {"heave": 0.0, "rudder": 0.0}
-"""Sinkage and rudder angle, held through a voyage."""
+from narrows.simulation.variation import check_columns, file_places, labelled, sizes_of, tied
 
 
 @dataclass(frozen=True)
@@ -110,14 +104,14 @@ class Grid:
         return np.ascontiguousarray(np.broadcast_to(wide.reshape(spread), shape)).ravel()
 
 
-def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> Grid:
+def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> Grid:
     """Lay out an ensemble.
 
     Parameters
     ----------
     model : Model
         Gives what is not given.
-    given : mapping of str to number, sequence or DataArray
+    vary : mapping of str to number, sequence or DataArray
         A sequence is a dimension of its own name; DataArrays that share a dimension vary together.
     samples : int
         Of the coefficients from the model's covariance; 0 for none.
@@ -130,15 +124,16 @@ def grid_of(model: Model, given: Mapping[str, Any], samples: int, seed: int) -> 
         Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
     """
     movers, machinery = model.terms.actuators, particulars_with(model.terms.actuators)
-    names = {*machinery, *(own.name for own in (*STANDARD, *movers))}
+    names = {*machinery, *(actuator.name for actuator in (*STANDARD, *movers))}
     particulars = {name: value for name, value in model.configuration.values().items() if name in names}
     known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
-    words = {*known, *machinery, *(own.name for own in movers)}
-    for name in given:
+    words = {*known, *machinery, *(actuator.name for actuator in movers)}
+    for name in vary:
         if name not in words:
             raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
     check_samples(samples, seed)
-    columns = tied(model.terms, {name: labelled(name, value) for name, value in given.items()})
+    places = file_places(movers)
+    columns = tied(model.terms, {name: labelled(name, value, places) for name, value in vary.items()})
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
     values |= sampled(model, samples, seed) if samples else {}
     return _grid(model, {**values, **columns}, columns)
@@ -163,7 +158,7 @@ def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
     return Grid(values, sizes_of(values) or grid.sizes)
 
 
-def _grid(model: Model, values: Mapping[str, xr.DataArray], given: Mapping[str, xr.DataArray]) -> Grid:
+def _grid(model: Model, values: Mapping[str, xr.DataArray], varied: Mapping[str, xr.DataArray]) -> Grid:
     sizes = sizes_of(values)
-    check_columns(model, values, given)
+    check_columns(model, values, varied)
     return Grid(values, sizes or {"vessel": 1})

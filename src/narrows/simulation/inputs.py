@@ -2,13 +2,24 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
+from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.ship.checks import LARGEST
 
+START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
+"""State at the start, and what it is unless said otherwise."""
+INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
+"""Constant surge force, sway force and yaw moment."""
+STEADY = {"heave": 0.0, "rudder": 0.0}
+"""Sinkage and rudder angle, held through a voyage."""
+Contact = Literal["corners", "midship", "none"]
+"""What of the hull meets a bank, where it is no outline."""
+Precision = Literal["float64", "float32"]
+"""Of a lane."""
 Schedule = float | Sequence[Sequence[float]]
 """A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first."""
 MOST_ROWS = 5_000_000
@@ -67,8 +78,8 @@ def stretches(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Stretc
 
 def _value(table: tuple[np.ndarray, np.ndarray], t: float) -> float:
     times, values = table
-    place = int(np.searchsorted(times, t, side="right")) - 1
-    return float(values[place]) if place >= 0 else 0.0
+    index = int(np.searchsorted(times, t, side="right")) - 1
+    return float(values[index]) if index >= 0 else 0.0
 
 
 def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
@@ -201,7 +212,7 @@ def check_precision(precision: object) -> None:
     InputError
         Where it is neither of the two.
     """
-    check_choice("precision", precision, ("float64", "float32"))
+    check_choice("precision", precision, get_args(Precision))
 
 
 def check_options(surge: object, surge_inertia: object, coriolis: object, contact: object) -> None:
@@ -215,15 +226,19 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
     Raises
     ------
     InputError
-        Where one is unknown, or an outline is no points in metres.
+        Where one is unknown or plays no part, or an outline is no points in metres.
     """
-    check_choice("surge", surge, ("held", "free"))
+    check_choice("surge", surge, get_args(Surge))
     if surge_inertia is not None:
         finite_numbers(surge_inertia=surge_inertia)
+        if surge == "held":
+            raise InputError(
+                "surge_inertia changes nothing here: the speed is held; give surge='free', or leave it out"
+            )
     if not isinstance(coriolis, bool | np.bool_):
         raise InputError(f"coriolis = {shown(coriolis)}: give True or False")
     if isinstance(contact, str):
-        check_choice("contact", contact, ("corners", "midship", "none"))
+        check_choice("contact", contact, get_args(Contact))
     else:
         _check_outline(contact)
 

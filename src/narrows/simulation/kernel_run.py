@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.choices import Pushed
+from narrows.codegen.choices import COUNTED, Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
-from narrows.simulation.grid import INPUTS as PUSHED
-from narrows.simulation.grid import START
+from narrows.simulation.heading import counted_heading
+from narrows.simulation.inputs import INPUTS as PUSHED
+from narrows.simulation.inputs import START
 from narrows.simulation.march import CONTACT_TOLERANCE, NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
@@ -105,7 +106,7 @@ class KernelRun:
         """
         names = prepared.kernel.KEPT_NAMES
         ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
-        ends["psi"] = np.arctan2(ends["sin_psi"], ends["cos_psi"])
+        ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
         distance = ends["x"] - (0.0 if self.precision == "float32" else np.asarray(values["x"], float))
         codes = prepared.codes.astype(np.int8)
         kept = {"outcome": codes[:, 0], "side": codes[:, 1], "time": prepared.time.copy(), "distance": distance}
@@ -125,8 +126,8 @@ class KernelRun:
         """
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
-        times = step_counts(*(np.broadcast_to(np.asarray(own, float), vessels) for own in (self.dt, self.duration)))
-        kernel = system.kernel(_own_names(system, inputs, self.steering), self.precision)
+        times = step_counts(*(np.broadcast_to(np.asarray(time, float), vessels) for time in (self.dt, self.duration)))
+        kernel = system.kernel(_vessel_inputs(system, inputs, self.steering), self.precision)
         width = np.asarray(inputs.get("width", 1.0))
         tolerance = max(CONTACT_TOLERANCE, 4 * float(np.finfo(self.precision).eps) * float(width.max()))
         limits = np.array([tolerance, NEAR_THE_BANK * float(width.min())])
@@ -144,7 +145,9 @@ class KernelRun:
 
     def _inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
         rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
-        positions = {own.name: values[own.name] for own in self.ship.actuators if own.name in values}
+        positions = {
+            actuator.name: values[actuator.name] for actuator in self.ship.actuators if actuator.name in values
+        }
         ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in PUSHED}}
         if self.waterway is None:
             channel = straight_channel(ship, self.ship.shape)
@@ -157,11 +160,11 @@ class KernelRun:
     def _start(self, system: System, values: Mapping[str, Any]) -> dict[str, Any]:
         psi = np.asarray(values["psi"], float)
         state = {name: values[name] for name in START if name != "psi"}
-        state |= {"t": 0.0, "cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
+        state |= {"t": 0.0, "cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}
         if self.precision == "float32":
             state["x"] = 0.0  # a place far along the canal has no room for the distance in single precision
         here = {**self.ship.values(), **values}
-        state |= {own.name: here.get(own.name, 0.0) for own in self.ship.actuators}
+        state |= {actuator.name: here.get(actuator.name, 0.0) for actuator in self.ship.actuators}
         return {**state, **(self.steering.memory(state) if self.steering else {})}
 
     @property
@@ -182,7 +185,7 @@ class KernelRun:
         return hashlib.sha256(channel.water.table.tobytes() + channel.water.track.tobytes()).hexdigest()
 
 
-def _own_names(system: System, inputs: Mapping[str, Any], steering: Steering | None) -> tuple[str, ...]:
+def _vessel_inputs(system: System, inputs: Mapping[str, Any], steering: Steering | None) -> tuple[str, ...]:
     """What each vessel has of its own: whole groups, so that few kernels are ever made."""
     groups = [
         tuple(system.scalar.CONSTANTS),
@@ -191,8 +194,8 @@ def _own_names(system: System, inputs: Mapping[str, Any], steering: Steering | N
         tuple(n for n in inputs if n.startswith(("half_", "wall_", "outline_"))),
         tuple(n for n in inputs if n.endswith(("_limit", "_rate"))),
     ]
-    found: list[str] = []
+    names: list[str] = []
     for number, group in enumerate(groups):
         if any(np.size(inputs.get(name, 0.0)) > 1 for name in group):
-            found += ("k",) if number == 0 else group
-    return tuple(sorted(set(found)))
+            names += ("k",) if number == 0 else group
+    return tuple(sorted(set(names)))

@@ -17,8 +17,8 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
     voyages : Dataset
         From ``ensemble``.
     """
-    found = voyages["distance"].where(voyages["outcome"] == Code.GROUNDED)
-    return found.assign_attrs(units="m", long_name="distance to grounding")
+    distance = voyages["distance"].where(voyages["outcome"] == Code.GROUNDED)
+    return distance.assign_attrs(units="m", long_name="distance to grounding")
 
 
 def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sample") -> xr.DataArray:
@@ -65,7 +65,7 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     sides = {"starboard": int((side > 0).sum()), "port": int((side < 0).sum())}
     near = float(np.nanmin(distance)) if count["grounded"] else None
     where = f"{sides['starboard']} to starboard, {sides['port']} to port"
-    said = f"{outcome.size} voyages: {count['grounded']} ground ({where})"
+    sentence = f"{outcome.size} voyages: {count['grounded']} ground ({where})"
     nearest = f", the nearest after {near:.2f} m" if near is not None else ""
     rest = f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal"
     left = count["astern"] + count["passed"]
@@ -76,5 +76,5 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     return {
         "voyages": int(outcome.size), "outcomes": count, "sides": sides, "nearest": near,
         "complete": bool(voyages.attrs["complete"]), "notes": notes,
-        "summary": " ".join([f"{said}{nearest}{rest}.", *notes]),
+        "summary": " ".join([f"{sentence}{nearest}{rest}.", *notes]),
     }  # fmt: skip

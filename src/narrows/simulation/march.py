@@ -62,6 +62,34 @@ class End(NamedTuple):
     lean: float
 
 
+class Try(NamedTuple):
+    """A step that is to be judged.
+
+    Parameters
+    ----------
+    row : Row
+        Where it began.
+    after : tuple of float
+        The state where it ended.
+    room, lean : float [m]
+        There.
+    sane : bool
+        Whether that is a state of a ship.
+    before : float [m]
+        The room where it began.
+    left : float
+        Planned steps after it.
+    """
+
+    row: Row
+    after: State
+    room: float
+    lean: float
+    sane: bool
+    before: float
+    left: float
+
+
 @dataclass
 class March:
     """A ship on its way: the lines of its step, and every number that they ask for.
@@ -92,10 +120,10 @@ class March:
     _asked: float = field(init=False, default=math.nan)
 
     def __post_init__(self) -> None:
-        given = {LENGTH: 0.0, SHARE: 1.0, **self.inputs}
+        inputs = {LENGTH: 0.0, SHARE: 1.0, **self.inputs}
         self._names = self.functions.STEP_INPUTS
-        self._step_inputs = [float(given[name]) for name in self._names]
-        self._room_inputs = [float(given[name]) for name in self.functions.ROOM_INPUTS]
+        self._step_inputs = [float(inputs[name]) for name in self._names]
+        self._room_inputs = [float(inputs[name]) for name in self.functions.ROOM_INPUTS]
         self._length, self._share = self._names.index(LENGTH), self._names.index(SHARE)
         self._order = self._names.index(PARAMETER("order")) if self.order else -1
         self._count = len(self.choices.kept)
@@ -158,7 +186,7 @@ class March:
         return min(room, ends, cosine - inputs["least_cos"]), lean
 
     def sane(self, state: State, room: float) -> bool:
-        """Whether the numbers of a state are those of a ship.
+        """Whether the numbers of a state are those of a ship; drawn to a bank that ends its voyage any speed is.
 
         Parameters
         ----------
@@ -167,6 +195,8 @@ class March:
         room : float [m]
             What is left there.
         """
+        if self.choices.leaves and room <= self.near:
+            return True
         u, v, r = state[4:7]
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
         return abs(u) < fast and abs(v) < fast and abs(r) < turning and room == room
@@ -184,42 +214,47 @@ class March:
             Length of a step.
         """
         begun, state, *_ = rows.pop()
-        count = math.floor((stop - begun) / dt + 1e-9)
-        rest = stop - begun - count * dt
-        book = [0.0] * event.PLACES
-        event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
-        left, whole, within = book[event.COUNT], 0, False
+        book, within = planned(stop - begun, dt), False
         while book[event.COUNT] > 0:
-            length = book[event.NEXT]
-            t = begun + book[event.CLOCK] + whole * length
-            self._ask(t, state)
-            after, ahead, lean = self.stepped(state, length)
-            left -= 1.0
-            sane, trying = self.sane(after, ahead), book[event.TRIES] > 0
-            if self._exact and sane and (ahead <= 0 or trying):
-                ahead, lean = self._from_banks(after)
-            passed = Row(t, state, length, self._step_inputs[self._order], not within)
-            if sane and ahead > 0 and left > 0 and not trying:
-                rows.append(passed)
-                state, whole = after, whole + 1
-                continue
-            before = self.room(state)[0] if trying or not (sane and ahead > 0) else math.nan
-            fate = event.judge(book, left, ahead, before, sane, CONTACT_TOLERANCE, self.near)
+            tried = self._tried(rows, Row(begun + book[event.CLOCK], state, whole=not within), book)
+            leaves = self.choices.leaves
+            fate = event.judge(
+                book, tried.left, tried.room, tried.before, tried.sane, CONTACT_TOLERANCE, self.near, leaves
+            )
             if fate == event.LOST:
-                rows.append(Row(t, state))
-                return End(event.CLOSED if before <= self.near else event.LOST, self.room(state)[1])
+                rows.append(Row(tried.row.t, tried.row.state))
+                return End(event.CLOSED if tried.before <= self.near else fate, self.room(tried.row.state)[1])
             if fate != event.BACK:
-                rows.append(passed)
-                state = after
+                rows.append(tried.row)
+            state = tried.row.state if fate == event.BACK else tried.after
             if fate == event.CLOSED:
                 rows.append(Row(begun + book[event.CLOCK], state))
-                return End(fate, lean)
+                return End(fate, tried.lean)
+            within = book[event.TRIES] > 0 and (within or fate == event.ON)
             if fate == event.FINISHED:
                 break
-            left, whole = book[event.COUNT], 0
-            within = within or fate == event.ON if book[event.TRIES] > 0 else False
         rows.append(Row(stop, state))
         return None
+
+    def _tried(self, rows: list[Row], row: Row, book: event.Book) -> "Try":
+        """Sail equal steps for as long as they are clear, and return the one that is to be judged."""
+        trying, length, left = book[event.TRIES] > 0, book[event.NEXT], book[event.COUNT] - 1
+        begun, state, leaves, done = row.t, row.state, self.choices.leaves, 0
+        before = self.room(state, exact=False)[0]
+        while True:
+            t = begun + done * length
+            self._ask(t, state)
+            after, room, lean = self.stepped(state, length)
+            sane = self.sane(after, room)
+            if self._exact and sane and (room <= 0 or trying):
+                room, lean = self._from_banks(after)
+            passed = Row(t, state, length, self._step_inputs[self._order], row.whole)
+            clear = sane and event.cleared(room, before, leaves) > 0
+            if not clear or left <= 0 or trying:
+                before = self._from_banks(state)[0] if self._exact and (trying or not clear) else before
+                return Try(passed, after, room, lean, sane, before, left)
+            rows.append(passed)
+            state, before, left, done = after, room, left - 1, done + 1
 
     def _ask(self, t: float, state: State) -> None:
         """Ask a controller of Python for its order, once at each time."""
@@ -240,17 +275,34 @@ class March:
         times : sequence of float [s]
             Rising.
         """
-        found, place = [], 0
+        interpolated, index = [], 0
         for time in times:
-            while place < len(rows) - 1 and rows[place + 1].t <= time:
-                place += 1
-            row = rows[place]
+            while index < len(rows) - 1 and rows[index + 1].t <= time:
+                index += 1
+            row = rows[index]
             if time <= row.t or not row.ahead:
-                found.append(Row(time, row.state))
+                interpolated.append(Row(time, row.state))
                 continue
             self._step_inputs[self._order] = row.order if self.order else self._step_inputs[self._order]
-            found.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0]))
-        return found
+            interpolated.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0]))
+        return interpolated
+
+
+def planned(duration: float, dt: float) -> event.Book:
+    """Return the book of a voyage of whole steps and a last, shorter one (ours).
+
+    Parameters
+    ----------
+    duration : float [s]
+        Of it.
+    dt : float [s]
+        Length of a step.
+    """
+    count = math.floor(duration / dt + 1e-9)
+    rest = duration - count * dt
+    book = [0.0] * event.PLACES
+    event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
+    return book
 
 
 def near_the_bank(values: Mapping[str, Any]) -> float:

@@ -53,6 +53,6 @@ def accelerations(
 
 
 def _forces(model: Model, motion: Motion, **unit: float) -> list[Any]:
-    own = {**motion.values(), **dict.fromkeys(ACCELERATIONS, 0.0), **unit}
-    found = model.forces(Motion(**own))
-    return [found[force] for force in FORCES]
+    moving = {**motion.values(), **dict.fromkeys(ACCELERATIONS, 0.0), **unit}
+    forces = model.forces(Motion(**moving))
+    return [forces[force] for force in FORCES]

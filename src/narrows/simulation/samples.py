@@ -62,7 +62,8 @@ def _correlated(covariance: np.ndarray, samples: int, seed: int) -> np.ndarray:
     scale = np.where(size > 0, size, 1.0)
     share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     normal = np.random.default_rng(seed).standard_normal((samples, len(size)))
-    return np.asarray((normal * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
+    # By the symmetric root, which no rounding of another processor turns into other axes.
+    return np.asarray(((normal @ axes) * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
 
 
 def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

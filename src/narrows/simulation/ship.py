@@ -6,14 +6,14 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 from narrows.codegen.choices import Actuated, Choices, Law, Pushed
+from narrows.codegen.free_motion import Surge
 from narrows.codegen.shapes import OPEN, Outline, checked_shape
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
-from narrows.ship.actuators import PROPELLER
 from narrows.simulation.channel import check_outline
-from narrows.simulation.inputs import check_options
+from narrows.simulation.inputs import Contact, check_options
 from narrows.terms.term import TermTable
 
 Points = Sequence[Sequence[float]]
@@ -46,16 +46,16 @@ class SimulatedShip:
     """
 
     model: Model
-    surge: str = "held"
+    surge: Surge = "held"
     surge_inertia: float | None = None
     coriolis: bool = False
-    contact: str | Points = "corners"
+    contact: Contact | Points = "corners"
 
     def __post_init__(self) -> None:
         check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
         if self.shape == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
-        if PROPELLER in self.model.terms.actuators and self.model.configuration.propeller is None:
+        if self.model.terms.propelled and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
         if self.surge == "free" and not self.values()["surge_inertia"] + self.model.surge_inertia > 0:
             raise InputError(
@@ -79,7 +79,7 @@ class SimulatedShip:
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:
         """What the terms ask for that can be moved."""
-        return tuple(Actuated(own.name, own.angle) for own in self.model.terms.actuators)
+        return tuple(Actuated(actuator.name, actuator.angle) for actuator in self.model.terms.actuators)
 
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
         """Return the traced system, shared by all ships with the same terms.
@@ -106,11 +106,11 @@ class SimulatedShip:
         """
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
-        rest = {name: at for own in self.model.terms.actuators for name, at in own.at_rest().items()}
+        rest = {name: at for actuator in self.model.terms.actuators for name, at in actuator.at_rest().items()}
         ship = {**rest, **self.model.configuration.values(), **self.model.coefficients}
-        for own in self.model.terms.actuators:
-            if own.name in positions:
-                ship |= {own.name: positions[own.name], **own.placed(positions[own.name])}
+        for actuator in self.model.terms.actuators:
+            if actuator.name in positions:
+                ship |= {actuator.name: positions[actuator.name], **actuator.placed(positions[actuator.name])}
         return {**ship, "heave": 0.0, "surge_inertia": added}
 
     def with_model(self, model: Model) -> "SimulatedShip":

@@ -9,7 +9,9 @@ from narrows.codegen.free_motion import INPUTS as PUSHES
 from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
-from narrows.simulation.grid import INPUTS, START, grid_of
+from narrows.simulation.felt import check_felt
+from narrows.simulation.grid import grid_of
+from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.ship import SimulatedShip
 
 FELT = ("y", "psi", "v", "r")
@@ -39,7 +41,7 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
     Parameters
     ----------
     model : Model
-        The ship in her canal.
+        The ship in its canal.
     bank : bool
         With the bank: of (y, psi, v, r); without: of (v, r) in open water.
     **state : float
@@ -55,7 +57,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     Parameters
     ----------
     model : Model
-        The ship in her canal.
+        The ship in its canal.
     bank : bool
         With the bank, or in open water.
     **vary : number, sequence or DataArray
@@ -65,22 +67,28 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     -------
     xarray.Dataset
         ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest real
-        part.
+        part; ``notes`` says where the model feels no bank.
+
+    Raises
+    ------
+    InputError
+        Where a name is unknown, or changes nothing.
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)
+    check_felt(ship, {name: value for name, value in vary.items() if name not in INPUTS})
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     silent = {} if bank else {term.name: 0.0 for term in model.terms.terms if term.from_bank}
-    given = {**ship.values(), **values, **silent}
-    linear = ship.system().linearisation(given, ship.actuators)
-    at = {name: values[name] for name in START} | {own.name: given.get(own.name, 0.0) for own in ship.actuators}
-    matrix = linear.state(at | {name: values[own] for name, own in zip(PUSHES.values(), INPUTS, strict=True)})
-    place = [LINEARISED.index(name) for name in (FELT if bank else OPEN_WATER)]
-    found = np.linalg.eigvals(matrix[..., np.array(place)[:, None], place])
-    found = np.take_along_axis(found, np.argsort(-found.real, axis=-1, kind="stable"), axis=-1)
-    found = np.broadcast_to(found, (grid.vessels, len(place))).reshape(*shape, len(place))
+    inputs = {**ship.values(), **values, **silent}
+    linear = ship.system().linearisation(inputs, ship.actuators)
+    at = {name: values[name] for name in START} | {mover.name: inputs.get(mover.name, 0.0) for mover in ship.actuators}
+    matrix = linear.state(at | {name: values[force] for name, force in zip(PUSHES.values(), INPUTS, strict=True)})
+    indices = [LINEARISED.index(name) for name in (FELT if bank else OPEN_WATER)]
+    modes = np.linalg.eigvals(matrix[..., np.array(indices)[:, None], indices])
+    modes = np.take_along_axis(modes, np.argsort(-modes.real, axis=-1, kind="stable"), axis=-1)
+    modes = np.broadcast_to(modes, (grid.vessels, len(indices))).reshape(*shape, len(indices))
     data = {
-        "eigenvalue": ((*grid.sizes, "mode"), found, {"units": "1/s"}),
-        "growth": (tuple(grid.sizes), found.real.max(axis=-1), {"units": "1/s", "long_name": "largest growth rate"}),
+        "eigenvalue": ((*grid.sizes, "mode"), modes, {"units": "1/s"}),
+        "growth": (tuple(grid.sizes), modes.real.max(axis=-1), {"units": "1/s", "long_name": "largest growth rate"}),
     }
-    return xr.Dataset(data, coords=grid.coordinates())
+    return xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(model.bank_notes) if bank else ""})

@@ -10,7 +10,7 @@ from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
-from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named
+from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named, Ordering
 
 PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
 """What the lines call a law's numbers and its memory."""
@@ -69,14 +69,17 @@ def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | No
         return _steering(controller, tuple(actuators), None)
     if isinstance(controller, Controller):
         return _steering(Asked(), tuple(actuators), controller)
+    if callable(controller) and not isinstance(controller, type):
+        return _steering(Asked(), tuple(actuators), Ordering(controller))
     raise InputError(
-        f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) nor `begin`"
+        f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) nor `begin`, "
+        "and is no function of time and state"
     )
 
 
 def _steering(controller: ControlLaw, actuators: tuple[Actuated, ...], asked: Controller | None) -> Steering:
     parameters = dict(controller.parameters())
-    start = dict.fromkeys((*STATE, *(own.name for own in actuators)), 0.0)
+    start = dict.fromkeys((*STATE, *(actuator.name for actuator in actuators)), 0.0)
     memory = tuple(controller.memory(start))
     law = _law(controller, tuple(parameters), memory, actuators)
     return Steering(law, {PARAMETER(name): value for name, value in parameters.items()}, controller, asked)
@@ -86,10 +89,10 @@ def _law(
     controller: ControlLaw, parameters: Sequence[str], kept: Sequence[str], actuators: tuple[Actuated, ...]
 ) -> Law:
     what = f"the controller {type(controller).__name__}"
-    given = {name: name for name in (*STATE, TIME, *(own.name for own in actuators))} | {"dt": LENGTH}
-    own = {name: PARAMETER(name) for name in parameters} | {name: MEMORY(name) for name in kept}
-    for name in own:
-        if name in given or name == "psi" or (name in parameters and name in kept):
+    quantities = {name: name for name in (*STATE, TIME, *(actuator.name for actuator in actuators))} | {"dt": LENGTH}
+    ours = {name: PARAMETER(name) for name in parameters} | {name: MEMORY(name) for name in kept}
+    for name in ours:
+        if name in quantities or name == "psi" or (name in parameters and name in kept):
             raise InputError(f"{what} has a number called {name!r}, which means something else already; rename it")
 
     def results(at: Any) -> dict[str, Number]:
@@ -98,13 +101,13 @@ def _law(
         _check_orders(what, orders, memory, kept, actuators)
         return {**orders, **{MEMORY(name): value for name, value in memory.items()}}
 
-    tape = tape_of(results, {**given, **own}, what)
+    tape = tape_of(results, {**quantities, **ours}, what)
     ordered = tuple(one for one in actuators if one.name in tape.results)
     return Law(tape, tuple(MEMORY(name) for name in kept), ordered)
 
 
 def _check_orders(what: str, orders: Named, memory: Named, kept: Sequence[str], actuators: Sequence[Actuated]) -> None:
-    known = [own.name for own in actuators]
+    known = [actuator.name for actuator in actuators]
     for name in orders:
         if name not in known:
             has = f"it has {', '.join(known)}" if known else "it has nothing to steer with"

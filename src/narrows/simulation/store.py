@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError, shown
+from narrows.progress import bar
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.progress import bar
 from narrows.simulation.store_folder import DONE, checksum, discard, is_done, opened, storing
 
 TASK_VESSELS = 100_000

@@ -13,7 +13,7 @@ from uuid import uuid4
 import numpy as np
 import xarray as xr
 
-from narrows.errors import InputError, reason
+from narrows.errors import InputError, needs, reason
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import OUTPUTS
 from narrows.simulation.output_columns import attributes_of, empty_of
@@ -69,10 +69,8 @@ def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
     InputError
         Where the folder holds something else, or Zarr is not installed.
     """
-    try:
+    with needs("cluster", "a store"):
         import zarr
-    except ImportError:
-        raise InputError("a store needs Zarr: pip install 'narrows[cluster]'") from None
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         _make(path, identity, grid, blocks)
     try:
@@ -137,8 +135,8 @@ def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
         Of the block.
     """
     chunk = tuple(number if name == grid.axis else 0 for name in grid.sizes)
-    for name, place in {**dict.fromkeys(OUTPUTS, chunk), DONE: (number,)}.items():
-        file = path / name / group[name].metadata.encode_chunk_key(place)
+    for name, chunk_index in {**dict.fromkeys(OUTPUTS, chunk), DONE: (number,)}.items():
+        file = path / name / group[name].metadata.encode_chunk_key(chunk_index)
         shutil.rmtree(file) if file.is_dir() else file.unlink(missing_ok=True)
 
 

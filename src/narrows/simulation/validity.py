@@ -21,14 +21,14 @@ def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[s
         "abs_psi": np.abs(columns["psi"]),
         "abs_r": np.abs(columns["r"]),
     }
-    found = [_sentence(name, known, seen[name], columns["t"]) for name in seen]
-    return tuple(sentence for sentence in found if sentence)
+    sentences = [_sentence(name, known, seen[name], columns["t"]) for name in seen]
+    return tuple(sentence for sentence in sentences if sentence)
 
 
 def _sentence(name: str, known: DataRange, values: np.ndarray, t: np.ndarray) -> str:
     outside = known.outside(name, values)
     if not outside.any():
         return ""
-    own, first = MEASURES[name], int(np.argmax(outside))
-    there, covered = own.shown(values[first], values[first]), own.shown(*getattr(known, name))
-    return f"From {t[first]:.2f} s its {own.words} of {there} is outside the data ({covered})."
+    measure, first = MEASURES[name], int(np.argmax(outside))
+    there, covered = measure.shown(values[first], values[first]), measure.shown(*getattr(known, name))
+    return f"From {t[first]:.2f} s its {measure.words} of {there} is outside the data ({covered})."

@@ -1,6 +1,6 @@
 """What varies over an ensemble: read with its dimensions, tied where coefficients are one, held to every rule."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -8,18 +8,30 @@ import xarray as xr
 
 from narrows.errors import InputError, reason, shown
 from narrows.model.model import Model
-from narrows.ship.actuators import PROPELLER, particulars_with
+from narrows.quantities.names import PARTICULARS
+from narrows.ship.actuator import Actuator, places_of
+from narrows.ship.actuators import STANDARD
 from narrows.ship.checks import Rule, check_number, check_particulars, check_rule, place_of
 from narrows.terms.term import Term, TermTable
 
 Columns = Mapping[str, xr.DataArray]
 TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
 """Names of what comes out."""
-CHECKED = {*particulars_with(), PROPELLER.name}
-"""What a ship file gives and the rules of ship files hold."""
+NOWHERE: Mapping[str, str] = {}
 
 
-def labelled(name: str, value: Any) -> xr.DataArray:
+def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
+    """Return where a ship file gives each particular, whose rules ensembles keep too (ours).
+
+    Parameters
+    ----------
+    actuators : iterable of Actuator
+        Beside those of the package.
+    """
+    return {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *actuators))
+
+
+def labelled(name: str, value: Any, places: Mapping[str, str] = NOWHERE) -> xr.DataArray:
     """Return a number, a sequence or a DataArray as a column of finite numbers with named dimensions (ours).
 
     Parameters
@@ -28,6 +40,8 @@ def labelled(name: str, value: Any) -> xr.DataArray:
         Of what varies, and of the dimension of a sequence.
     value : number, sequence or DataArray
         As a caller gave it.
+    places : mapping of str to str
+        Where a ship file gives what varies.
 
     Raises
     ------
@@ -43,7 +57,7 @@ def labelled(name: str, value: Any) -> xr.DataArray:
         if not isinstance(dimension, str) or dimension in TAKEN or array.dims.count(dimension) > 1:
             raise InputError(f"{name} has a dimension {shown(dimension)}, which cannot be one; name it otherwise")
     array = array.astype(float)
-    check_number(place_of(name) if name in CHECKED else name, array)
+    check_number(places.get(name, name), array)
     return array
 
 
@@ -88,14 +102,14 @@ def sizes_of(values: Columns) -> dict[str, int]:
     return {str(name): size for value in aligned for name, size in value.sizes.items()}
 
 
-def tied(terms: TermTable, given: Columns) -> dict[str, xr.DataArray]:
+def tied(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
     """Return what is given with each tied coefficient's partners, which are the same number (ours).
 
     Parameters
     ----------
     terms : TermTable
         With its ties.
-    given : mapping of str to DataArray
+    varied : mapping of str to DataArray
         What varies.
 
     Raises
@@ -103,22 +117,22 @@ def tied(terms: TermTable, given: Columns) -> dict[str, xr.DataArray]:
     InputError
         Where two coefficients of a tie are given different values.
     """
-    found = dict(given)
+    complete = dict(varied)
     for _ in terms.ties:  # A tie may lead to the next.
         for one, other in terms.ties:
-            if one in found and other in found and not _are_one(found[one], found[other]):
+            if one in complete and other in complete and not _are_one(complete[one], complete[other]):
                 raise InputError(f"{one} and {other} are one coefficient of these terms; give one of them, not both")
-            either = found.get(one, found.get(other))
+            either = complete.get(one, complete.get(other))
             if either is not None:
-                found[one], found[other] = found.get(one, either), found.get(other, either)
-    return found
+                complete[one], complete[other] = complete.get(one, either), complete.get(other, either)
+    return complete
 
 
 def _are_one(one: xr.DataArray, other: xr.DataArray) -> bool:
     return one.dims == other.dims and one.shape == other.shape and bool((one.to_numpy() == other.to_numpy()).all())
 
 
-def check_columns(model: Model, values: Columns, given: Columns) -> None:
+def check_columns(model: Model, values: Columns, varied: Columns) -> None:
     """Raise where particulars break a rule that a ship file must keep, or a coefficient leaves its bounds (ours).
 
     Parameters
@@ -127,7 +141,7 @@ def check_columns(model: Model, values: Columns, given: Columns) -> None:
         With the bounds of its terms.
     values : mapping of str to DataArray
         All that the voyages need.
-    given : mapping of str to DataArray
+    varied : mapping of str to DataArray
         What was given for them.
 
     Raises
@@ -135,11 +149,11 @@ def check_columns(model: Model, values: Columns, given: Columns) -> None:
     InputError
         Names the first value that is wrong, and where it is.
     """
-    checked = {*CHECKED, *particulars_with(model.terms.actuators)}
-    check_particulars({name: value for name, value in values.items() if name in checked})
+    places = file_places(model.terms.actuators)
+    check_particulars({name: value for name, value in values.items() if name in places}, places)
     for term in model.terms.terms:
-        if term.name in given:
-            _check_bound(term, given[term.name])
+        if term.name in varied:
+            _check_bound(term, varied[term.name])
 
 
 def _check_bound(term: Term, value: xr.DataArray) -> None:

@@ -1,55 +1,60 @@
 """One voyage: where, when and on which side the ship grounds, and how it got there."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.choices import COUNTED
+from narrows.codegen.free_motion import INPUTS, STATE, Surge
 from narrows.codegen.kernels import event
-from narrows.codegen.shapes import OPEN
-from narrows.errors import InputError, did_you_mean
+from narrows.codegen.shapes import MIDSHIP, OPEN
+from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
+from narrows.results import Shown
+from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
-from narrows.simulation.channel import Channel, along_waterway, straight_channel
+from narrows.simulation.channel import points_of
+from narrows.simulation.departure import check_positions, departure
+from narrows.simulation.felt import check_felt
+from narrows.simulation.heading import counted_heading
 from narrows.simulation.inputs import (
     MOST_ROWS,
+    Contact,
     Schedule,
-    Stretch,
     check_steps,
     check_times,
     check_waterway,
     finite_numbers,
     stretches,
 )
-from narrows.simulation.march import March, Row, near_the_bank
-from narrows.simulation.netcdf import save_netcdf
+from narrows.simulation.march import March, Row
 from narrows.simulation.outcome import Outcome
 from narrows.simulation.ship import Points, SimulatedShip
-from narrows.simulation.steering import Steering, steering_of
+from narrows.simulation.steering import steering_of
 from narrows.simulation.step_error import track_error
+from narrows.simulation.track import Track
 from narrows.simulation.validity import beyond_envelope
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
     from narrows.waterway.waterway import Waterway
 
-POSE = ("x", "y", "psi", "u", "v", "r")
 LONGEST = 60.0
 """Of a voyage [s] where nothing is said of it."""
 COARSE = 0.02
 """Of the beam, by which a track may be off without a word."""
+COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
 CONTACT = 1e-6
 """A room that counts as closed [m]."""
 
 
-@dataclass(frozen=True)
-class Voyage:
+@dataclass(frozen=True, repr=False)
+class Voyage(Shown):
     """A voyage, row by row, and how it ended.
 
     Parameters
@@ -68,6 +73,12 @@ class Voyage:
         Angle of the rudder.
     outcome : Outcome
         How it ended.
+    configuration : Configuration
+        Ship and canal.
+    waterway : Waterway, optional
+        Where it was instead of that canal.
+    outline : sequence of pairs of float [m], optional
+        The points of the hull that meet a bank, forward and to starboard of midship.
     """
 
     t: np.ndarray
@@ -79,6 +90,51 @@ class Voyage:
     r: np.ndarray
     rudder: np.ndarray
     outcome: Outcome
+    configuration: Configuration
+    waterway: "Waterway | None" = None
+    outline: tuple[tuple[float, float], ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Voyage of {self.configuration.ship.name}: {self.outcome.kind} after {self.outcome.time:.2f} s>"
+
+    def __len__(self) -> int:
+        """How many rows."""
+        return len(self.t)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column: t, x, y, psi, u, v, r or rudder.
+
+        Parameters
+        ----------
+        name : str
+            Of the column.
+
+        Raises
+        ------
+        InputError
+            Where there is no such column.
+        """
+        check_choice("column", name, COLUMNS)
+        column: np.ndarray = getattr(self, name)
+        return column
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What its outcome says beside how it ended."""
+        return self.outcome.notes
+
+    def summary(self) -> str:
+        """Say how it ended."""
+        return self.outcome.sentence
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give how it ended by name: what ``simulate --json`` prints."""
+        return self.outcome.to_dict()
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the voyage as a table: a row a time."""
+        frame: pd.DataFrame = self.dataset().to_dataframe()
+        return frame
 
     def dataset(self) -> "xarray.Dataset":
         """Return the voyage as an xarray Dataset with units."""
@@ -92,22 +148,39 @@ class Voyage:
         attributes = {
             "outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence,
         }  # fmt: skip
+        data |= self._positions()
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
-    def save(self, path: str | Path) -> None:
-        """Write the voyage as NetCDF.
+    def _positions(self) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
+        """Longitude, latitude and heading, where the waterway is a place on earth."""
+        if self.waterway is None or self.waterway.origin is None:
+            return {}
+        track = self.track()
+        return {
+            "longitude": ("t", track.longitude, {"units": "degrees_east", "long_name": "longitude, WGS84"}),
+            "latitude": ("t", track.latitude, {"units": "degrees_north", "long_name": "latitude, WGS84"}),
+            "heading_deg": ("t", track.heading_deg, {"units": "deg", "long_name": "heading, clockwise from north"}),
+        }
 
-        Parameters
-        ----------
-        path : str or Path
-            Where to.
+    def track(self) -> Track:
+        """Return where the ship was on earth.
 
         Raises
         ------
         InputError
-            Where the file cannot be written.
+            Where it sailed in no waterway that knows where on earth it is.
         """
-        save_netcdf(self.dataset(), path)
+        if self.waterway is None or self.waterway.origin is None:
+            raise InputError(
+                "a track on the map needs a waterway that knows where on earth it is (--waterway canal.geojson); "
+                "sail in one, or save the voyage as .csv or .nc"
+            )
+        from narrows.waterway.projection import unprojected
+
+        positions, heading = self.waterway.to_map(self.x, self.y, self.psi)
+        longitude, latitude = unprojected(positions, np.array(self.waterway.origin)).T
+        from_north = np.degrees(heading) % 360
+        return Track(self.t, longitude, latitude, from_north, self.configuration.ship.name, self.outcome.sentence)
 
 
 def _long_name(name: str) -> str:
@@ -118,8 +191,8 @@ def simulate(
     model: Model, y: float = 0.0, u: float = 1.0, duration: float | None = None, dt: float = 0.02, *,
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
-    surge: str = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: str | Points = "corners", at: Sequence[float] | None = None,
+    surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
+    contact: Contact | Points = "corners", at: Sequence[float] | None = None,
     waterway: "Waterway | None" = None, controller: Any = None, **positions: float,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
@@ -191,96 +264,29 @@ def simulate(
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     pushes = stretches(X, Y, N, duration)
     check_positions(positions, ship)
+    check_felt(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     steering = steering_of(controller, ship.actuators)
-    march, start = _march(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
-    rows, fate = _rows(march, start, pushes, dt)
-    return _Log(ship, march, rows, fate, float(psi), float(rudder)).voyage(times, dt)
-
-
-def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
-    """Raise where a position is of no actuator of the model (ours).
-
-    Parameters
-    ----------
-    positions : mapping of str to float
-        By name.
-    ship : SimulatedShip
-        The ship.
-
-    Raises
-    ------
-    InputError
-        Names the first.
-    """
-    known = [own.name for own in ship.actuators]
-    for name in positions:
-        if name not in known:
-            hint = did_you_mean(name, known) if known else "; it has none"
-            raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
-
-
-def _march(
-    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
-) -> tuple[March, tuple[float, ...]]:
-    """The lines and every number that they ask for, and what is kept from step to step, at the start."""
-    values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
-    channel = _channel(ship, values, waterway, numbers["x"])
-    system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
-    inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
-    inputs |= {**dict.fromkeys(INPUTS.values(), 0.0), "push_end": math.inf}
-    order = steering.asked.begin() if steering and steering.asked else None
-    march = March(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
-    start = _start(ship, system.choices.kept, steering, numbers)
-    _check_afloat(march, start)
-    return march, start
-
-
-def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | None", x: float) -> Channel:
-    if waterway is None:
-        return straight_channel(values, ship.shape)
-    if not 0 <= x < waterway.line.length:
-        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
-    return along_waterway(waterway, ship.model, ship.shape)
-
-
-def _start(
-    ship: SimulatedShip, kept: tuple[str, ...], steering: Steering | None, numbers: dict[str, float]
-) -> tuple[float, ...]:
-    psi = numbers["psi"]
-    state = {**numbers, "t": 0.0, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi)}
-    at_rest = ship.values()
-    state |= {own.name: state.get(own.name, float(at_rest.get(own.name) or 0.0)) for own in ship.actuators}
-    memory = steering.memory(state) if steering else {}
-    return tuple(float({**state, **memory}[name]) for name in kept)
-
-
-def _check_afloat(march: March, start: tuple[float, ...]) -> None:
-    _, y, cosine, sine, *_ = start
-    if cosine <= march.inputs["least_cos"]:
-        heading = math.degrees(math.atan2(sine, cosine))
-        raise InputError(f"psi = {heading:.1f} deg lies across the canal; start within 85 deg")
-    room, _ = march.room(start)
-    if room < 0 or (room == 0 and start[0] != march.channel.start):
-        raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
-    if not all(map(math.isfinite, march.stepped(start, 0.0)[0])):
-        u, v, r = start[4:7]
-        raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
-
-
-def _rows(march: March, start: tuple[float, ...], pushes: list[Stretch], dt: float) -> tuple[list[Row], int]:
-    """Every step of the voyage, cut where the forces from outside jump, and how it ended."""
-    rows = [Row(0.0, start)]
+    march, start = departure(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
+    rows, fate = [Row(0.0, start)], event.FINISHED
     for push in pushes:
         march.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
-        ended = march.sail(rows, push.stop, dt)
-        if ended is not None:
-            return rows, ended.fate
-    return rows, event.FINISHED
+        if ended := march.sail(rows, push.stop, dt):
+            fate = ended.fate
+            break
+    shown = [row for row in rows if row.whole]
+    if times is not None:
+        shown = [*march.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
+    log = _Log(ship, march, rows, fate, float(psi), float(rudder))
+    outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
+    return Voyage(
+        **log.columns(shown), outcome=log.outcome(dt), configuration=model.configuration, waterway=waterway,
+        outline=outline,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Log:
-    """A march as it was sailed, to be told as a voyage."""
+    """A march as it was sailed, to be told as the columns and the outcome of a voyage."""
 
     ship: SimulatedShip
     march: March
@@ -289,35 +295,21 @@ class _Log:
     psi: float
     rudder: float
 
-    def voyage(self, at: list[float] | None, dt: float) -> Voyage:
-        """The voyage at every step, or at times of one's own and at its end."""
-        last = self.rows[-1]
-        whole = [row for row in self.rows if row.whole]
-        shown = whole if at is None else [*self.march.dense(self.rows, [t for t in (0.0, *at) if t < last.t]), last]
-        seen = sorted({row.t: row for row in (*self.rows, *shown)}.values(), key=lambda row: row.t)
-        heading = dict(zip((row.t for row in seen), self._headings(seen), strict=True))
-        columns = self._columns(shown) | {"psi": np.array([heading[row.t] for row in shown])}
-        everything = self._columns(self.rows) | {"psi": self._headings(self.rows)}
-        return Voyage(**columns, outcome=self._outcome(everything, dt))
+    def columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
+        """Rows as the columns of a voyage."""
+        kept = dict(zip(self.march.choices.kept, np.array([row.state for row in rows]).T, strict=True))
+        psi = counted_heading(kept["cos_psi"], kept["sin_psi"], kept.get(COUNTED, self.psi))
+        rudder = kept.get("rudder", np.full(len(rows), self.rudder))
+        track = {name: kept[name] for name in ("x", "y", "u", "v", "r")}
+        return {"t": np.array([row.t for row in rows]), **track, "psi": psi, "rudder": rudder}
 
-    def _headings(self, rows: list[Row]) -> np.ndarray:
-        """Whole turns of the start are kept, and those of a turning circle counted."""
-        cosine, sine = np.array([row.state[2:4] for row in rows]).T
-        turns = self.psi - math.atan2(math.sin(self.psi), math.cos(self.psi))
-        return np.asarray(np.unwrap(np.arctan2(sine, cosine)) + turns)
-
-    def _columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
-        kept = self.march.choices.kept
-        table = np.array([row.state for row in rows])
-        columns = {name: table[:, kept.index(name)] for name in ("x", "y", "u", "v", "r")}
-        moved = table[:, kept.index("rudder")] if "rudder" in kept else np.full(len(rows), self.rudder)
-        return {"t": np.array([row.t for row in rows]), **columns, "rudder": moved}
-
-    def _outcome(self, columns: dict[str, np.ndarray], dt: float) -> Outcome:
+    def outcome(self, dt: float) -> Outcome:
+        """How it ended, and what there is to know of the way there."""
+        columns = self.columns(self.rows)
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
         kind, side = self._kind_and_side(self.rows[-1].state)
         model = self.ship.model
-        bank = () if self.ship.shape == OPEN or not model.bank_note else (model.bank_note,)
+        bank = () if self.ship.shape == OPEN else model.bank_notes
         notes = (*bank, *beyond_envelope(model.data_range, columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         return Outcome(kind, last["t"], last["x"] - float(columns["x"][0]), side, state, notes)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,17 +12,20 @@ from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
 from narrows.model.model_file import published
+from narrows.results import Shown
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.stability import bank_stiffness, eigenvalues
 from narrows.simulation.voyage import Voyage, simulate
-from narrows.terms.canal_tables import PAPER
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHARES = (
     *(0.0, 0.0, 1.0),
     *(0.239, 0.002, 0.087, 0.243, 0.132, 0.015, 0.283),
     *(0.040, 0.255, 0.235, 0.128, 0.026, 0.248, 0.069),
 )
-PRINTED_SHARES = dict(zip(PAPER.names, SHARES, strict=True))
+PRINTED_SHARES = dict(zip(published("mikkelsen2025_dtc").terms.names, SHARES, strict=True))
 """Table (significance_test) of the paper, of surge, sway and yaw."""
 PRINTED_SWITCH = 2.0
 """Start [m] beyond which the paper's ship grounds on the near bank, "approximately"."""
@@ -40,8 +43,8 @@ STARTS = np.linspace(0.1, 2.5, 241)
 SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
 
 
-@dataclass(frozen=True)
-class Reproduction:
+@dataclass(frozen=True, repr=False)
+class Reproduction(Shown):
     """The paper's coefficients taken as the truth: what tests of its kinds give back, and how its ship sails.
 
     Parameters
@@ -60,6 +63,15 @@ class Reproduction:
     fit: Fit
     voyages: dict[float, Voyage]
     readings: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"<Reproduction of Mikkelsen et al. (2025): {self.agreement}>"
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, as printed and as identified again."""
+        import pandas as pd
+
+        return pd.DataFrame([self._coefficient(name) for name in self.truth.terms.names]).set_index("name")
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -86,7 +98,7 @@ class Reproduction:
         by_kind = {kind: self.fit.shapley(kind) for kind in KINDS}
         forces = {term.name: force for force, terms in self.fit.terms.forces.items() for term in terms}
         return {
-            name: {kind: float(own[forces[name]][name]) for kind, own in by_kind.items()}
+            name: {kind: float(shares[forces[name]][name]) for kind, shares in by_kind.items()}
             for name in self.truth.terms.names
         }
 
@@ -112,10 +124,10 @@ class Reproduction:
         """Give every number of the comparison by name, the paper's under ``printed``."""
         return {
             "coefficients": [self._coefficient(name) for name in self.truth.terms.names],
-            "shapley": [{"name": n, "printed": PRINTED_SHARES[n], "ours": own} for n, own in self.shares.items()],
+            "shapley": [{"name": n, "printed": PRINTED_SHARES[n], "ours": ours} for n, ours in self.shares.items()],
             "readings": [{"name": name, "switch": switch} for name, switch in self.switches.items()],
             "printed_switch": PRINTED_SWITCH,
-            "eigenvalues": {name: [[z.real, z.imag] for z in own] for name, own in self.modes.items()},
+            "eigenvalues": {name: [[z.real, z.imag] for z in ours] for name, ours in self.modes.items()},
             "stiffness": self.stiffness,
             "summary": self.summary(),
             "notes": self.notes,

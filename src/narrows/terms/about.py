@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
+from narrows.physics import shallow
 from narrows.quantities.names import Number
 
 
@@ -47,3 +48,8 @@ class DepthLaw:
 
     factor: Callable[..., Number]
     verified: bool = True
+
+
+DRIFT_FORCE = DepthLaw(shallow.kijima_drift_force)
+DRIFT_MOMENT = DepthLaw(shallow.kijima_drift_moment, verified=False)
+YAW_MOMENT = DepthLaw(shallow.kijima_yaw_moment)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import Described, InputError, did_you_mean
 from narrows.physics import clearance
 from narrows.physics.bank import cushion, suction
 from narrows.quantities import dimensions as dim
@@ -18,8 +18,8 @@ OPEN_WATER = "open_water"
 PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted", "ours"
 
 
-@dataclass(frozen=True)
-class BankForm:
+@dataclass(frozen=True, repr=False)
+class BankForm(Described):
     """A form of the bank term.
 
     Parameters
@@ -41,6 +41,10 @@ class BankForm:
     source: str
     validity: str
     status: str
+
+    def summary(self) -> str:
+        """Say its name, its standing and where it is from."""
+        return f"{self.name}, {self.status}: {self.source}"
 
     @property
     def sway(self) -> tuple[Term, ...]:
@@ -182,5 +186,5 @@ def bank_only(form: str | BankForm) -> TermTable:
     InputError
         Where there is no such form.
     """
-    own = _form(form)
-    return TermTable(f"bank only: {own.name}", (), own.sway, own.yaw)
+    chosen = _form(form)
+    return TermTable(f"bank only: {chosen.name}", (), chosen.sway, chosen.yaw)

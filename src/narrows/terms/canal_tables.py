@@ -1,8 +1,8 @@
 """The paper's table of terms, and those of the hull that data have asked for beside it."""
 
-from narrows.physics import damping, inertia, shallow
+from narrows.physics import damping, inertia
 from narrows.quantities import dimensions as dim
-from narrows.terms.about import DepthLaw, ScaleEffect, TermKind
+from narrows.terms.about import DRIFT_FORCE, DRIFT_MOMENT, YAW_MOMENT, ScaleEffect, TermKind
 from narrows.terms.bank_forms import FORMS, PAPER_TEXT
 from narrows.terms.term import FREE, NONNEGATIVE, Term, TermTable
 
@@ -11,9 +11,6 @@ INERTIA, RESISTANCE, DAMPING, LIFT, CROSS = (
     TermKind.INERTIA, TermKind.RESISTANCE, TermKind.DAMPING, TermKind.LIFT, TermKind.CROSSFLOW,
 )  # fmt: skip
 FRICTION, DRAG, TEST_SPEED = ScaleEffect.FRICTION, ScaleEffect.CROSSFLOW_DRAG, ScaleEffect.TEST_SPEED
-DRIFT_FORCE = DepthLaw(shallow.kijima_drift_force)
-DRIFT_MOMENT = DepthLaw(shallow.kijima_drift_moment, verified=False)
-YAW_MOMENT = DepthLaw(shallow.kijima_yaw_moment)
 
 SURGE = (
     Term("a_udot", r"a_{\dot u}", inertia.surge_inertia, dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),

@@ -8,7 +8,7 @@ from narrows.physics.propeller import PropellerQuantities
 from narrows.physics.rudder import RudderQuantities
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
-from narrows.terms.about import ScaleEffect, TermKind
+from narrows.terms.about import DRIFT_FORCE, DRIFT_MOMENT, YAW_MOMENT, ScaleEffect, TermKind
 from narrows.terms.regressors import Grouped
 from narrows.terms.term import FREE, NONNEGATIVE, Term, TermTable
 
@@ -21,6 +21,8 @@ TURNING_POWERS = (
 """Powers of v' and r' in the hull's forces."""
 CROSSFLOW_DRAG = (3, 0)
 """The powers of what a bluff section drags."""
+DEPTH_LAWS = {"Y_v": DRIFT_FORCE, "N_v": DRIFT_MOMENT, "N_r": YAW_MOMENT}
+"""Of the derivatives that are known to grow as the water gets shallow."""
 WAKE = ScaleEffect.WAKE
 
 
@@ -31,11 +33,11 @@ def _mass(name: str, symbol: str, regressor: Callable[..., Number]) -> Term:
 def _polynomial(letter: str, powers: tuple[tuple[str, tuple[int, int]], ...], lever: int = 0) -> tuple[Term, ...]:
     return tuple(
         Term(
-            f"{letter}_{word}", f"{letter}_{{{word}}}'", HullPower(*own, lever=lever), NUMBER, FREE, TermKind.HULL,
-            SOURCE,
-            scale_effect=ScaleEffect.CROSSFLOW_DRAG if own == CROSSFLOW_DRAG else None,
+            f"{letter}_{word}", f"{letter}_{{{word}}}'", HullPower(*exponents, lever=lever), NUMBER, FREE,
+            TermKind.HULL, SOURCE, DEPTH_LAWS.get(f"{letter}_{word}"),
+            scale_effect=ScaleEffect.CROSSFLOW_DRAG if exponents == CROSSFLOW_DRAG else None,
         )
-        for word, own in powers
+        for word, exponents in powers
     )  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """Regressors made of physics functions: one fed by another, and one of more quantities than a signature can show."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -36,7 +36,18 @@ class Composed:
     def __call__(self, *values: Number) -> Number:
         """Evaluate it, of values in the order of ``inputs``."""
         at = dict(zip(self.inputs, values, strict=True))
-        result = self.parameter(*[at[name] for name in asked_by(self.parameter)])
+        return self.of(self.parameter(*[at[name] for name in asked_by(self.parameter)]), at)
+
+    def of(self, result: Number, at: Mapping[str, Number]) -> Number:
+        """Evaluate it, of what its parameter gives.
+
+        Parameters
+        ----------
+        result : number
+            Of the parameter.
+        at : mapping of str to number
+            The quantities by name.
+        """
         return self.law(result, *[at[name] for name in asked_by(self.law)[1:]])
 
 
@@ -58,7 +69,7 @@ class Grouped:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The quantities that it takes: the fields."""
-        return tuple(own.name for own in fields(self.quantities))
+        return tuple(entry.name for entry in fields(self.quantities))
 
     @property
     def name(self) -> str:

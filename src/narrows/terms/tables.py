@@ -7,6 +7,7 @@ from narrows.terms.bank_forms import FORMS, OPEN_WATER, with_bank, without_bank
 from narrows.terms.canal_tables import CROSSFLOW, MIXED, PAPER, SPEED
 from narrows.terms.helm import WITH_HELM, with_helm
 from narrows.terms.mmg import MMG
+from narrows.terms.pooled import AT, pooled
 from narrows.terms.term import TermTable
 
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
@@ -29,13 +30,17 @@ def table_named(name: str) -> TermTable:
     ----------
     name : str
         Of a table; ``table+form`` for one with another form of the bank term, or ``table+open_water`` for one with
-        none; ``table+helm`` for one with a rudder; ``table+form+helm`` for one with both.
+        none; ``table+helm`` for one with a rudder; ``table+form+helm`` for one with both; ``table@0.25,0.41`` for one
+        with hull coefficients of its own at each depth in metres.
 
     Raises
     ------
     InputError
         Where there is no such table or form, or one is asked for twice.
     """
+    if AT in name:
+        base, _, depths = name.partition(AT)
+        return pooled(table_named(base), _depths(depths, name))
     first, plus, rest = name.partition("+")
     base, *additions = (SHORT.get(first, first) + plus + rest).split("+")
     if base not in BASES:
@@ -49,6 +54,13 @@ def table_named(name: str) -> TermTable:
     for addition in additions:
         table = _with(table, addition)
     return table
+
+
+def _depths(written: str, name: str) -> list[float]:
+    try:
+        return [float(part) for part in written.split(",")]
+    except ValueError:
+        raise InputError(f"the terms {name!r} give no depths in metres behind {AT}; write paper{AT}0.25,0.41") from None
 
 
 def _with(table: TermTable, addition: str) -> TermTable:

@@ -5,13 +5,17 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from keyword import iskeyword
+from typing import TYPE_CHECKING
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import Described, InputError, did_you_mean, shown
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
 from narrows.ship.actuator import Actuator
-from narrows.ship.actuators import STANDARD
+from narrows.ship.actuators import PROPELLER, STANDARD
 from narrows.terms.about import DepthLaw, ScaleEffect, TermKind
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Bound = tuple[float, float]
 FREE: Bound = (float("-inf"), float("inf"))
@@ -20,12 +24,25 @@ BANKS, DEPTH = "width", "depth"
 """What says where the banks are, and how deep the water is."""
 NAME = re.compile(r"(?!__)\S+")
 """Of a coefficient: nothing that Python keeps for itself, and no blank."""
+ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
+INSTEAD = {
+    "sin cos tan": "sin_psi and cos_psi (quantities, as y and u are) for sine and cosine of the heading, and "
+    "v / (u**2 + v**2) ** 0.5 for the sine of the drift angle",
+    "sqrt hypot": "x ** 0.5 for a root",
+    "exp": "math.e ** x for an exponential",
+    "fabs absolute": "abs(x) for a size",
+    "sign copysign": "x / abs(x) for a sign",
+    "min max minimum maximum clip where heaviside": "minimum(x, y), maximum(x, y) or clip(x, most)",
+    "pow power square": "x ** 2 for a power",
+}
+"""What a regressor may write instead of functions, by their names."""
+BRANCH = "choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an if"
 LETTERS = ("a", "b", "c")
 """What the names of the paper's coefficients begin with, by force."""
 
 
-@dataclass(frozen=True)
-class Term:
+@dataclass(frozen=True, repr=False)
+class Term(Described):
     """One coefficient of a model and the regressor that it multiplies.
 
     Parameters
@@ -35,8 +52,9 @@ class Term:
     symbol : str
         The coefficient in LaTeX.
     regressor : callable
-        A function of arithmetic and ``abs()``; its arguments are names of the vocabulary, and by them the
-        term says what it needs. One made of others says it by an attribute ``inputs``, in the order of its arguments.
+        A function of arithmetic, ``abs()`` and the functions of ``quantities.arithmetic``; its arguments are names of
+        the vocabulary, and by them the term says what it needs. One made of others says it by an attribute ``inputs``,
+        in the order of its arguments.
     dimension : Dimension
         Of the coefficient.
     bound : tuple of float
@@ -80,6 +98,10 @@ class Term:
         if BANKS in self.inputs and not self.from_bank:
             raise InputError(f"term {self.name}: it asks for the canal's {BANKS}; give it kind=TermKind.BANK")
 
+    def summary(self) -> str:
+        """Say the name, what it describes, its unit and what it asks for."""
+        return f"{self.name} [{self.dimension.unit}], {self.kind.value}, of {', '.join(self.inputs)}"
+
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The quantities that the regressor asks for."""
@@ -91,7 +113,10 @@ class Term:
 
     @property
     def _vocabulary(self) -> dict[str, Quantity]:
-        return {**REGRESSOR_INPUTS, **{word: own for one in self._known for word, own in one.quantities.items()}}
+        return {
+            **REGRESSOR_INPUTS,
+            **{word: quantity for one in self._known for word, quantity in one.quantities.items()},
+        }
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
@@ -124,8 +149,8 @@ class Term:
         return self.regressor(*[values[name] for name in self.inputs])
 
 
-@dataclass(frozen=True)
-class TermTable:
+@dataclass(frozen=True, repr=False)
+class TermTable(Described):
     """The terms of surge force, sway force and yaw moment, and which coefficients are one and the same.
 
     Parameters
@@ -162,13 +187,36 @@ class TermTable:
                 raise InputError(f"table {self.name}: {name!r} is a force; call the coefficient otherwise")
             if names.count(name) > 1:
                 raise InputError(f"table {self.name}: two terms are called {name!r}; rename one")
-        movers = [own.name for own in self.actuators]
+        movers = [actuator.name for actuator in self.actuators]
         for name in movers:
             if movers.count(name) > 1:
                 raise InputError(f"table {self.name}: two actuators are called {name!r}; rename one")
         for name in (name for tie in self.ties for name in tie):
             if name not in names:
                 raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")
+
+    def __repr__(self) -> str:
+        return f"<TermTable {self.name}: {len(self.names)} terms>"
+
+    def summary(self) -> str:
+        """Say how many terms each force has, and what they ask for."""
+        counts = ", ".join(f"{len(terms)} of {force}" for force, terms in self.forces.items())
+        return f"The terms {self.name}: {counts}; they ask for {', '.join(self.inputs)}."
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the terms as a table: a row each, with force, kind, unit, bounds, what it asks for and source."""
+        import pandas as pd
+
+        rows = [
+            (term.name, force, term.kind.value, term.dimension.unit, *term.bound, ", ".join(term.inputs), term.source)
+            for force, terms in self.forces.items() for term in terms
+        ]  # fmt: skip
+        columns = ["coefficient", "force", "kind", "unit", "lowest", "highest", "inputs", "source"]
+        return pd.DataFrame(rows, columns=columns).set_index("coefficient")
+
+    def __len__(self) -> int:
+        """How many terms."""
+        return len(self.names)
 
     @cached_property
     def forces(self) -> dict[str, tuple[Term, ...]]:
@@ -193,15 +241,23 @@ class TermTable:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Unit and meaning of what the terms ask for between them, in the order of the vocabulary."""
-        asked = {word: own for term in self.terms for word, own in term.quantities.items()}
-        movers = [word for own in self.actuators for word in own.quantities]
+        asked = {word: quantity for term in self.terms for word, quantity in term.quantities.items()}
+        movers = [word for actuator in self.actuators for word in actuator.quantities]
         return {word: asked[word] for word in (*REGRESSOR_INPUTS, *movers) if word in asked}
 
     @cached_property
     def actuators(self) -> tuple[Actuator, ...]:
         """The actuators that the terms ask for: those of the package first, then others as the terms name them."""
-        asked = dict.fromkeys(own for term in self.terms for own in term.actuators)
-        return (*(own for own in STANDARD if own in asked), *(own for own in asked if own not in STANDARD))
+        asked = dict.fromkeys(actuator for term in self.terms for actuator in term.actuators)
+        return (
+            *(actuator for actuator in STANDARD if actuator in asked),
+            *(actuator for actuator in asked if actuator not in STANDARD),
+        )
+
+    @property
+    def propelled(self) -> bool:
+        """Whether a propeller makes some of the force."""
+        return PROPELLER in self.actuators
 
     @property
     def feels_bank(self) -> bool:
@@ -256,10 +312,30 @@ class TermTable:
         leave : callable
             Says of a term whether to leave it out.
         """
-        surge, sway, yaw = (tuple(term for term in own if not leave(term)) for own in self.forces.values())
+        surge, sway, yaw = (tuple(term for term in terms if not leave(term)) for terms in self.forces.values())
         kept = {term.name for term in (*surge, *sway, *yaw)}
         ties = tuple(tie for tie in self.ties if set(tie) <= kept)
         return replace(self, name=name, surge=surge, sway=sway, yaw=yaw, ties=ties)
+
+
+def uncompiled(term: Term, error: Exception) -> InputError:
+    """Return what to say where a regressor does more than arithmetic: what to write instead (ours).
+
+    Parameters
+    ----------
+    term : Term
+        Whose it is.
+    error : Exception
+        What came of it.
+    """
+    used = getattr(getattr(term.regressor, "__code__", None), "co_names", ())
+    instead = [remedy for words, remedy in INSTEAD.items() if set(words.split()) & set(used)]
+    if "compares" in str(error) or "branches" in str(error) or "ambiguous" in str(error):
+        instead.append(BRANCH)
+    remedy = f": {'; '.join(instead)}" * bool(instead)
+    why = str(error).partition("\n")[0].rstrip(".")
+    told = f"term {term.name}: its regressor cannot be compiled ({why}); write it with {ARITHMETIC}"
+    return InputError(told + remedy)
 
 
 def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:

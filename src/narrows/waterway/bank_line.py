@@ -92,7 +92,7 @@ class BankLine:
         along = np.linspace(0, 1, ALONG) * gaps.sum()
         known = np.concatenate([[0.0], np.cumsum(gaps)])
         places = np.stack([np.interp(np.union1d(along, known), known, column) for column in ends.T], axis=1)
-        s, n = self.line.place(places)
+        s, n = self.line.locate(places)
         self._refuse_crossing(s, n * self._normals.sign, (s > 0) & (s < self.line.length))
 
     def _check_whole(self) -> None:
@@ -104,8 +104,8 @@ class BankLine:
                 f"{length:.0f} m; draw it along the whole of it"
             )
         if (pieces < 0).any():
-            place = corners[int((pieces < 0).argmax())]
-            raise InputError(f"the normal of the centreline at {place:.0f} m meets no {self.side} bank; draw it there")
+            s = corners[int((pieces < 0).argmax())]
+            raise InputError(f"the normal of the centreline at {s:.0f} m meets no {self.side} bank; draw it there")
 
     def _check_distance(self) -> None:
         """Beside every corner, between them, and between the points of the line."""
@@ -127,5 +127,5 @@ class BankLine:
     def _refuse_crossing(self, s: np.ndarray, out: np.ndarray, beside: np.ndarray) -> None:
         wrong = beside & ~(out > 0)
         if wrong.any():
-            place = float(s[int(wrong.argmax())])
-            raise InputError(f"the {self.side} bank crosses the centreline at {place:.0f} m along it; mend it there")
+            along = float(s[int(wrong.argmax())])
+            raise InputError(f"the {self.side} bank crosses the centreline at {along:.0f} m along it; mend it there")

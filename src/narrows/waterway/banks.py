@@ -49,14 +49,14 @@ class Bank:
     def __post_init__(self) -> None:
         wrong = ~(np.asarray(self.distance) > 0)
         if wrong.any():
-            place = float(self.s[int(wrong.argmax())])
-            raise InputError(f"the {self.side} bank crosses the centreline at {place:.0f} m along it; mend it there")
+            along = float(self.s[int(wrong.argmax())])
+            raise InputError(f"the {self.side} bank crosses the centreline at {along:.0f} m along it; mend it there")
         if not np.max(self.distance) < FARTHEST:
             raise InputError(f"the {self.side} bank is {np.max(self.distance):g} m off, farther than any; give metres")
         back = np.diff(self.s) <= 0
         if back.any():
-            place = float(self.s[int(back.argmax())])
-            raise InputError(f"the {self.side} bank doubles back at {place:.0f} m along the centreline; mend it there")
+            along = float(self.s[int(back.argmax())])
+            raise InputError(f"the {self.side} bank doubles back at {along:.0f} m along the centreline; mend it there")
         if self.profile:
             _check_profile(self.profile, self.side)
 
@@ -90,9 +90,11 @@ class Bank:
             return line
         # Seen from far off, so that a profile that begins before its line leaves water too.
         away = [(FAR + out, up) for out, up in self.profile]
-        heights, place = np.unique(np.broadcast_to(height, line.shape), return_inverse=True)
-        back = np.array([where(away, own) - FAR if own > 0 else np.nan for own in heights.tolist()])
-        return np.asarray(line + back[place].reshape(line.shape))
+        heights, index = np.unique(np.broadcast_to(height, line.shape), return_inverse=True)
+        back = np.array(
+            [where(away, one_height) - FAR if one_height > 0 else np.nan for one_height in heights.tolist()]
+        )
+        return np.asarray(line + back[index].reshape(line.shape))
 
     def at(self, s: np.ndarray | float) -> np.ndarray:
         """Return the distance [m] at places; beyond the ends of the bank it stays.
@@ -124,9 +126,9 @@ def _check_profile(profile: tuple[Point, ...], side: str) -> None:
         )
     back = np.diff(points[:, 0]) < 0
     if back.any():
-        place = points[int(back.argmax()), 0]
+        distance = points[int(back.argmax()), 0]
         raise InputError(
-            f"the profile of the {side} bank turns back at {place:g} m; give its points outward from the toe"
+            f"the profile of the {side} bank turns back at {distance:g} m; give its points outward from the toe"
         )
 
 

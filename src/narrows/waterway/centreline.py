@@ -166,8 +166,8 @@ class Centreline:
         positions : array (n, 2) [m]
             East and north.
         """
-        found, n, _ = self._placed(self._from_distance(s), positions)
-        return found, n
+        nearest, n, _ = self._placed(self._from_distance(s), positions)
+        return nearest, n
 
     def at(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> np.ndarray:
         """Return positions, (..., 2): east and north [m].
@@ -202,7 +202,7 @@ class Centreline:
         east, north, heading = _in_blocks(posed, s.size)
         return np.stack([east, north], axis=-1).reshape(*s.shape, 2), heading.reshape(s.shape)
 
-    def place(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    def locate(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Return the nearest place on the line to positions: how far along it, and to starboard of it [m].
 
         Beyond an end of the line the place is on its straight continuation.
@@ -216,7 +216,7 @@ class Centreline:
         return s, n
 
     def placed(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the nearest place as ``place`` does [m], and the line's heading there [rad].
+        """Return the nearest place as ``locate`` does [m], and the line's heading there [rad].
 
         Parameters
         ----------
@@ -270,8 +270,8 @@ def _in_blocks(work: Callable[[slice], tuple[np.ndarray, ...]], count: int) -> t
     """Work on positions block by block on every core, and join the three columns that come out."""
     parts = [slice(i, i + BLOCK) for i in range(0, count, BLOCK)]
     with ThreadPoolExecutor() as pool:
-        found = list(pool.map(work, parts))
-    return tuple(np.concatenate([own[i] for own in found] or [np.empty(0)]) for i in range(3))
+        blocks = list(pool.map(work, parts))
+    return tuple(np.concatenate([block[i] for block in blocks] or [np.empty(0)]) for i in range(3))
 
 
 def _starboard(rate: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, needs
 
 BANKS = ("COALNE", "SLCONS", "canbnk", "rivbnk", "CANBNK", "RIVBNK")
 """Object classes that bound the water: coastline, shoreline construction, banks of canals and rivers."""
@@ -70,20 +70,16 @@ def read_chart(path: str | Path) -> Chart:
 
 
 def _library() -> Any:
-    try:
+    with needs("charts", "an electronic chart"):
         import pyogrio
         import pyogrio.errors
         import shapely  # noqa: F401
-    except ImportError:
-        raise InputError(
-            "charts need pyogrio and shapely: install narrows with its extra, pip install 'narrows[charts]'"
-        ) from None
     return pyogrio
 
 
 def _check_metres(pyogrio: Any, path: Path) -> None:
-    found = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]
-    unit = found["DSPM_DUNI"]
+    fields = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]
+    unit = fields["DSPM_DUNI"]
     if len(unit) and unit[0] != METRES:
         raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
 

@@ -49,13 +49,13 @@ def read_features(path: Path) -> list[Feature]:
         Where the file is no such collection.
     """
     with reading(path, "JSON"):
-        found = json.loads(path.read_text(encoding="utf-8"))
-        crs = json.dumps(found.get("crs")) if isinstance(found, Mapping) and found.get("crs") else ""
-    if not isinstance(found, Mapping) or found.get("type") != "FeatureCollection":
+        document = json.loads(path.read_text(encoding="utf-8"))
+        crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
+    if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
         raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
     if crs and not any(known in crs for known in KNOWN_CRS):
         raise InputError(f"{path}: its coordinates are in {crs[:80]}; convert them to WGS84 (CRS84)")
-    features = found.get("features")
+    features = document.get("features")
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
         raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
     return [
@@ -64,14 +64,14 @@ def read_features(path: Path) -> list[Feature]:
     ]
 
 
-def coordinates(feature: Feature, place: str) -> np.ndarray:
+def coordinates(feature: Feature, name: str) -> np.ndarray:
     """Return the points of a LineString, (n, 2): longitude and latitude [deg].
 
     Parameters
     ----------
     feature : Feature
         Its geometry.
-    place : str
+    name : str
         What it is, for a sentence.
 
     Raises
@@ -80,17 +80,17 @@ def coordinates(feature: Feature, place: str) -> np.ndarray:
         Where it is no LineString of two points or more on earth.
     """
     if feature.geometry.get("type") != "LineString":
-        raise InputError(f"{place} is a {shown(feature.geometry.get('type'))}; make it a LineString")
+        raise InputError(f"{name} is a {shown(feature.geometry.get('type'))}; make it a LineString")
     points = pairs(feature.geometry.get("coordinates"))
     if points is None:
-        raise InputError(f"{place} has a coordinate that is not two numbers; mend it")
+        raise InputError(f"{name} has a coordinate that is not two numbers; mend it")
     if len(points) < 2:
-        raise InputError(f"{place} has fewer than two points; add some")
+        raise InputError(f"{name} has fewer than two points; add some")
     wrong = ~((np.abs(points[:, 0]) <= 180) & (np.abs(points[:, 1]) <= 90))
     if wrong.any():
         first = points[int(wrong.argmax())]
         hint = "; latitude seems to come first" if abs(first[0]) <= 90 < abs(first[1]) <= 180 else ""
-        raise InputError(f"{place} has the point {first[0]:g}, {first[1]:g}, which is no longitude and latitude{hint}")
+        raise InputError(f"{name} has the point {first[0]:g}, {first[1]:g}, which is no longitude and latitude{hint}")
     return points
 
 
@@ -109,10 +109,10 @@ def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
     InputError
         Where it is not pairs of numbers.
     """
-    given = feature.properties.get("profile")
-    if given is None:
+    value = feature.properties.get("profile")
+    if value is None:
         return ()
-    points = pairs(given, exactly=True)
+    points = pairs(value, exactly=True)
     if points is None:
         raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it")
     if not len(points):
@@ -135,33 +135,57 @@ def depths_of(feature: Feature, count: int) -> np.ndarray | None:
     InputError
         Where they are not numbers, or neither one nor as many as points.
     """
-    given = feature.properties.get("depth")
-    if given is None:
+    depth = feature.properties.get("depth")
+    if depth is None:
         return None
-    values = [np.nan if value is None else number(value) for value in (given if isinstance(given, list) else [given])]
+    values = [np.nan if value is None else number(value) for value in (depth if isinstance(depth, list) else [depth])]
     if any(value is None for value in values):
-        raise InputError(f"the depth of the centreline, {shown(given)}, is not a number or one for each point; mend it")
+        raise InputError(f"the depth of the centreline, {shown(depth)}, is not a number or one for each point; mend it")
     if len(values) not in (1, count):
         raise InputError(f"the centreline has {count} points and {len(values)} depths; give one for each")
     return np.array(values, float)
 
 
-def pairs(given: Any, exactly: bool = False) -> np.ndarray | None:
+def depths_along(feature: Feature) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return places along a centreline and the depth at each [m], None without any.
+
+    Parameters
+    ----------
+    feature : Feature
+        Its properties.
+
+    Raises
+    ------
+    InputError
+        Where they are not pairs of numbers, or the places do not rise.
+    """
+    value = feature.properties.get("depths")
+    if value is None:
+        return None
+    points = pairs(value, exactly=True)
+    if points is None or not len(points):
+        raise InputError(f"the depths of the centreline, {shown(value)}, are not pairs of place and depth; mend them")
+    if not (np.diff(points[:, 0]) > 0).all():
+        raise InputError("the depths of the centreline do not rise along it; give their places in order, none twice")
+    return points[:, 0], points[:, 1]
+
+
+def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
     """Return lists of two numbers, or of more that are left out, as an array (n, 2); None where they are not.
 
     Parameters
     ----------
-    given : anything
+    items : anything
         As a file has it.
     exactly : bool
         Whether two numbers are all that may be.
     """
-    if not isinstance(given, list) or not all(isinstance(own, list) and len(own) >= 2 for own in given):
+    if not isinstance(items, list) or not all(isinstance(item, list) and len(item) >= 2 for item in items):
         return None
-    if exactly and any(len(own) > 2 for own in given):
+    if exactly and any(len(item) > 2 for item in items):
         return None
-    values = [[number(own[0]), number(own[1])] for own in given]
-    return None if any(None in own for own in values) else np.array(values, float).reshape(-1, 2)
+    values = [[number(item[0]), number(item[1])] for item in items]
+    return None if any(None in item for item in values) else np.array(values, float).reshape(-1, 2)
 
 
 def number(value: Any) -> float | None:
@@ -180,8 +204,8 @@ def number(value: Any) -> float | None:
         return None
 
 
-def _object(feature: Mapping[str, Any], name: str, place: str) -> Mapping[str, Any]:
-    found = feature.get(name)
-    if found is not None and not isinstance(found, Mapping):
-        raise InputError(f"{place}: its {name} are {shown(found)}, no object; mend them")
-    return found or {}
+def _object(feature: Mapping[str, Any], name: str, owner: str) -> Mapping[str, Any]:
+    value = feature.get(name)
+    if value is not None and not isinstance(value, Mapping):
+        raise InputError(f"{owner}: its {name} are {shown(value)}, no object; mend them")
+    return value or {}

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.files import write_whole
+from narrows.files import form_of, write_whole
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import Centreline
-from narrows.waterway.features import Feature, coordinates, depths_of, profile_of, read_features
+from narrows.waterway.features import Feature, coordinates, depths_along, depths_of, profile_of, read_features
 from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
 
@@ -24,7 +24,8 @@ def read_waterway(path: str | Path) -> Waterway:
     """Read a waterway.
 
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``
-    as one sails along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points.
+    as one sails along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points;
+    or ``depths``: pairs [distance along it, depth], rising [m].
     A bank that is no wall has ``profile``: points [distance beyond its line, height above the bottom], outward [m].
 
     Parameters
@@ -42,7 +43,7 @@ def read_waterway(path: str | Path) -> Waterway:
     points = {role: coordinates(feature, f"{path}: the {role}") for role, feature in features.items()}
     try:
         origin = origin_of(points["centreline"])
-        metres = {role: projected(own, origin) for role, own in points.items()}
+        metres = {role: projected(coordinates_of, origin) for role, coordinates_of in points.items()}
         line = Centreline(metres["centreline"])
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
         depths = _depths(features["centreline"], line)
@@ -66,10 +67,12 @@ def read_line(path: str | Path) -> np.ndarray:
         Where there is none, or more than one.
     """
     lines = [feature for feature in read_features(Path(path)) if feature.geometry.get("type") == "LineString"]
-    own = [feature for feature in lines if feature.role == "centreline"] or lines
-    if len(own) != 1:
-        raise InputError(f"{path}: has {len(own)} lines that may be the centreline; leave one, or give it its role")
-    return coordinates(own[0], f"{path}: the centreline")
+    centrelines = [feature for feature in lines if feature.role == "centreline"] or lines
+    if len(centrelines) != 1:
+        raise InputError(
+            f"{path}: has {len(centrelines)} lines that may be the centreline; leave one, or give it its role"
+        )
+    return coordinates(centrelines[0], f"{path}: the centreline")
 
 
 def write_waterway(waterway: Waterway, path: str | Path) -> None:
@@ -87,11 +90,11 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     InputError
         Where it does not know its origin, or the file cannot be written.
     """
+    form_of(path, (".geojson", ".json"))
     if waterway.origin is None:
         raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
     line, origin = waterway.line, np.array(waterway.origin)
-    levels = waterway.depth(line.stations) - waterway.level
-    depth = {} if waterway.depths is None else {"depth": levels.tolist()}
+    depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
     features = [_feature("centreline", np.asarray(line.points), origin, depth)]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}
@@ -115,21 +118,26 @@ def _feature(role: str, points: np.ndarray, origin: np.ndarray, more: Mapping[st
     return {"type": "Feature", "properties": {"role": role, **more}, "geometry": geometry}
 
 
-def _roles(features: list[Feature], place: str) -> dict[str, Feature]:
-    found: dict[str, Feature] = {}
+def _roles(features: list[Feature], file: str) -> dict[str, Feature]:
+    by_role: dict[str, Feature] = {}
     for feature in features:
-        if feature.role in ROLES and feature.role in found:
-            raise InputError(f"{place}: there are two lines with the role {feature.role}; leave one")
+        if feature.role in ROLES and feature.role in by_role:
+            raise InputError(f"{file}: there are two lines with the role {feature.role}; leave one")
         if feature.role is not None:
-            found[feature.role] = feature
+            by_role[feature.role] = feature
     for role in ROLES:
-        if role not in found:
-            raise InputError(f"{place}: no LineString has the property role = {role}; add it")
-    return {role: found[role] for role in ROLES}
+        if role not in by_role:
+            raise InputError(f"{file}: no LineString has the property role = {role}; add it")
+    return {role: by_role[role] for role in ROLES}
 
 
 def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray] | None:
     values = depths_of(feature, len(line.points))
+    along = depths_along(feature)
+    if along is not None and values is not None:
+        raise InputError("the centreline has both depth and depths; leave one")
+    if along is not None:
+        return along
     if values is None:
         return None
     if values.size == 1:

@@ -55,8 +55,8 @@ def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.nd
             ahead, out, line, turned = _seen(table, column, sign, offset)
             off = np.maximum(np.abs(out), np.abs(out_before)) * bend
             window = radius + step * (1 + off + bend * bend * step * (radius + 2 * step))
-            found = _lowest(before, out_before, ahead, out, window) - sag[0] * (1 + off) - sag[1] * window
-            least = np.where(left, np.minimum(least, found), least)
+            lowest = _lowest(before, out_before, ahead, out, window) - sag[0] * (1 + off) - sag[1] * window
+            least = np.where(left, np.minimum(least, lowest), least)
             passed = np.minimum(direction * ahead, direction * line) > window
             left &= ~(passed | (turned < TURNED_AWAY)) & (abs(offset) <= len(least))
             before, out_before = ahead, out

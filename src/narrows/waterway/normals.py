@@ -1,7 +1,7 @@
 """The normals of a centreline, and where they first meet a polyline on one side of it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,7 +13,7 @@ AT_ONCE = 4_000_000
 
 @dataclass(frozen=True)
 class Normals:
-    """The normals of a centreline to one side, and a polyline beside it.
+    """The normals of a centreline to one side, and a polyline beside it, or several end to end.
 
     Parameters
     ----------
@@ -23,11 +23,14 @@ class Normals:
         East and north of the polyline's points, no two in a row one place.
     sign : int
         1 for normals to starboard, -1 to port.
+    gaps : array of int
+        Pieces between two points that are not drawn, where one polyline ends and the next begins.
     """
 
     line: Centreline
     points: np.ndarray
     sign: int
+    gaps: np.ndarray = field(default_factory=lambda: np.empty(0, int))
 
     def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
         """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther.
@@ -58,12 +61,14 @@ class Normals:
         """
         distance, first = np.full(len(s), np.inf), np.full(len(s), -1)
         for part in self._parts(len(s)):
-            place, piece = np.nonzero(np.diff(self._behind(s[part]), axis=1))
-            met = self.met(s[part][place], piece)
-            place, piece, met = place[met > 0], piece[met > 0], met[met > 0]
-            order = np.lexsort((met, place))
-            own, at = np.unique(place[order], return_index=True)
-            distance[part.start + own], first[part.start + own] = met[order][at], piece[order][at]
+            crossed = np.diff(self._behind(s[part]), axis=1)
+            crossed[:, self.gaps] = False
+            normal, piece = np.nonzero(crossed)
+            met = self.met(s[part][normal], piece)
+            normal, piece, met = normal[met > 0], piece[met > 0], met[met > 0]
+            order = np.lexsort((met, normal))
+            normals, at = np.unique(normal[order], return_index=True)
+            distance[part.start + normals], first[part.start + normals] = met[order][at], piece[order][at]
         return distance, first
 
     def corners(self) -> np.ndarray:

@@ -58,9 +58,7 @@ def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
 
 
 def _projection(origin: np.ndarray) -> Any:
-    try:
-        from pyproj import Transformer
-    except ImportError:
-        raise InputError("maps need pyproj: install narrows with its extra, pip install 'narrows[canals]'") from None
+    from pyproj import Transformer
+
     local = f"+proj=tmerc +lon_0={origin[0]} +lat_0={origin[1]} +k=1 +datum=WGS84 +units=m"
     return Transformer.from_crs("OGC:CRS84", local, always_xy=True)

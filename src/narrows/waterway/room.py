@@ -99,11 +99,11 @@ def side_room(
     outline : array (2 * points,) [m]
         As in ``edge_room``.
     """
-    stern, bow, breadth, least = 0.0, 0.0, 0.0, inf
+    stern, bow, breadth, across, least = 0.0, 0.0, 0.0, 0.0, inf
     aft, fore = 0.0, 0.0
     for point in range(0, len(outline), 2):
         forward, out = outline[point], sign * outline[point + 1]
-        stern, bow = min(stern, forward), max(bow, forward)
+        stern, bow, across = min(stern, forward), max(bow, forward), min(across, out)
         if out > breadth:
             breadth, aft, fore = out, forward, forward
         elif out == breadth:
@@ -127,6 +127,9 @@ def side_room(
             if min(along, direction * next_a) > end or track[row + 2] * c + track[row + 3] * si < TURNED_AWAY:
                 break
             if row == 0 or row + ROW >= len(track):
+                break
+            # A bank that has passed ahead of the hull to its other side comes back as another reach of the river.
+            if direction * next_a > end and next_b < across:
                 break
             a, b = next_a, next_b
     return least

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import Described, InputError
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
@@ -15,6 +15,10 @@ DEEPEST = 12_000.0
 """More than any sea's depth [m]."""
 FASTEST = 100.0
 """More than any current [m/s]."""
+
+
+STRAIGHT = 1e-6
+"""Of its length over its radius: the bend of a line that is straight but for rounding."""
 
 
 class Section(NamedTuple):
@@ -38,8 +42,8 @@ class Section(NamedTuple):
     curvature: np.ndarray
 
 
-@dataclass(frozen=True)
-class Waterway:
+@dataclass(frozen=True, repr=False)
+class Waterway(Described):
     """A waterway.
 
     Parameters
@@ -91,20 +95,32 @@ class Waterway:
         reach = np.where(bend > 0, self.starboard.at(s), self.port.at(s))
         sharpest = int((np.abs(bend) * reach).argmax())
         if abs(bend[sharpest]) * reach[sharpest] >= 1:
-            place, radius = s[sharpest], 1 / abs(bend[sharpest])
+            along, radius = s[sharpest], 1 / abs(bend[sharpest])
             raise InputError(
-                f"{self.name}: at {place:.0f} m along it the centreline bends with a radius of {radius:.0f} m, inside "
+                f"{self.name}: at {along:.0f} m along it the centreline bends with a radius of {radius:.0f} m, inside "
                 "its own bank; give more points there, or smoother ones"
             )
         if self.depths is not None:
             wet = np.asarray(self.depths[1], float) + self.level
             hole = ~(np.isfinite(wet) & (wet > 0))
             if hole.any():
-                place = float(np.asarray(self.depths[0])[int(hole.argmax())])
+                along = float(np.asarray(self.depths[0])[int(hole.argmax())])
                 remedy = "fill the hole in the depths" if not self.level else f"raise the level of {self.level:g} m"
-                raise InputError(f"{self.name}: no depth of water at {place:.0f} m along it; {remedy}")
+                raise InputError(f"{self.name}: no depth of water at {along:.0f} m along it; {remedy}")
             if wet.max() > DEEPEST:
                 raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is in no sea; give it in metres")
+
+    def summary(self) -> str:
+        """Say its length, width, depth, sharpest bend and current."""
+        there = self.section(np.linspace(0, self.line.length, STATIONS))
+        bend = float(np.abs(there.curvature).max())
+        parts = [
+            f"{self.line.length:.4g} m long", f"{_between(there.width)} m wide",
+            "without a depth" if np.isnan(there.depth).all() else f"{_between(there.depth)} m deep",
+            f"sharpest bend of {1 / bend:.3g} m radius" if bend * self.line.length > STRAIGHT else "straight",
+        ]  # fmt: skip
+        current = f", current {self.current:g} m/s" if self.current else ""
+        return f"{self.name}: {', '.join(parts)}{current}"
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.
@@ -205,7 +221,7 @@ class Waterway:
         Raises
         ------
         InputError
-            Where the waterway is narrower than she is, or shallower: with the place.
+            Where the waterway is narrower than the ship is, or shallower: with the place.
         """
         s = np.linspace(0, self.line.length, STATIONS) if at is None else np.array([at])
         here = self.room(s, ship.draft)
@@ -259,3 +275,8 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     s, half = np.array([0.0, length]), np.full(2, canal.width / 2)
     depths = None if canal.depth is None else (s, np.full(2, canal.depth))
     return Waterway(Centreline(ends), Bank("starboard", s, half), Bank("port", s, half), depths, name="canal")
+
+
+def _between(values: np.ndarray) -> str:
+    """Lowest and highest, once where they are one."""
+    return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (float(np.nanmin(values)), float(np.nanmax(values)))))

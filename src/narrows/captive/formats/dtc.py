@@ -29,7 +29,7 @@ def recognises(frame: pd.DataFrame) -> bool:
     return set(HEADERS) <= set(frame.columns)
 
 
-def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring the layout to the documented headers (ours).
 
     Parameters
@@ -38,7 +38,7 @@ def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFra
         As read.
     chosen : str
         The user's selection of rows, already applied.
-    place : str
+    table : str
         The file.
 
     Raises
@@ -46,12 +46,12 @@ def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFra
     InputError
         Where a cell is no number, or the record is short or unevenly spaced.
     """
-    t, x, y, degrees = (check.numbers(frame, header, place) for header in HEADERS[:4])
+    t, x, y, degrees = (check.numbers(frame, header, table) for header in HEADERS[:4])
     psi = np.unwrap(np.radians(degrees))
     try:
         (north, ahead), (east, aside), (r, rdot) = (rates(t, position, CUTOFF) for position in (x, y, psi))
     except InputError as error:
-        raise InputError(f"{place}: {error}") from None
+        raise InputError(f"{table}: {error}") from None
     c, s = np.cos(psi), np.sin(psi)
     u, v = north * c + east * s, east * c - north * s
     translation = {

@@ -4,6 +4,8 @@ Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row a phase of a 
 ``env`` the environment (a water depth), ``rud_given_deg`` the rudder angle. Sinkage stands for heave.
 """
 
+import re
+
 import numpy as np
 import pandas as pd
 
@@ -18,6 +20,11 @@ RENAMED = {
     "rud_given_deg": "rudder [deg]",
     "n_meas_rpm": "revolutions [rpm]",
 }
+SPEAKS_OF = re.compile(r"\b(?:type|rud_given_deg|rudder\w*)\b")
+"""A selection that says which rudders or types it wants."""
+TURNED = (
+    "rudder is rud_given_deg with its sign turned, as it counts the other way there: positive turns the bow to port"
+)
 
 
 def recognises(frame: pd.DataFrame) -> bool:
@@ -31,7 +38,7 @@ def recognises(frame: pd.DataFrame) -> bool:
     return {"env", "type", "psi_deg", "rud_given_deg"} <= set(frame.columns)
 
 
-def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring the layout to the documented headers (ours).
 
     Unless the user's selection speaks of the type of test or of the rudder, harmonic tests with the rudder
@@ -43,13 +50,12 @@ def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFra
         As read.
     chosen : str
         The user's selection of rows, already applied.
-    place : str
+    table : str
         The file.
     """
-    # Their rudder angle counts the other way: positive turns the bow to port.
-    turned = -check.numbers(frame, "rud_given_deg", place)
+    turned = -check.numbers(frame, "rud_given_deg", table)
     frame = frame.assign(rud_given_deg=turned).rename(columns=RENAMED)
-    if "type" in chosen or "rud_given_deg" in chosen:
-        return frame, ()
+    if SPEAKS_OF.search(chosen):
+        return frame, (TURNED,)
     kept = frame[frame["type"].isin(HARMONIC) & (np.abs(frame["rudder [deg]"]) < 1)]
     return kept, (f"{len(kept)} of {len(frame)} rows read: harmonic sway and yaw with the rudder amidships",)

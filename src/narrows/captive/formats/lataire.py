@@ -44,7 +44,7 @@ def recognises(frame: pd.DataFrame) -> bool:
     return {"lateral position", "psi", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
 
 
-def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring the layout to the documented headers (ours).
 
     Parameters
@@ -53,26 +53,26 @@ def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFra
         As read.
     chosen : str
         The user's selection of rows, already applied.
-    place : str
+    table : str
         The file.
     """
-    ahead = frame[np.abs(check.numbers(frame, "psi", place)) < 90].rename(columns=RENAMED)
-    fore, aft = (check.numbers(ahead, f"sinkage {end}", place) for end in ("fore", "aft"))
+    ahead = frame[np.abs(check.numbers(frame, "psi", table)) < 90].rename(columns=RENAMED)
+    fore, aft = (check.numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
     ahead["heave [mm]"] = (fore + aft) / 2
     ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
     ahead["condition"] = "banks"
-    ahead = _between_walls(ahead, place)
+    ahead = _between_walls(ahead, table)
     left = len(frame) - len(ahead)
     notes = ("slopes and platforms are taken as the wall that leaves the same section; y is from between the walls",)
     return ahead, (f"{left} of {len(frame)} tests left out: sailed backwards", *notes) if left else notes
 
 
-def _between_walls(frame: pd.DataFrame, place: str) -> pd.DataFrame:
+def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
     """Give each row the width of its canal, and its offset from the middle of it."""
     for name in frame["bank"]:
         if name not in BANKS:
-            raise InputError(f"{place}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
-    depths = check.numbers(frame, "depth [m]", place)
+            raise InputError(f"{table}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
+    depths = check.numbers(frame, "depth [m]", table)
     walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(frame["bank"], depths, strict=True)])
-    y = check.numbers(frame, "y [m]", place) - (walls - WALL) / 2
+    y = check.numbers(frame, "y [m]", table) - (walls - WALL) / 2
     return frame.assign(**{"width [m]": walls + WALL, "y [m]": y})

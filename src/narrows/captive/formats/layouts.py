@@ -19,7 +19,7 @@ class Layout(Protocol):
             As read.
         """
 
-    def translated(self, frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    def translated(self, frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
         """Bring the layout to the documented headers, with what there is to say of it.
 
         Parameters
@@ -28,7 +28,7 @@ class Layout(Protocol):
             As read.
         chosen : str
             The user's selection of rows, already applied.
-        place : str
+        table : str
             The file.
         """
 
@@ -36,7 +36,7 @@ class Layout(Protocol):
 LAYOUTS: tuple[Layout, ...] = (fhr, lataire, dtc)
 
 
-def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Bring a frame of a known layout to the documented headers, with what there is to say of it (ours).
 
     Parameters
@@ -45,10 +45,10 @@ def translated(frame: pd.DataFrame, chosen: str, place: str) -> tuple[pd.DataFra
         As read.
     chosen : str
         The user's selection of rows, already applied.
-    place : str
+    table : str
         The file.
     """
     for layout in LAYOUTS:
         if layout.recognises(frame):
-            return layout.translated(frame, chosen, place)
+            return layout.translated(frame, chosen, table)
     return frame, ()

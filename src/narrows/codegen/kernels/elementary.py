@@ -71,9 +71,9 @@ def angle(cosine, sine):
     by = real({quarter_turn!r}) if most else (real({eighth_turn!r}) if some else real(0.0))
     t = (a * turn_c - b * turn_s) / (b * turn_c + a * turn_s)
     q = t * t
-    found = by + t * ({series})
-    found = found if cosine >= real(0.0) else real({half_turn!r}) - found
-    return found if sine >= real(0.0) else -found
+    arctangent = by + t * ({series})
+    arctangent = arctangent if cosine >= real(0.0) else real({half_turn!r}) - arctangent
+    return arctangent if sine >= real(0.0) else -arctangent
 """
 
 
@@ -119,10 +119,10 @@ def _angle_text() -> str:
         top = mp.tan(mp.mpf(radians(22.51))) ** 2
         places = [top * (1 + mp.cos(mp.pi * (2 * k + 1) / (2 * ANGLE_TERMS))) / 2 for k in range(ANGLE_TERMS)]
         values = mp.matrix([mp.atan(mp.sqrt(q)) / mp.sqrt(q) for q in places])
-        found = mp.lu_solve(mp.matrix([[q**p for p in range(ANGLE_TERMS)] for q in places]), values)
-        series = f"real({float(found[ANGLE_TERMS - 1])!r})"
+        coefficients = mp.lu_solve(mp.matrix([[q**p for p in range(ANGLE_TERMS)] for q in places]), values)
+        series = f"real({float(coefficients[ANGLE_TERMS - 1])!r})"
         for k in reversed(range(ANGLE_TERMS - 1)):
-            series = f"real({float(found[k])!r}) + q * ({series})"
+            series = f"real({float(coefficients[k])!r}) + q * ({series})"
         numbers = {
             "eighth": float(mp.tan(mp.pi / 8)), "three_eighths": float(mp.tan(3 * mp.pi / 8)),
             "half": float(mp.sqrt(mp.mpf(1) / 2)), "quarter_turn": float(mp.pi / 2), "eighth_turn": float(mp.pi / 4),

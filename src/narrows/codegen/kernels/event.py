@@ -16,8 +16,10 @@ CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2,
 ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
 """Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
 numbers ran out."""
-MOST_TRIES, HALVE_EACH = 120, 8
+MOST_TRIES, HALVE_EACH = 600, 8
 SHORTEST = 0.1
+AIM = 0.8
+"""Of what a step may take of the room: what the next one aims at."""
 
 
 def begin(book: Book, length: float, count: float, rest: float) -> None:
@@ -37,11 +39,18 @@ def last_step(book: Book) -> int:
     return ON
 
 
-def judge(book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float) -> int:
+def cleared(room: float, before: float, leaves: float) -> float:
+    """Return how much more room a step left than it must [m]: a share of what was, where suction ends infinite."""
+    return room - leaves * before if leaves > 0.0 else room
+
+
+def judge(
+    book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float, leaves: float
+) -> int:
     """Say what becomes of a voyage after a try, ``left`` of the planned steps being left."""
-    tried = book[NEXT]
+    tried, clear = book[NEXT], cleared(room, before, leaves)
     if book[TRIES] == 0.0:
-        if sane and room > 0.0:
+        if sane and clear > 0.0:
             book[CLOCK] += book[PLANNED] * tried
             return last_step(book)
         book[CLOCK] += (book[PLANNED] - left - 1.0) * tried
@@ -50,25 +59,27 @@ def judge(book: Book, left: float, room: float, before: float, sane: bool, toler
         book[CLOCK] += tried
         return CLOSED
     book[TRIES] += 1.0
-    if sane and room > 0.0:
-        return advanced(book, tried, room, near)
+    if sane and clear > 0.0:
+        taken = max(before - room, 0.0) if leaves > 0.0 else 0.0
+        longer = min(2.0, AIM * (1.0 - leaves) * room / taken) if taken > 0.0 else 2.0
+        return advanced(book, tried, longer, room, near)
     if book[TRIES] > MOST_TRIES:
         return LOST
     share = 0.5
     if sane and before > 0.0 and book[TRIES] % HALVE_EACH != 0.0:
-        share = max(before / (before - room), SHORTEST)
+        share = max(cleared(before, before, leaves) / (before - room), SHORTEST)
     book[NEXT], book[COUNT] = share * tried, 1.0
     return BACK
 
 
-def advanced(book: Book, tried: float, room: float, near: float) -> int:
+def advanced(book: Book, tried: float, longer: float, room: float, near: float) -> int:
     """Keep a part of a step that went well, and set up the next."""
     book[CLOCK] += tried
     book[SPAN] -= tried
     if book[SPAN] > 1e-13 * book[LENGTH]:
         if book[TRIES] > MOST_TRIES:
             return CLOSED if room <= near else LOST
-        book[NEXT], book[COUNT] = min(book[SPAN], 2.0 * tried), 1.0
+        book[NEXT], book[COUNT] = min(book[SPAN], longer * tried), 1.0
         return ON
     if book[AFTER] == 0.0:
         return last_step(book)

@@ -39,7 +39,7 @@ def exp(x):
 
 
 def exponential_text(precision: str) -> str:
-    """Write the function ``exp`` of a kernel, good to a unit in the last place.
+    """Write the function ``exp`` of a kernel, good to a unit in the last place [1]_.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Newton's method for many steady courses, ship by ship: its text ends a generated module, below ``balance``.
 
-``balance(drift, angle, given)`` gives the accelerations in sway and yaw, and their slopes by drift over speed and by
+``balance(drift, angle, inputs)`` gives the accelerations in sway and yaw, and their slopes by drift over speed and by
 the rudder's angle. The search starts straight ahead with the rudder amidships and takes no long steps.
 """
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     def cached(function: Function) -> Function:
         """Compile once for all processes."""
 
-    def balance(drift: float, angle: float, given: Array) -> Any:
+    def balance(drift: float, angle: float, inputs: Array) -> Any:
         """Accelerations in sway and yaw, and their slopes."""
 
 
@@ -29,12 +29,12 @@ LARGEST = 0.25  # step of the search
 
 
 @cached
-def solve(given: "Array", drifts: "Array", angles: "Array") -> None:
-    """Find drift over speed and rudder angle [rad] of every row of ``given``, NaN where no course holds."""
-    for row in range(len(given)):
-        drift, angle, found = 0.0, 0.0, False
+def solve(inputs: "Array", drifts: "Array", angles: "Array") -> None:
+    """Find drift over speed and rudder angle [rad] of every row of ``inputs``, NaN where no course holds."""
+    for row in range(len(inputs)):
+        drift, angle, converged = 0.0, 0.0, False
         for _ in range(ROUNDS):
-            a, b, a_drift, a_angle, b_drift, b_angle = balance(drift, angle, given[row])
+            a, b, a_drift, a_angle, b_drift, b_angle = balance(drift, angle, inputs[row])
             determinant = a_drift * b_angle - a_angle * b_drift
             step = (a_angle * b - b_angle * a) / determinant
             turn = (b_drift * a - a_drift * b) / determinant
@@ -43,7 +43,7 @@ def solve(given: "Array", drifts: "Array", angles: "Array") -> None:
             if not (abs(drift) < FURTHEST and abs(angle) < FURTHEST):
                 break
             if abs(step) < DONE and abs(turn) < DONE:
-                found = True
+                converged = True
                 break
-        drifts[row] = drift if found else np.nan
-        angles[row] = angle if found else np.nan
+        drifts[row] = drift if converged else np.nan
+        angles[row] = angle if converged else np.nan

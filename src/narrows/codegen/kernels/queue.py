@@ -23,15 +23,17 @@ if TYPE_CHECKING:
         NEXT,
         TRIES,
         begin,
+        cleared,
         judge,
     )  # fmt: skip
 
     Function = TypeVar("Function", bound=Callable[..., Any])
     Array = np.ndarray[Any, Any]
-    LANES = FIELDS = KEPT = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = FIRST_OWN = 0
+    LANES = FIELDS = KEPT = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = FIRST_VESSEL_INPUT = 0
     X = Y = COS = SIN = U = V = R = AT_LEAST_COS = AT_X_LAST = AT_X_FIRST = AT_MOST_SPEED = AT_MOST_RATE = 0
     AT_CELLS_A_METRE = 0
     EXACT = WATERWAY = False
+    LEAVES = 0.0
     real = np.float64
 
     def called(function: Function) -> Function:
@@ -67,7 +69,10 @@ def true_room(block: "Array", lane: int, first: int, track: "Array", outline: "A
 
 
 @called
-def is_sane(block: "Array", lane: int, room: float, shared: "Array") -> bool:
+def is_sane(block: "Array", lane: int, room: float, shared: "Array", near: float) -> bool:
+    """Whether the numbers are those of a ship; drawn to a bank that ends its voyage any speed is."""
+    if LEAVES > 0.0 and room <= near:
+        return True
     most = shared[AT_MOST_SPEED]
     slow = abs(block[U * LANES + lane]) < most and abs(block[V * LANES + lane]) < most
     return slow and abs(block[R * LANES + lane]) < shared[AT_MOST_RATE] and room == room  # not NaN
@@ -99,15 +104,15 @@ def attend(
 ) -> int:
     """Say what becomes of a lane that a step has flagged: an outcome, or RUNNING with what comes next set up."""
     room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
-    sane = is_sane(block, lane, room, shared)
+    sane = is_sane(block, lane, room, shared, limits[NEAR])
     if EXACT and sane and (room <= 0.0 or book[lane, TRIES] > 0.0):
         # The lanes' own room is a lower bound: ask the banks.
         room, block[LEAN * LANES + lane] = true_room(block, lane, 0, track, outline, shared)
-        if room > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
-            return RUNNING
+    if sane and cleared(room, before, LEAVES) > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
+        return RUNNING
     if EXACT and (book[lane, TRIES] > 0.0 or not (sane and room > 0.0)):
         before = true_room(block, lane, OLD, track, outline, shared)[0]
-    fate = judge(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR])
+    fate = judge(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR], LEAVES)
     if fate == CLOSED:
         return cause_of(block, lane, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
     if fate == FINISHED:
@@ -124,22 +129,22 @@ def attend(
 
 @called
 def load_lane(
-    block: "Array", lane: int, book: "Array", vessel: int, start: "Array", times: "Array", own: "Array",
+    block: "Array", lane: int, book: "Array", vessel: int, start: "Array", times: "Array", vessel_inputs: "Array",
     table: "Array", shared: "Array", track: "Array", outline: "Array", limits: "Array",
 ) -> int:  # fmt: skip
     """Put a vessel into a lane; return its outcome where the voyage ends where it begins, else RUNNING."""
     for field in range(KEPT):
         block[field * LANES + lane] = start[vessel, field]
         block[(OLD + field) * LANES + lane] = start[vessel, field]
-    for field in range(own.shape[1]):
-        block[(FIRST_OWN + field) * LANES + lane] = own[vessel, field]
+    for field in range(vessel_inputs.shape[1]):
+        block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[vessel, field]
     room, lean = room_of(block, lane, table, shared)
     if EXACT and room <= 0.0:
         room, lean = true_room(block, lane, 0, track, outline, shared)
     block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
     begin(book[lane], times[vessel, 0], times[vessel, 1], times[vessel, 2])
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
-    if not is_sane(block, lane, room, shared):
+    if not is_sane(block, lane, room, shared, 0.0):
         return DIVERGED
     if not room > 0.0:
         return cause_of(block, lane, shared, 0.0)
@@ -170,8 +175,8 @@ def unload_lane(
 
 @cached
 def sail(
-    start: "Array", times: "Array", own: "Array", table: "Array", shared: "Array", track: "Array", outline: "Array",
-    limits: "Array",
+    start: "Array", times: "Array", vessel_inputs: "Array", table: "Array", shared: "Array", track: "Array",
+    outline: "Array", limits: "Array",
     end: "Array", time: "Array", codes: "Array", memory: "Array", book: "Array", who: "Array",
 ) -> int:  # fmt: skip
     """Sail every vessel to its end; return the lane-steps that it took."""
@@ -180,7 +185,7 @@ def sail(
     active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
     for lane in range(LANES):
         who[lane] = -1
-        load_lane(block, lane, book, 0, start, times, own, table, shared, track, outline, limits)
+        load_lane(block, lane, book, 0, start, times, vessel_inputs, table, shared, track, outline, limits)
         idle_lane(block, lane)
         block[FLAG * LANES + lane] = 1.0
     flagged = True
@@ -196,7 +201,9 @@ def sail(
                 who[lane], active = -1, active - 1
                 idle_lane(block, lane)
             while queue < vessels:
-                fate = load_lane(block, lane, book, queue, start, times, own, table, shared, track, outline, limits)
+                fate = load_lane(
+                    block, lane, book, queue, start, times, vessel_inputs, table, shared, track, outline, limits
+                )
                 queue += 1
                 if fate == RUNNING:
                     who[lane], active = queue - 1, active + 1

@@ -32,7 +32,7 @@ class Lanes:
         The program.
     kept : tuple of str
         What goes from step to step.
-    own : tuple of str
+    varying : tuple of str
         Inputs that each vessel has of its own, if the program asks for them; all others are shared.
     count : int
         Lanes of a block.
@@ -40,7 +40,7 @@ class Lanes:
 
     step: Step
     kept: tuple[str, ...]
-    own: tuple[str, ...]
+    varying: tuple[str, ...]
     count: int
 
     @cached_property
@@ -58,44 +58,44 @@ class Lanes:
         return tuple(sorted(asked - made - {*self.kept, *BOOK}))
 
     @property
-    def own_inputs(self) -> tuple[str, ...]:
+    def vessel_inputs(self) -> tuple[str, ...]:
         """The inputs of each vessel's own."""
-        return tuple(name for name in self.inputs if name in self.own)
+        return tuple(name for name in self.inputs if name in self.varying)
 
     @property
     def shared_inputs(self) -> tuple[str, ...]:
         """The inputs that all vessels share."""
-        return tuple(name for name in self.inputs if name not in self.own)
+        return tuple(name for name in self.inputs if name not in self.varying)
 
     @cached_property
     def _last_use(self) -> dict[str, int]:
         """The last round in which each number is read."""
-        found = {name: place for place, part in enumerate(self.parts) for _, value in part for name in _names(value)}
-        return found | {name: len(self.parts) - 1 for value in self.step.out.values() for name in _names(value)}
+        last = {name: number for number, part in enumerate(self.parts) for _, value in part for name in _names(value)}
+        return last | {name: len(self.parts) - 1 for value in self.step.out.values() for name in _names(value)}
 
     @cached_property
     def fields(self) -> dict[str, int]:
         """Where each number of a lane starts in the block; fields are used again once what was in them is dead."""
-        names = [*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.own_inputs]
-        place = {name: number for number, name in enumerate(names)}
+        names = [*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.vessel_inputs]
+        index = {name: number for number, name in enumerate(names)}
         total, free, busy = len(names), list[int](), list[str]()
         for number, part in enumerate(self.parts):
             for name in [name for name in busy if self._last_use[name] < number]:
                 busy.remove(name)
-                free.append(place[name])
+                free.append(index[name])
             for name in (str(target) for target, _ in part):
                 if self._last_use.get(name, -1) > number:
-                    place[name] = free.pop() if free else total
-                    total += place[name] == total
+                    index[name] = free.pop() if free else total
+                    total += index[name] == total
                     busy.append(name)
-        return place
+        return index
 
     @property
     def size(self) -> int:
         """Fields of a lane."""
         return max(self.fields.values()) + 1
 
-    def place(self, name: str) -> str:
+    def entry(self, name: str) -> str:
         """Return the text of a lane's entry in a field.
 
         Parameters
@@ -105,53 +105,57 @@ class Lanes:
         """
         return f"block[{self.fields[name] * self.count} + lane]"
 
-    def text(self, printer: Arithmetic) -> str:
+    def text(self, printer: Arithmetic, leaves: float = 0.0) -> str:
         """Print the function ``step(block, table, shared)``, that says whether any lane wants attention.
 
         Parameters
         ----------
         printer : Arithmetic
             Writes expressions.
+        leaves : float [1]
+            Share of the room before it that a step must leave.
         """
         head = [f"{name} = shared[{number}]" for number, name in enumerate(self.shared_inputs)]
         body = [*head, "all_well = True"]
         for number, part in enumerate(self.parts):
             body.append(f"for lane in range({self.count}):")
-            body += [f"    {line}" for line in self._round(number, part, printer)]
+            body += [f"    {line}" for line in self._round(number, part, printer, leaves)]
         return "\n    ".join(["@jit\ndef step(block, table, shared):", *body, "return not all_well"]) + "\n"
 
-    def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic) -> Iterator[str]:
+    def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic, leaves: float) -> Iterator[str]:
         last = number == len(self.parts) - 1
         made = {str(target) for target, _ in part}
         read = {name for _, value in part for name in _names(value)}
         if last:
             read |= {name for value in self.step.out.values() for name in _names(value)} | set(self.kept)
         for name in sorted(read - made - set(self.shared_inputs)):
-            yield f"{name} = {self.place(name)}"
+            yield f"{name} = {self.entry(name)}"
         for target, value in part:
             yield f"{target} = {printer.doprint(value)}"
         for name in sorted(made):
             if self._last_use.get(name, -1) > number:
-                yield f"{self.place(name)} = {name}"
+                yield f"{self.entry(name)} = {name}"
         if last:
-            yield from self._close(printer)
+            yield from self._close(printer, leaves)
 
-    def _close(self, printer: Arithmetic) -> Iterator[str]:
+    def _close(self, printer: Arithmetic, leaves: float) -> Iterator[str]:
         """Keep what was before the step and what is after it, and say whether the lane sails on."""
         out = {name: printer.doprint(sympy.sympify(value)) for name, value in self.step.out.items()}
         for name in self.kept:
-            yield f"{self.place(f'old {name}')} = {name}"
-        yield f"{self.place('room_before')} = {self.place('room')}"
+            yield f"{self.entry(f'old {name}')} = {name}"
+        yield f"room_before = {self.entry('room')}"
+        yield f"{self.entry('room_before')} = room_before"
         for name in ("room", "lean", *self.kept):
             if name in out:
-                yield f"{self.place(name)} = {out[name]}"
-        yield f"left = {self.place('left')} - {printer.number('1.0')}"
-        yield f"{self.place('left')} = left"
+                yield f"{self.entry(name)} = {out[name]}"
+        yield f"left = {self.entry('left')} - {printer.number('1.0')}"
+        yield f"{self.entry('left')} = left"
         zero, one = printer.number("0.0"), printer.number("1.0")
-        yield f"well = (left > {zero}) & ({out['room']} > {zero})"
+        must = f"{printer.number(repr(leaves))} * room_before" if leaves else zero
+        yield f"well = (left > {zero}) & ({out['room']} > {must})"
         for name, most in SPEED_LIMITS.items():
             yield f"well = well & (abs({out[name]}) < {most})"
-        yield f"{self.place('flag')} = {zero} if well else {one}"
+        yield f"{self.entry('flag')} = {zero} if well else {one}"
         yield "all_well = all_well & well"
 
 

@@ -87,7 +87,7 @@ def function_text(
     table : bool
         Whether its first argument is the table of a waterway.
     """
-    given = (*(("table",) if table else ()), *arguments)
+    parameters = (*(("table",) if table else ()), *arguments)
     body = [f"{target} = {plain.doprint(value)}" for target, value in assignments]
     values = ", ".join(plain.doprint(sympy.sympify(value)) for value in results)
-    return "\n    ".join([f"def {name}({', '.join(given)}):", *body, f"return ({values},)"]) + "\n"
+    return "\n    ".join([f"def {name}({', '.join(parameters)}):", *body, f"return ({values},)"]) + "\n"

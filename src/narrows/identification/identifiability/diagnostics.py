@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.identification.identifiability.diagnosis import Diagnosis, diagnose
+from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
@@ -21,10 +22,13 @@ class Diagnostics:
         The sums.
     terms : TermTable
         The terms.
+    motions : DistinctMotions
+        The distinct motions, and their speeds.
     """
 
     equations: NormalEquations
     terms: TermTable
+    motions: DistinctMotions
 
     @cached_property
     def overall(self) -> dict[str, Diagnosis]:
@@ -39,9 +43,10 @@ class Diagnostics:
     @cached_property
     def by_speed(self) -> dict[float, dict[str, Diagnosis]]:
         """Over the tests of each speed together: mean speed [m/s] -> force -> diagnosis."""
-        speeds, sums = self.equations.speeds, self.equations.sums
+        motions = self.motions
         return {
-            float(np.mean(speeds[group])): self.over(sums[group].sum(axis=0)) for group in self.equations.speed_groups
+            float(np.mean(motions.features["speed"][own])): self.over(motions.sums[own].sum(axis=0))
+            for own in motions.by_speed
         }
 
     def over(self, sums: np.ndarray) -> dict[str, Diagnosis]:

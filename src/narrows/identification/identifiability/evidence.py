@@ -1,47 +1,177 @@
-"""What each verdict is drawn from: the columns over all rows, at each speed, and without each cluster of rows."""
+"""What each verdict is drawn from: the interval of the error model, and whether other fits agree with the one made."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
-from narrows.identification.identifiability.diagnostics import Diagnostics
-from narrows.identification.identifiability.verdict import WEAK, Evidence, Verdict, judge
-from narrows.identification.uncertainty.clusters import Clusters
-from narrows.terms.term import Term
+import numpy as np
+
+from narrows.identification.identifiability.strata import Alternative, Kind, Strata
+from narrows.identification.motions import DistinctMotions
+from narrows.identification.regression.problem import Problem
+from narrows.identification.uncertainty.interval import t_quantile
+from narrows.identification.uncertainty.unbounded_fit import ErrorModel, freedoms
+
+SEEN = 2.0
+"""Standard errors of a difference between two fits beyond which the interval reaches over it."""
+MOST_WIDENED = 2.0
+"""Half widths that this may add."""
+CONTRADICTION = 0.01
+"""Level at which estimates contradict each other, over how many are compared."""
+ONE_TEST = 0.75
+"""Share of what is known that may go with one motion: without it the standard error doubles."""
+MATTERS = 0.5
+"""Of the interval's half width: a smaller difference contradicts nothing."""
 
 
-def verdicts(
-    diagnostics: Diagnostics,
-    clusters: Clusters,
-    intervals: Mapping[str, tuple[float, float]],
-    at_bound: Collection[str],
-) -> dict[str, Verdict]:
-    """Say how far each coefficient of a fit can be trusted (ours).
+@dataclass(frozen=True)
+class ComparedEstimate:
+    """An alternative estimate beside the fit's own, in the coefficient's unit.
 
     Parameters
     ----------
-    diagnostics : Diagnostics
-        Of the columns.
-    clusters : Clusters
-        Rows that are left out together.
-    intervals : mapping of str to pair of float
-        95 % confidence interval of each coefficient.
-    at_bound : collection of str
-        Coefficients that the fit pressed against a bound.
+    kind : Kind
+        What it is made of.
+    label : str
+        In words.
+    value : float
+        NaN where nothing is left of the coefficient.
+    reach : float
+        Half of its 95 % interval.
+    share : float [1]
+        Of the information that the fit has: variance of the fit over that of the alternative.
+    contradicts : bool
+        Whether it is farther from the fit than the scatter of the data allows, and by what matters.
+    place : pair of str and float, optional
+        Which stratum alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
     """
-    rests = {label: diagnostics.over(rest) for label, rest in zip(clusters.labels, clusters.without, strict=True)}
 
-    def verdict(force: str, term: Term) -> Verdict:
-        known = diagnostics.determined(term.name)
-        pinned = [label for label, rest in rests.items() if known and not diagnostics.determined(term.name, rest)]
-        speeds = {speed: by_force[force] for speed, by_force in diagnostics.by_speed.items()}
-        overall, pressed = diagnostics.overall[force], term.name in at_bound
-        evidence = Evidence(overall, speeds, intervals[term.name], pressed, tuple(pinned))
-        return _with_ties(judge(term, evidence), known)
+    kind: Kind
+    label: str
+    value: float
+    reach: float
+    share: float
+    contradicts: bool
+    place: tuple[str, float] | None = None
 
-    return {term.name: verdict(force, term) for force, part in diagnostics.terms.forces.items() for term in part}
+    @property
+    def lost(self) -> bool:
+        """Whether nothing is left of the coefficient."""
+        return not np.isfinite(self.value)
+
+    @property
+    def holds_zero(self) -> bool:
+        """Whether its interval holds 0."""
+        return abs(self.value) <= self.reach
 
 
-def _with_ties(verdict: Verdict, known: bool) -> Verdict:
-    """A coefficient that its own force leaves open may still be known through one that it is tied to."""
-    if verdict.determined or not known:
-        return verdict
-    return Verdict(WEAK, (f"{verdict.reasons[0]}, so that only its tie determines it",))
+class Evidence:
+    """Everything that speaks for or against the coefficients of a fit.
+
+    Parameters
+    ----------
+    problem : Problem
+        The terms.
+    motions : DistinctMotions
+        The distinct motions.
+    model : ErrorModel
+        The fit and its errors.
+    """
+
+    def __init__(self, problem: Problem, motions: DistinctMotions, model: ErrorModel) -> None:
+        self.problem, self.motions, self.model = problem, motions, model
+        self.slots = [problem.slot[term.name] for term in problem.terms.terms]
+        self.freedom = freedoms(problem, model)
+        self.std = np.sqrt(np.maximum(np.diag(model.of_theta), 0.0))
+
+    @cached_property
+    def alternatives(self) -> list[list[Alternative]]:
+        """Of each coefficient; none where the fit does not determine it."""
+        strata = Strata(self.problem, self.motions, self.model)
+        live = self.model.best.known & ~self.model.held
+        return [list(strata.of(i)) if live[slot] else [] for i, slot in enumerate(self.slots)]
+
+    @cached_property
+    def plain(self) -> np.ndarray:
+        """Half of each 95 % interval before it reaches over what other fits show, (n,)."""
+        return np.asarray(t_quantile(self.counts) * self._errors[0])
+
+    @property
+    def counts(self) -> np.ndarray:
+        """Degrees of freedom of each standard error, and one, (n,)."""
+        return self._errors[1]
+
+    @cached_property
+    def _errors(self) -> tuple[np.ndarray, np.ndarray]:
+        """Standard errors by the error model, or by what each motion moves where that reaches farther; their counts.
+
+        What moves a coefficient that rests on one motion says nothing of its error, nor is it asked where runs are said
+        not to differ.
+        """
+        assumed, counts = self.std[self.slots], self.freedom + 1
+        if self.model.errors.none:
+            return assumed, counts
+        std, freedom = self.model.jackknife
+        moved = np.where(self._gone_with_one > ONE_TEST, 0.0, std)[self.slots]
+        fewer = freedom[self.slots] + 1
+        farther = t_quantile(fewer) * moved > t_quantile(counts) * assumed
+        return np.where(farther, moved, assumed), np.where(farther, fewer, counts)
+
+    @cached_property
+    def _gone_with_one(self) -> np.ndarray:
+        """The largest share of what is known of each parameter that goes with one motion, (p,)."""
+        least = np.full(len(self.std), np.inf)
+        for one in self.model.left_out:
+            variance = np.where(one.known, np.diag(one.covariance(self.model.covariance)), np.inf)
+            least = np.minimum(least, self.std**2 / np.where(variance > 0, variance, np.inf))
+        return np.asarray(1 - least)
+
+    @cached_property
+    def errors(self) -> np.ndarray:
+        """Standard errors whose intervals reach over errors of form that are seen; tied coefficients alike, (n,)."""
+        seen = np.array([self._seen(i) for i in range(len(self.slots))])
+        std = self._errors[0] + seen / t_quantile(self.counts)
+        slots = np.array(self.slots)
+        return np.array([std[slots == slot].max() for slot in slots])
+
+    def _seen(self, index: int) -> float:
+        """The largest difference to another fit that is over two of its errors; none where runs do not differ."""
+        if self.model.errors.none:
+            return 0.0
+        own = self.model.theta[self.slots[index]]
+        moved = [abs(a.value - own) for a in self.alternatives[index] if abs(a.value - own) > SEEN * a.gap]
+        return min(max(moved, default=0.0), MOST_WIDENED * float(self.plain[index]))
+
+    def compared(self, index: int) -> Iterator[ComparedEstimate]:
+        """Yield the alternatives of a coefficient beside the fit.
+
+        Parameters
+        ----------
+        index : int
+            Of the term.
+        """
+        slot, own = self.slots[index], self.alternatives[index]
+        level = 1 - CONTRADICTION / max(len(own), 1)
+        force = self._force(index)
+        limit = float(t_quantile(self.model.fit[force].freedom + 1, level))
+        reach = float(t_quantile(self.freedom[index] + 1))
+        theta, scale = self.model.theta[slot], self.problem.scale[slot]
+        for a in own:
+            apart = abs(a.value - theta)
+            share = 0.0 if a.lost else float(self.std[slot] ** 2 / a.std**2)
+            against = bool(apart > max(limit * a.gap, MATTERS * self.plain[index]))
+            yield ComparedEstimate(a.kind, a.label, a.value / scale, reach * a.std / scale, share, against, a.place)
+
+    def _force(self, index: int) -> int:
+        parts = [part for part in self.problem.terms.forces.values() if part]
+        return int(np.searchsorted(np.cumsum([len(part) for part in parts]), index, side="right"))
+
+    def lack_of_fit(self, index: int) -> float:
+        """Return the probability of as much scatter as there is in a coefficient's force [1]; NaN if unknown.
+
+        Parameters
+        ----------
+        index : int
+            Of the term.
+        """
+        return self.model.fit[self._force(index)].p

@@ -1,23 +1,24 @@
-"""Which test tells of which coefficient, and which one moves it: the fit with each test left out."""
+"""Which motion tells of which coefficient, and which one moves it: the fit with each left out, its repeats with it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.identification.regression.batch import RIDGE, solve_many
-from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.motions import DistinctMotions
+from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.problem import Problem
+from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 
 @dataclass(frozen=True)
 class Influence:
-    """What each test does to each coefficient.
+    """What each distinct motion does to each coefficient.
 
     Parameters
     ----------
     tests : tuple of str
-        The tests.
+        The motions, each called by its first test and the number of its repeats.
     names : tuple of str
         The coefficients.
     information : array (tests, n) [1]
@@ -72,22 +73,28 @@ class Influence:
         return self.names.index(name)
 
 
-def influence(problem: Problem, equations: NormalEquations) -> Influence:
-    """Leave out each test in turn (ours).
+def influence(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> Influence:
+    """Leave out each distinct motion in turn (ours).
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    equations : NormalEquations
-        The sums.
+    motions : DistinctMotions
+        The distinct motions.
+    model : ErrorModel
+        Says how large their errors are.
     """
-    tests = equations.by_test()
-    total = tests.sum(axis=0)
-    h, g = problem.normal(np.concatenate([total[None], total - tests]))
+    h, g = problem.normal(np.concatenate([motions.sums.sum(axis=0)[None], motions.without]))
     z = solve_many(h, g, problem.lower, problem.upper)
-    variance = np.diagonal(np.linalg.inv(h + RIDGE * np.eye(h.shape[-1])), axis1=1, axis2=2)
+    variance = np.diag(model.of_theta)
+    shares = [_gone(variance, one.known, np.diag(one.covariance(model.covariance))) for one in model.left_out]
     slots = [problem.slot[name] for name in problem.terms.names]
-    known = np.where(np.diag(h[0]) > 0, 1 - variance[0] / variance[1:], 0.0)
     moved = problem.coefficients(z[0] - z[1:])
-    return Influence(equations.names, problem.terms.names, np.clip(known, 0.0, 1.0)[:, slots], moved)
+    return Influence(motions.labels, problem.terms.names, np.array(shares)[:, slots], moved)
+
+
+def _gone(whole: np.ndarray, known: np.ndarray, without: np.ndarray) -> np.ndarray:
+    """Share of what is known of each parameter that goes with a motion."""
+    share = 1 - whole / np.where(without > 0, without, np.inf)
+    return np.where(whole > 0, np.where(known, np.clip(share, 0.0, 1.0), 1.0), 0.0)

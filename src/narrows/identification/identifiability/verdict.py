@@ -1,4 +1,4 @@
-"""How far each coefficient can be trusted, in one word and one sentence, from thresholds stated here."""
+"""How far each coefficient can be trusted, in one word and a few clauses, from thresholds stated here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,16 +6,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.identification.identifiability.diagnosis import INVOLVED, Diagnosis
+from narrows.identification.identifiability.diagnostics import Diagnostics
+from narrows.identification.identifiability.evidence import ONE_TEST, ComparedEstimate, Evidence
+from narrows.identification.identifiability.strata import HARMONIC_RUNS, STEADY_RUNS, Kind
 from narrows.terms.term import Term
 
 VIF_LIMIT = 10.0
 """Over all rows: beyond this the other columns leave a coefficient under a tenth of its own information."""
 CONFOUNDED_VIF = 30.0
-"""Over all rows, or within every single speed: beyond this a small error of the model's form, shared by the columns
-that align, lands on the coefficient magnified; no standard error knows that."""
+"""Over all rows, or as information that is lost within strata: beyond this a small error of the model's form, shared by
+the columns that align, lands on the coefficient magnified; no standard error knows that."""
+MISFIT = 1e-3
+"""Probability of the scatter about the fit under which the terms are said not to fit."""
 
 NOT_EXCITED, NOT_IDENTIFIABLE = "not excited", "not identifiable"
-AT_BOUND, CONFOUNDED, WEAK, IDENTIFIED = "at its bound", "confounded", "weakly identified", "identified"
+AT_BOUND, CONFOUNDED, ONE_ALONE = "at its bound", "confounded", "rests on one test"
+CONTRADICTED, WEAK, IDENTIFIED = "contradicted", "weakly identified", "identified"
+
+WITH = dict.fromkeys(Kind, "with ") | {Kind.WITHOUT: "without ", Kind.ONLY: ""}
 
 
 @dataclass(frozen=True)
@@ -25,8 +33,8 @@ class Verdict:
     Parameters
     ----------
     status : str
-        ``identified``, ``weakly identified``, ``confounded``, ``at its bound``, ``not identifiable`` or
-        ``not excited``.
+        ``identified``, ``weakly identified``, ``contradicted``, ``rests on one test``, ``confounded``,
+        ``at its bound``, ``not identifiable`` or ``not excited``.
     reasons : tuple of str
         Why, each a clause.
     partners : tuple of str
@@ -42,6 +50,12 @@ class Verdict:
         """Whether the data determine the coefficient at all."""
         return self.status not in (NOT_EXCITED, NOT_IDENTIFIABLE)
 
+    @property
+    def words(self) -> str:
+        """The verdict, and with which coefficients it is confounded."""
+        word = "not identifiable" if self.status == NOT_EXCITED else self.status
+        return f"{word} with {' and '.join(self.partners)}" if self.partners else word
+
     def sentence(self, name: str) -> str:
         """Say it of a coefficient.
 
@@ -50,115 +64,137 @@ class Verdict:
         name : str
             The coefficient.
         """
-        word = "not identifiable" if self.status == NOT_EXCITED else self.status
-        if self.partners:
-            word += f" with {' and '.join(self.partners)}"
-        return f"{name} is {word}" + (f": {'; '.join(self.reasons)}." if self.reasons else ".")
+        verb = "" if self.status == ONE_ALONE else "is "
+        return f"{name} {verb}{self.words}" + (f": {'; '.join(self.reasons)}." if self.reasons else ".")
 
 
-@dataclass(frozen=True)
-class Evidence:
-    """What a verdict is drawn from.
-
-    Parameters
-    ----------
-    overall : Diagnosis
-        Of the force's columns over all rows.
-    speeds : mapping of float [m/s] to Diagnosis
-        The same at each single speed.
-    interval : pair of float
-        95 % confidence interval, in the coefficient's unit.
-    at_bound : bool
-        Whether the fit pressed it against its bound.
-    pinned_by : tuple of str
-        Clusters of rows without which it would not be identifiable.
-    """
-
-    overall: Diagnosis
-    speeds: Mapping[float, Diagnosis]
-    interval: tuple[float, float]
-    at_bound: bool
-    pinned_by: tuple[str, ...]
-
-
-def judge(term: Term, evidence: Evidence) -> Verdict:
-    """Draw the verdict on one coefficient.
+def verdicts(
+    diagnostics: Diagnostics,
+    evidence: Evidence,
+    intervals: Mapping[str, tuple[float, float]],
+    at_bound: Mapping[str, float],
+) -> dict[str, Verdict]:
+    """Say how far each coefficient of a fit can be trusted.
 
     Parameters
     ----------
-    term : Term
-        The coefficient's term.
+    diagnostics : Diagnostics
+        Of the columns.
     evidence : Evidence
-        What is known of it.
+        The error model's interval, and the fits that should agree.
+    intervals : mapping of str to pair of float
+        95 % confidence interval of each coefficient.
+    at_bound : mapping of str to float
+        Coefficients that the fit pressed against a bound, and where they would be without that bound.
     """
-    overall = evidence.overall
+    terms = diagnostics.terms
+    found = {}
+    for force, part in terms.forces.items():
+        for term in part:
+            overall, index = diagnostics.overall[force], terms.names.index(term.name)
+            verdict = _without_data(term, overall, diagnostics.determined(term.name))
+            found[term.name] = verdict or _judged(term, index, diagnostics, force, evidence, intervals, at_bound)
+    return found
+
+
+def _without_data(term: Term, overall: Diagnosis, known: bool) -> Verdict | None:
+    """Where the columns of a coefficient's own force leave it open."""
+    reason, status = "", NOT_IDENTIFIABLE
     if term.name in overall.empty:
         what = term.inputs[0] if len(term.inputs) == 1 else "its regressor"
-        return Verdict(NOT_EXCITED, (f"{what} is 0 in every test",))
+        reason, status = f"{what} is 0 in every test", NOT_EXCITED
     for direction in overall.missing:
-        if abs(direction[overall.names.index(term.name)]) > INVOLVED:
-            return Verdict(NOT_IDENTIFIABLE, (_combination(overall, direction),))
-    reasons = tuple(reason for reason in _doubts(term, evidence) if reason)
-    if evidence.at_bound:
-        return Verdict(AT_BOUND, ("the data alone would put it beyond", *reasons))
-    if partners := _confounders(term.name, evidence):
-        return Verdict(CONFOUNDED, reasons, partners)
-    return Verdict(WEAK, reasons) if reasons else Verdict(IDENTIFIED)
+        if not reason and abs(direction[overall.names.index(term.name)]) > INVOLVED:
+            reason = _combination(overall, direction)
+    if not reason:
+        return None
+    return Verdict(WEAK, (f"{reason}, so that only its tie determines it",)) if known else Verdict(status, (reason,))
 
 
-def _confounders(name: str, evidence: Evidence) -> tuple[str, ...]:
-    """The coefficients that take a coefficient's place, over all rows or at each single speed."""
-    if evidence.overall.vif[name] > CONFOUNDED_VIF:
-        return evidence.overall.partners(name)
-    worst = _worst_speed(name, evidence.speeds)
-    return worst.partners(name) if worst else ()
+def _judged(
+    term: Term, index: int, diagnostics: Diagnostics, force: str, evidence: Evidence,
+    intervals: Mapping[str, tuple[float, float]], at_bound: Mapping[str, float],
+) -> Verdict:  # fmt: skip
+    if term.name in at_bound:
+        return Verdict(AT_BOUND, (_beyond(term, at_bound[term.name]),))
+    vif = diagnostics.overall[force].vif[term.name]
+    doubts = _from_comparisons(list(evidence.compared(index)))
+    doubts += _by_itself(intervals[term.name], vif, evidence.lack_of_fit(index))
+    words = [word for word, _ in doubts]
+    status = next((word for word in (CONFOUNDED, ONE_ALONE, CONTRADICTED, WEAK) if word in words), IDENTIFIED)
+    partners = _partners(term.name, force, diagnostics) if status == CONFOUNDED else ()
+    return Verdict(status, tuple(dict.fromkeys(reason for _, reason in doubts)), partners)
 
 
-def _worst_speed(name: str, speeds: Mapping[float, Diagnosis]) -> Diagnosis | None:
-    """The speed with the largest inflation, if at each one the coefficient is lost among the others."""
-    seen = [d for d in speeds.values() if name not in d.empty]
-    inflation = [d.vif[name] for d in seen]
-    lost = len(speeds) > 1 and seen and min(inflation) > CONFOUNDED_VIF
-    return seen[int(np.argmax(inflation))] if lost else None
+def _beyond(term: Term, value: float) -> str:
+    low, high = term.bound
+    if low <= value <= high:
+        return "other bounds press it there: without its own the fit stays inside"
+    return f"the data alone would put it beyond, at {value:.3g}"
 
 
-def _doubts(term: Term, evidence: Evidence) -> tuple[str, ...]:
-    return (
-        _zero_inside(evidence),
-        _pinned(evidence),
-        _inflated(term.name, evidence.overall),
-        _one_speed(term.name, evidence.speeds),
-    )
+def _from_comparisons(comparisons: list[ComparedEstimate]) -> list[tuple[str, str]]:
+    """Doubts that other fits raise: word and reason."""
+    doubts = [doubt for c in comparisons if c.kind in (Kind.OWN, Kind.SHAPE) for doubt in _of_own(c)]
+    doubts += _of_one([c for c in comparisons if c.kind is Kind.WITHOUT])
+    doubts += [(CONTRADICTED, _against(c, comparisons)) for c in comparisons if c.contradicts]
+    weighted = [c for c in comparisons if c.kind is Kind.WEIGHTS and c.holds_zero]
+    return doubts + [(WEAK, f"with {c.label} its interval holds 0") for c in weighted]
 
 
-def _zero_inside(evidence: Evidence) -> str:
-    low, high = evidence.interval
-    inside = low <= 0 <= high and not evidence.at_bound
-    return f"its 95 % interval {low:.3g} to {high:.3g} holds 0" if inside else ""
+def _against(c: ComparedEstimate, comparisons: list[ComparedEstimate]) -> str:
+    """What contradicts a fit; of steady and harmonic runs both numbers."""
+    said = f"{WITH[c.kind]}{c.label} it is {c.value:.3g}"
+    other = {STEADY_RUNS: HARMONIC_RUNS, HARMONIC_RUNS: STEADY_RUNS}
+    for one, opposite in other.items():
+        if one in c.label:
+            told = [d for d in comparisons if d.kind is c.kind and opposite in d.label]
+            return said + "".join(
+                f" +- {c.reach:.2g}, {WITH[d.kind]}{d.label} {d.value:.3g} +- {d.reach:.2g}" for d in told
+            )
+    return said
 
 
-def _pinned(evidence: Evidence) -> str:
-    return f"it rests on {', '.join(evidence.pinned_by)} alone" if evidence.pinned_by else ""
+def _of_own(c: ComparedEstimate) -> list[tuple[str, str]]:
+    if c.lost:
+        return [(CONFOUNDED, f"with {c.label} nothing is left of it")]
+    if c.kind is Kind.OWN and c.share < 1 / CONFOUNDED_VIF:
+        return [(CONFOUNDED, f"with {c.label} {c.share:.1%} of what is known of it is left")]
+    low, high = c.value - c.reach, c.value + c.reach
+    return [(CONFOUNDED, f"with {c.label} it is {low:.3g} to {high:.3g}, which holds 0")] if c.holds_zero else []
 
 
-def _inflated(name: str, overall: Diagnosis) -> str:
-    vif = overall.vif[name]
-    if not vif > VIF_LIMIT:
-        return ""
-    partner, alignment = overall.partner(name)
-    return f"VIF {vif:.0f} over all rows (its column aligns {alignment:+.3f} with {partner}'s)"
+def _of_one(without: list[ComparedEstimate]) -> list[tuple[str, str]]:
+    """Doubts about a coefficient that stands or falls with one motion."""
+    pinned = [c.label for c in without if c.lost]
+    if pinned:
+        return [(ONE_ALONE, f"without {', '.join(pinned)} nothing is known of it")]
+    if not without:
+        return [(ONE_ALONE, "there is one motion only")]
+    least = min(without, key=lambda c: c.share)
+    if 1 - least.share > ONE_TEST:
+        return [(ONE_ALONE, f"{1 - least.share:.1%} of what is known of it goes with {least.label}")]
+    zero = [c for c in without if c.holds_zero]
+    return [(ONE_ALONE, f"without {zero[0].label} its interval holds 0")] if zero else []
 
 
-def _one_speed(name: str, speeds: Mapping[float, Diagnosis]) -> str:
-    worst = _worst_speed(name, speeds)
-    if not worst:
-        return ""
-    least = min(d.vif[name] for d in speeds.values() if name not in d.empty)
-    partner, alignment = worst.partner(name)
-    return (
-        f"only mixing speeds separates it: at each single speed its VIF is {least:.0f} or more "
-        f"(its column aligns {alignment:+.4f} with {partner}'s)"
-    )
+def _by_itself(interval: tuple[float, float], vif: float, lack: float) -> list[tuple[str, str]]:
+    low, high = interval
+    doubts = [(WEAK, f"its 95 % interval {low:.3g} to {high:.3g} holds 0")] if low <= 0 <= high else []
+    if vif > VIF_LIMIT:
+        word = CONFOUNDED if vif > CONFOUNDED_VIF else WEAK
+        doubts.append((word, f"VIF {vif:.0f} over all rows"))
+    if lack < MISFIT:
+        doubts.append((WEAK, f"the terms do not fit this force within the errors of runs (p = {lack:.0e})"))
+    return doubts
+
+
+def _partners(name: str, force: str, diagnostics: Diagnostics) -> tuple[str, ...]:
+    """The coefficients that take its place over all rows, or at the speed that tells most of it."""
+    overall = diagnostics.overall[force]
+    single = [by_force[force] for by_force in diagnostics.by_speed.values() if name not in by_force[force].empty]
+    worst = max(single, key=lambda d: d.vif[name], default=overall)
+    return (overall if overall.vif[name] > CONFOUNDED_VIF else worst).partners(name)
 
 
 def _combination(overall: Diagnosis, direction: np.ndarray) -> str:

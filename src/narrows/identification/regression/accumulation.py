@@ -1,11 +1,15 @@
 """One pass over the rows: blocks of the design matrix to sums of products, and the ranges that the rows cover."""
 
+import os
 from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import islice
 
 import numpy as np
 
-from narrows.captive.tests import Block, Tests
+from narrows.captive.tests import Block, Span, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.design_matrix import DesignMatrix
 from narrows.identification.regression.normal_equations import NormalEquations
@@ -13,8 +17,20 @@ from narrows.model.data_range import DataRange, Range
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
-STRIP_ROWS = 3000
 PARTS, PART_ROWS = 8, 12_000
+GROUP, UNROLLED = 16, 4
+"""Columns that are multiplied with one another at once, and the multiple of columns that BLAS is fastest with."""
+STRIP = 2**19
+"""Products at once: a strip in the cache, and too few for BLAS to share among threads of its own, which for products as
+small as these costs many times what it gains and fights with ours."""
+SHORT, TOGETHER = 32, 100
+"""Rows of a span, on average, below which spans are summed together, and how many at once."""
+AHEAD = 16
+"""Blocks that are in memory at once."""
+MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft", "width")
+"""What says of a test which motion it is, and in which water."""
+NOT_SET = ("x", "cos_psi", "heave")
+"""What terms may ask for that follows from the rest."""
 
 
 def products(design: np.ndarray) -> np.ndarray:
@@ -30,22 +46,26 @@ def products(design: np.ndarray) -> np.ndarray:
     """
     if design.shape[1] < PARTS * PART_ROWS:
         return _products(design)
-    with ThreadPoolExecutor() as pool:
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
         return np.asarray(sum(pool.map(_products, np.array_split(design, PARTS, axis=1))))
 
 
 def _products(design: np.ndarray) -> np.ndarray:
-    # A copy as the second factor makes BLAS take its general product, which for a few columns and many rows is
-    # twice as fast as the symmetric one that it takes where both factors are the same memory.
-    total = np.zeros((len(design), len(design)))
-    strip = np.empty((len(design), min(STRIP_ROWS, design.shape[1])))
+    count, rows = design.shape
+    whole = -(-count // UNROLLED) * UNROLLED
+    total = np.zeros((whole, whole))
+    strip = np.zeros((whole, min(rows, STRIP // min(whole, GROUP) ** 2)))
     with np.errstate(all="ignore"):
-        for start in range(0, design.shape[1], STRIP_ROWS):
-            part = design[:, start : start + STRIP_ROWS]
-            copy = strip[:, : part.shape[1]]
-            np.copyto(copy, part)
-            total += np.dot(part, copy.T)
-    return total
+        for start in range(0, rows, max(strip.shape[1], 1)):
+            part = design[:, start : start + strip.shape[1]]
+            own = strip[:, : part.shape[1]]
+            own[:count] = part
+            for i in range(0, whole, GROUP):
+                for j in range(i, whole, GROUP):
+                    total[i : i + GROUP, j : j + GROUP] += np.dot(own[i : i + GROUP], own[j : j + GROUP].T)
+    # What is left of the diagonal blocks of groups is the other side of what is right of them.
+    upper = np.triu(total)
+    return (upper + np.triu(upper, 1).T)[:count, :count]
 
 
 def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalEquations, DataRange]:
@@ -72,23 +92,83 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalE
     """
     matrix = DesignMatrix(terms)
     sums: dict[tuple[str, int], np.ndarray] = defaultdict(lambda: np.zeros((matrix.size, matrix.size)))
-    way: dict[tuple[str, int], float] = defaultdict(float)
+    moved: dict[tuple[str, int], dict[str, np.ndarray]] = defaultdict(lambda: defaultdict(lambda: np.zeros(3)))
     data_range = DataRange()
-    for block in tests.blocks(pieces):
-        design = matrix.evaluate(block)
-        speed = np.broadcast_to(block.values.get("u", 0.0), block.rows)
-        for test, piece, start, stop in block.spans:
-            sums[test, piece] += products(design[:, start:stop])
-            way[test, piece] += float(speed[start:stop].sum())
-        data_range = _joined(data_range, _covered(block))
+    for parts, covered in _shared_out(partial(_summed, matrix, _saying(terms)), tests.blocks(pieces)):
+        for key, total, moments in parts:
+            sums[key] += total
+            for name, own in moments.items():
+                moved[key][name] += own
+        data_range = _joined(data_range, covered)
     if not sums:
         source = tests.source.table or tests.source.text
         raise InputError(f"{source}: no rows are left; give more, or another selection")
-    speeds = [way[key] / total[-1, -1] for key, total in sums.items()]
-    stacked = np.stack(list(sums.values()))
-    equations = NormalEquations(matrix.columns, stacked, tuple(test for test, _ in sums), np.array(speeds))
+    named = dict.fromkeys(name for own in moved.values() for name in own)
+    equations = NormalEquations(
+        matrix.columns,
+        np.stack(list(sums.values())),
+        tuple(test for test, _ in sums),
+        {name: np.stack([moved[key][name] for key in sums]) for name in named},
+        tests.configuration.ship.length,
+    )
     _check_finite(equations)
     return equations, data_range
+
+
+Sums = tuple[list[dict[str, np.ndarray]], list[np.ndarray]]
+Summed = tuple[list[tuple[tuple[str, int], np.ndarray, dict[str, np.ndarray]]], DataRange]
+
+
+def _saying(terms: TermTable) -> tuple[str, ...]:
+    """Return what says of a test what is done in it: the motion, and what else the terms ask for that is set."""
+    return tuple(dict.fromkeys((*MOVED, *(name for name in terms.inputs if name not in NOT_SET))))
+
+
+def _summed(matrix: DesignMatrix, saying: tuple[str, ...], block: Block) -> Summed:
+    """The sums over each span of a block, with its test and piece and the moments of what moved; and the ranges."""
+    design = matrix.evaluate(block)
+    columns = {name: block.values[name] for name in saying if np.ndim(block.values.get(name, 0.0))}
+    keys = [(span.test, span.piece) for span in block.spans]
+    short = block.rows < SHORT * len(keys)
+    moments, sums = (_of_short if short else _of_long)(columns, design, block.spans)
+    return list(zip(keys, sums, moments, strict=True)), _covered(block)
+
+
+def _of_long(columns: Mapping[str, np.ndarray], design: np.ndarray, spans: list[Span]) -> Sums:
+    """Moments and products span by span."""
+    rows = [slice(span.start, span.stop) for span in spans]
+    moments = [{name: _moments(column[own]) for name, column in columns.items()} for own in rows]
+    return moments, [_products(design[:, own]) for own in rows]
+
+
+def _moments(column: np.ndarray) -> np.ndarray:
+    """Rows, sum and sum of squares; not by BLAS, which wakes threads of its own for columns as long as these."""
+    return np.array([len(column), column.sum(), np.einsum("i,i", column, column)])
+
+
+def _of_short(columns: Mapping[str, np.ndarray], design: np.ndarray, spans: list[Span]) -> Sums:
+    """Moments and products of many spans of few rows, a call for a hundred of them instead of one each."""
+    moments: list[dict[str, np.ndarray]] = []
+    sums: list[np.ndarray] = []
+    for first in range(0, len(spans), TOGETHER):
+        some = spans[first : first + TOGETHER]
+        rows = slice(some[0].start, some[-1].stop)
+        starts = [span.start - some[0].start for span in some]
+        part = design[:, rows]
+        with np.errstate(all="ignore"):
+            sums += list(np.moveaxis(np.add.reduceat(part[:, None] * part[None], starts, axis=2), 2, 0))
+        powers = {name: np.stack([np.ones(len(c[rows])), c[rows], c[rows] ** 2]) for name, c in columns.items()}
+        added = {name: np.add.reduceat(own, starts, axis=1).T for name, own in powers.items()}
+        moments += [{name: own[i] for name, own in added.items()} for i in range(len(some))]
+    return moments, sums
+
+
+def _shared_out(work: Callable[[Block], Summed], blocks: Iterator[Block]) -> Iterator[Summed]:
+    """Let the cores share the blocks, a few at a time, and yield what comes of each in order."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        while some := list(islice(blocks, AHEAD)):
+            # A thread for one block would cost more than it gives.
+            yield from pool.map(work, some) if len(some) > 1 else map(work, some)
 
 
 def _check_finite(equations: NormalEquations) -> None:

@@ -1,14 +1,17 @@
 """The design matrix: which column holds which regressor, evaluated on blocks of rows."""
 
+import threading
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from narrows.captive.lacking import lacking
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.normal_equations import ONE
-from narrows.quantities.names import FORCES, Number
-from narrows.terms.term import TermTable
+from narrows.quantities.names import FORCES, Number, asked_by
+from narrows.terms.regressors import Composed
+from narrows.terms.term import TermTable, uncompiled
 
 
 class DesignMatrix:
@@ -31,8 +34,9 @@ class DesignMatrix:
         self.forces = [force for force in FORCES if terms.forces[force]]
         for name in (*self.forces, ONE):
             self.columns[name] = len(self.regressors) + len(self.columns) - len(terms.terms)
-        self.inputs = terms.inputs
-        self._buffer = np.empty((self.size, 0))
+        self.terms = terms
+        self.inputs, self.actuators = terms.inputs, terms.actuators
+        self._memory = threading.local()
 
     @property
     def size(self) -> int:
@@ -40,7 +44,7 @@ class DesignMatrix:
         return len(self.regressors) + len(self.forces) + 1
 
     def evaluate(self, block: Block) -> np.ndarray:
-        """Evaluate every column on a block of rows, (m, rows), into memory that the next block overwrites.
+        """Evaluate every column on a block of rows, (m, rows), into memory that the thread's next block overwrites.
 
         Parameters
         ----------
@@ -54,16 +58,35 @@ class DesignMatrix:
         """
         for name in (*self.inputs, *self.forces):
             if name not in block.values:
-                raise InputError(f"the terms need {name}, which neither the tests nor the ship file give; add it")
-        design = self._buffer[:, : block.rows]
-        if design.shape[1] < block.rows:
-            design = self._buffer = np.empty((self.size, block.rows))
+                raise InputError(lacking(name, block.headers, self.actuators))
+        design = self._room(block.rows)
+        values, known = block.values, {}
         for i, (regressor, inputs) in enumerate(self.regressors):
-            design[i] = regressor(*[block.values[name] for name in inputs])
+            if isinstance(regressor, Composed):
+                # Sway and yaw have terms of one pressure: it is computed once a block.
+                own = regressor.parameter
+                if own not in known:
+                    known[own] = own(*[values[name] for name in asked_by(own)])
+                design[i] = regressor.of(known[own], values)
+            else:
+                design[i] = self._evaluated(i, [values[name] for name in inputs])
         for i, force in enumerate(self.forces, start=len(self.regressors)):
             design[i] = block.values[force]
         design[-1] = 1.0
         return design
+
+    def _evaluated(self, i: int, values: list[Number]) -> Number:
+        try:
+            return self.regressors[i][0](*values)
+        except (TypeError, ValueError) as error:  # Of a function of floats, or an if.
+            term = next(term for term in self.terms.terms if self.columns[term.name] == i)
+            raise uncompiled(term, error) from error
+
+    def _room(self, rows: int) -> np.ndarray:
+        whole: np.ndarray = getattr(self._memory, "whole", np.empty((self.size, 0)))
+        if whole.shape[1] < rows:
+            whole = self._memory.whole = np.empty((self.size, rows))
+        return whole[:, :rows]
 
 
 def design_rows(tests: Tests, terms: TermTable) -> Iterator[tuple[DesignMatrix, np.ndarray]]:

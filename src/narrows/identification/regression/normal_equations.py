@@ -11,8 +11,6 @@ import numpy as np
 
 ONE = "1"
 """Name of the column of ones."""
-SPEED_GAP = 1.15
-"""Tests whose speeds differ by less than this factor count as one speed."""
 
 
 @dataclass(frozen=True)
@@ -28,14 +26,17 @@ class NormalEquations:
         Products of columns, summed over rows.
     tests : tuple of str
         The test of each piece.
-    speeds : array (pieces,) [m/s]
-        Mean surge velocity of each piece.
+    moved : mapping of str to array (pieces, 3)
+        Rows, sum and sum of squares of each quantity that says what was done in a test.
+    length : float [m]
+        Of the ship.
     """
 
     columns: Mapping[str, int]
     sums: np.ndarray
     tests: tuple[str, ...]
-    speeds: np.ndarray
+    moved: Mapping[str, np.ndarray]
+    length: float
 
     @property
     def total(self) -> np.ndarray:
@@ -46,13 +47,6 @@ class NormalEquations:
     def names(self) -> tuple[str, ...]:
         """The tests, once each."""
         return tuple(dict.fromkeys(self.tests))
-
-    @property
-    def speed_groups(self) -> list[np.ndarray]:
-        """The pieces of each speed, slowest first."""
-        order = np.argsort(np.abs(self.speeds))
-        size = np.maximum(np.abs(self.speeds[order]), 1e-9)
-        return np.split(order, np.flatnonzero(size[1:] > SPEED_GAP * size[:-1]) + 1)
 
     def of_test(self, name: str) -> np.ndarray:
         """Return the sums over one test, (m, m).

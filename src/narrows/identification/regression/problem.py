@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -9,7 +10,8 @@ from narrows.errors import InputError, check_choice
 from narrows.identification.regression.normal_equations import ONE, NormalEquations
 from narrows.terms.term import TermTable
 
-WEIGHTS = ("paper", "variance")
+Weights = Literal["paper", "variance"]
+WEIGHTS = get_args(Weights)
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class Problem:
         return dict(zip(self.terms.names, self.coefficients(z).tolist(), strict=True))
 
 
-def reduced(equations: NormalEquations, terms: TermTable, weights: str = "paper") -> Problem:
+def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "paper") -> Problem:
     """Set up the joint problem of the paper (ours: scaled, ties substituted).
 
     Parameters

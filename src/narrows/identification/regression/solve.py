@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-RANK_TOLERANCE = 1e-6
-"""Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it."""
+from narrows.identification.regression.active_set import RANK_TOLERANCE as RANK_TOLERANCE
+from narrows.identification.regression.active_set import active_set
+
 KKT_TOLERANCE = 1e-8
 
 
@@ -59,9 +60,9 @@ class Solution:
 def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
     """Minimise 1/2 z'Hz - g'z over lower <= z <= upper.
 
-    H = V diag(w) V' gives the small least-squares problem ``sqrt(w) V' z = V'g / sqrt(w)`` that SciPy's
-    BVLS solves; directions without data are left at their smallest norm. The free set that it finds is then
-    solved anew, so that the result is as exact as a direct solve.
+    A primal-dual active set finds which parameters sit at a bound, SciPy's BVLS on H's factor where it does not come to
+    rest or to an optimum. The free set is then solved anew, so that the result is as exact as a direct solve;
+    directions without data are left at their smallest norm.
 
     Parameters
     ----------
@@ -72,20 +73,30 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
     lower, upper : array (p,)
         Bounds.
     """
-    from scipy.optimize import lsq_linear
+    start, left = active_set(h[None], g[None], lower, upper)
+    found = _settled(h, g, start[0], lower, upper)
+    return found if found.kkt.satisfied and not left.size else _settled(h, g, _bvls(h, g, lower, upper), lower, upper)
 
-    factor, target = _factor(h, g)
-    if np.isinf(lower).all() and np.isinf(upper).all():
-        z = np.linalg.lstsq(factor, target, rcond=None)[0]
-    else:
-        with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked below.
-            optimum = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14)
-        # Its last step to a bound may stop a rounding short of it: what it holds there is put there.
-        z = np.select([optimum.active_mask < 0, optimum.active_mask > 0], [lower, upper], optimum.x)
+
+def _settled(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
+    """Solve once more with what sits at a bound held there."""
     at_bound = (z <= lower) | (z >= upper)
     z = _polished(h, g, np.clip(z, lower, upper), at_bound, lower, upper)
     z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))
     return Solution(z, at_bound, check(h, g, z, lower, upper))
+
+
+def _bvls(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """H = V diag(w) V' gives the small least-squares problem ``sqrt(w) V' z = V'g / sqrt(w)``."""
+    from scipy.optimize import lsq_linear
+
+    factor, target = _factor(h, g)
+    if np.isinf(lower).all() and np.isinf(upper).all():
+        return np.asarray(np.linalg.lstsq(factor, target, rcond=None)[0])
+    with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked later.
+        optimum = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14)
+    # Its last step to a bound may stop a rounding short of it: what it holds there is put there.
+    return np.select([optimum.active_mask < 0, optimum.active_mask > 0], [lower, upper], optimum.x)
 
 
 def _factor(h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,19 +1,21 @@
-"""The constrained fit over and over: whole tests drawn anew, or each test's pull on the fit given a random size."""
+"""The constrained fit over and over: with errors drawn anew, or with distinct motions drawn anew."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
 from narrows.errors import InputError
+from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.problem import Problem
-from narrows.identification.uncertainty.clusters import Clusters
 from narrows.identification.uncertainty.interval import LEVEL, bounded_interval
-from narrows.identification.uncertainty.unbounded_fit import UnboundedFit, leverage
+from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 from narrows.terms.term import TermTable
 
-BOOTSTRAPS = ("tests", "scores")
+Kind = Literal["errors", "tests"]
+BOOTSTRAPS = get_args(Kind)
 MIDDLE = (0.158655, 0.841345)
 """Between these a Gaussian holds two standard deviations; the few resamples that miss a kind of test do not count."""
 CHUNK = 2048
@@ -32,9 +34,9 @@ class Bootstrap:
     std : array (n,)
         Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds.
     unbounded : UnboundedFit
-        Of the tests themselves: the middle of the intervals, and how many clusters count behind each.
+        Of the tests themselves: the middle of the intervals, and the degrees of freedom of each.
     kind : str
-        ``tests`` or ``scores``.
+        ``errors`` or ``tests``.
     """
 
     terms: TermTable
@@ -71,20 +73,19 @@ class Bootstrap:
 
 
 def resampled(
-    problem: Problem, clusters: Clusters, unbounded: UnboundedFit, resamples: int, kind: str, seed: int
+    problem: Problem, motions: DistinctMotions, unbounded: UnboundedFit, resamples: int, kind: str, seed: int
 ) -> Bootstrap:
     """Fit resamples of the tests, with the constraints and without.
 
-    ``tests`` draws as many tests as there are, with replacement, and adds up their sums. ``scores`` leaves the tests
-    as they are and perturbs their forces: the pull of each test on the fit, as leaving it out shows it, is multiplied
-    by a random number that the whole test shares.
+    ``errors`` leaves the tests as they are and perturbs their pull on the fit by errors of the size that the fit
+    without bounds has. ``tests`` draws as many distinct motions as there are, with replacement, and adds up their sums.
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    clusters : Clusters
-        The tests.
+    motions : DistinctMotions
+        The distinct motions.
     unbounded : UnboundedFit
         What is known of the coefficients without resampling.
     resamples : int
@@ -98,19 +99,22 @@ def resampled(
     ------
     InputError
         Where the kind is neither, or there are fewer than 2 resamples.
-
-    References
-    ----------
-    MacKinnon, Nielsen, Webb (2023), Fast and reliable jackknife and bootstrap methods for cluster-robust inference.
     """
     if kind not in BOOTSTRAPS:
         raise InputError(f"bootstrap kind {kind!r} is unknown; choose {' or '.join(BOOTSTRAPS)}")
     if resamples < 2 or seed < 0:
         raise InputError(f"{resamples} resamples with seed {seed} give no spread; ask for 1000 or more, seed 0 or more")
-    make = _by_tests if kind == "tests" else _by_scores
-    bounded, free = make(problem, clusters, resamples, np.random.default_rng(seed))
+    draw = np.random.default_rng(seed)
+    if kind == "tests":
+        bounded, free = _by_tests(problem, motions, resamples, draw)
+    else:
+        bounded, free = _by_errors(problem, motions, unbounded, resamples, draw)
     low, high = np.quantile(problem.coefficients(free), MIDDLE, axis=0)
-    return Bootstrap(problem.terms, problem.coefficients(bounded), (high - low) / 2, unbounded, kind)
+    std = (high - low) / 2
+    if kind == "errors":  # what is drawn is as wide as a force's coefficients are at the median
+        drawn = np.sqrt(np.diag(unbounded.covariance))
+        std = std * np.where(drawn > 0, unbounded.std / np.where(drawn > 0, drawn, 1.0), 1.0)
+    return Bootstrap(problem.terms, problem.coefficients(bounded), std, unbounded, kind)
 
 
 def _both(problem: Problem, h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -120,26 +124,24 @@ def _both(problem: Problem, h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, n
 
 
 def _by_tests(
-    problem: Problem, clusters: Clusters, resamples: int, draw: np.random.Generator
+    problem: Problem, motions: DistinctMotions, resamples: int, draw: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    count = len(clusters.sums)
+    count = len(motions)
     times = draw.multinomial(count, np.full(count, 1 / count), size=resamples).astype(float)
     parts = [
-        _both(problem, *problem.normal(np.tensordot(times[start : start + CHUNK], clusters.sums, axes=1)))
+        _both(problem, *problem.normal(np.tensordot(times[start : start + CHUNK], motions.sums, axes=1)))
         for start in range(0, resamples, CHUNK)
     ]
     bounded, free = zip(*parts, strict=True)
     return np.concatenate(bounded), np.concatenate(free)
 
 
-def _by_scores(
-    problem: Problem, clusters: Clusters, resamples: int, draw: np.random.Generator
+def _by_errors(
+    problem: Problem, motions: DistinctMotions, unbounded: UnboundedFit, resamples: int, draw: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    count, everywhere = len(clusters.sums), np.full(len(problem.scale), np.inf)
-    total = clusters.sums.sum(axis=0)
-    h, g = problem.normal(np.concatenate([total[None], clusters.without]))
-    z = solve_many(h, g, -everywhere, everywhere)
-    _, excess = leverage(h, problem.normal(clusters.sums)[0])
-    pulls = ((z[0] - z[1:]) / np.sqrt(excess)) @ h[0]
-    multipliers = draw.standard_normal((resamples, count)) * np.sqrt((count - 1) / count)
-    return _both(problem, h[0], g[0] + multipliers @ pulls)
+    h, g = problem.normal(motions.sums.sum(axis=0))
+    first = [list(problem.slot.values()).index(slot) for slot in range(len(g))]
+    covariance = unbounded.covariance[np.ix_(first, first)] * np.outer(problem.scale, problem.scale)
+    values, vectors = np.linalg.eigh(covariance)
+    errors = draw.standard_normal((resamples, len(g))) * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
+    return _both(problem, h, g + errors @ h)

@@ -8,7 +8,11 @@ from narrows.errors import InputError
 from narrows.quantities.names import Number
 
 LEVEL = 0.95
-GRID = 401
+GRID = 201
+HALVINGS = 30
+"""Of the critical ratio: to a billionth."""
+COARSE = 20.0
+"""Clusters from which on a tenth of one makes no difference."""
 
 
 def t_quantile(clusters: Number, level: float = LEVEL) -> Number:
@@ -63,7 +67,7 @@ def bounded_interval(
         return bound
     if std == 0:
         return (value, value)
-    clusters = round(clusters, 1)  # a table is kept for each
+    clusters = round(clusters, 1) if clusters < COARSE else round(clusters)  # a table is kept for each
     ends = np.array([-1, 1]) * t_quantile(clusters, level) * std + value
     low, high = bound
     if np.isfinite(low):
@@ -93,7 +97,7 @@ def _accepted(clusters: float, level: float) -> tuple[np.ndarray, np.ndarray, np
     plain, degrees = t_quantile(clusters, level), max(clusters - 1, 1)
     truths = np.linspace(1e-3, 1, GRID) * plain
     low, high = np.zeros(GRID), np.full(GRID, plain)  # of the square root of the critical ratio
-    for _ in range(60):
+    for _ in range(HALVINGS):
         root = (low + high) / 2
         inside = stdtr(degrees, root) - stdtr(degrees, _least(truths, root) - truths)
         low, high = np.where(inside < level, root, low), np.where(inside < level, high, root)

@@ -1,19 +1,121 @@
 """What the data say of each coefficient by itself: the fit with its bounds let go, but those that the data reject."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from narrows.identification.regression.batch import RIDGE, solve_many
+from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
-from narrows.identification.uncertainty.clusters import Clusters, by_stretches, clustered, jackknife
-from narrows.identification.uncertainty.interval import t_quantile
+from narrows.identification.uncertainty.error_model import (
+    LackOfFit,
+    Repeatability,
+    corrected,
+    covariance,
+    lack_of_fit,
+    pseudo_inverse,
+    repeatability,
+)
+from narrows.identification.uncertainty.estimator import Estimator, estimator
+from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.identification.uncertainty.second_level import SecondLevel, second_level
 
-FEW_TESTS = 4.0
-"""Effective number of tests below which their scatter says next to nothing of a coefficient's error."""
-MOST_GROWN = 9.0
-"""Where the variance grows tenfold without one cluster, the coefficient rests on it; the jackknife is left as it is."""
+CERTAIN = 2.0
+"""Standard errors beyond a bound at which the data reject it."""
+MANY = 1000.0
+"""Degrees of freedom of a variance that is assumed and not estimated."""
+LEAST_SCATTER = 0.1
+"""Of the assumed variance, at least, when estimates are compared by the scatter that the data show."""
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """The fit on motions and the errors about it, in scaled parameters.
+
+    Parameters
+    ----------
+    level : SecondLevel
+        The motions, held parameters taken out.
+    errors : RunErrors
+        Corrected by repeats.
+    repeats : mapping of str to Repeatability
+        By force, what repeats show.
+    fit : tuple of LackOfFit
+        By force.
+    theta : array (p,)
+        The fit without bounds, but for those that the data reject.
+    held : array (p,) of bool
+        Parameters held at a bound.
+    best : Estimator
+        That fit.
+    covariance : array (blocks, q, q)
+        Of the motions' errors, widened by lack of fit.
+    shown : array (blocks, q, q)
+        The same by the scatter that the data show, which may be less than what is assumed.
+    """
+
+    level: SecondLevel
+    errors: RunErrors
+    repeats: dict[str, Repeatability]
+    fit: tuple[LackOfFit, ...]
+    theta: np.ndarray
+    held: np.ndarray
+    best: Estimator
+    covariance: np.ndarray
+    shown: np.ndarray
+
+    @cached_property
+    def of_theta(self) -> np.ndarray:
+        """Covariance of the parameters, (p, p)."""
+        return self.best.covariance(self.covariance)
+
+    @cached_property
+    def freedom(self) -> np.ndarray:
+        """Degrees of freedom of each force's variance: many where it is the assumed one."""
+        return np.array([own.freedom if own.scatter > 1 else MANY for own in self.fit])
+
+    @cached_property
+    def left_out(self) -> list[Estimator]:
+        """The fit without each motion."""
+        level = self.level
+        count = int(level.motion.max()) + 1
+        flat = level.d.reshape(level.forces, count, *level.d.shape[1:])
+        grams = (np.swapaxes(flat, 2, 3) @ flat).sum(axis=0)
+        inverses, known = pseudo_inverse(grams.sum(axis=0) - grams)
+        masks = (level.motion[None] != np.arange(count)[:, None])[:, :, None, None]
+        return [Estimator(level.d * m, p, k) for m, p, k in zip(masks, inverses, known, strict=True)]
+
+    @cached_property
+    def jackknife(self) -> tuple[np.ndarray, np.ndarray]:
+        """Standard error of each parameter by leaving out each motion, and its degrees of freedom; each (p,).
+
+        (M - 1)/M times the sum of squares of what each motion moves. Its freedom is that of a sum of squares of numbers
+        with the covariance that the error model gives them; where a motion alone determines a parameter both are the
+        error model's.
+
+        References
+        ----------
+        MacKinnon, Nielsen, Webb (2023), Fast and reliable jackknife and bootstrap methods for cluster-robust inference.
+        Satterthwaite (1946), An approximate distribution of estimates of variance components.
+        """
+        moves, rows = [], []
+        size = self.level.d.shape[2]
+        root = np.linalg.cholesky(self.covariance)
+        for one in self.left_out:
+            change = one.z @ one.inverse.T - self.best.z @ self.best.inverse.T
+            rows.append((np.swapaxes(root, 1, 2) @ change).reshape(-1, size))
+            moves.append(np.tensordot(change, self.level.y, axes=((0, 1), (0, 1))))
+        moved, errors = np.array(moves), np.array(rows)
+        count = len(moved)
+        std = np.sqrt((count - 1) / count * (moved**2).sum(axis=0))
+        parts = errors.transpose(2, 0, 1)
+        gram = parts @ np.swapaxes(parts, 1, 2)
+        trace, square = np.trace(gram, axis1=1, axis2=2), (gram**2).sum(axis=(1, 2))
+        freedom = np.where(square > 0, trace**2 / np.where(square > 0, square, 1.0), MANY)
+        pinned = ~np.all([one.known for one in self.left_out], axis=0)
+        model = np.sqrt(np.maximum(np.diag(self.of_theta), 0.0))
+        return np.where(pinned, model, std), np.where(pinned, MANY, freedom)
 
 
 @dataclass(frozen=True)
@@ -28,15 +130,15 @@ class UnboundedFit:
     values : array (n,)
         Best values without the bounds that the data allow.
     std : array (n,)
-        Cluster-robust standard errors; of a held coefficient as it was when it was let go.
+        Standard errors by the error model, or by what each motion moves where that reaches farther, and over what other
+        fits show; of a held coefficient 0.
     covariance : array (n, n)
-        Cluster-robust; zero for the coefficients that are held.
+        By the error model, widened for each force as the standard errors are at the median, so that what coefficients
+        determine together stays determined; zero for those that are held.
     held : array (n,) of bool
         Which are held at a bound that the data reject.
     counts : array (n,)
-        Effective number of clusters behind each standard error.
-    few : array (n,) of bool
-        Which rest on so few tests that stretches of them stand in for tests.
+        Degrees of freedom of each standard error, and one.
     """
 
     values: np.ndarray
@@ -44,11 +146,12 @@ class UnboundedFit:
     covariance: np.ndarray
     held: np.ndarray
     counts: np.ndarray
-    few: np.ndarray
 
 
-def unbounded_fit(problem: Problem, equations: NormalEquations) -> UnboundedFit:
-    """Cluster by test; by stretches where there are few tests, or where few of them tell of a coefficient (ours).
+def error_model(
+    problem: Problem, equations: NormalEquations, motions: DistinctMotions, errors: RunErrors
+) -> ErrorModel:
+    """Let the bounds go, hold again one by one those that the data reject, and set up the errors about it (ours).
 
     Parameters
     ----------
@@ -56,99 +159,101 @@ def unbounded_fit(problem: Problem, equations: NormalEquations) -> UnboundedFit:
         The joint problem.
     equations : NormalEquations
         The sums.
+    motions : DistinctMotions
+        What is taken as independent.
+    errors : RunErrors
+        The prior.
     """
-    clusters = clustered(equations)
-    whole = clustered_fit(problem, clusters)
-    few = whole.counts < FEW_TESTS
-    if not clusters.by_test or not few.any():
-        return whole
-    stretches = by_stretches(equations)
-    fine = clustered_fit(problem, stretches)
-    # One set of bounds held for both, so that value, error and covariance are of one fit.
-    held = np.where(few, fine.held, whole.held)
-    whole, fine = clustered_fit(problem, clusters, held), clustered_fit(problem, stretches, held)
-    std = np.where(few, fine.std, whole.std)
-    stretch = np.where(whole.std > 0, std / np.where(whole.std > 0, whole.std, 1.0), 1.0)
-    return replace(
-        whole,
-        std=std,
-        covariance=whole.covariance * np.outer(stretch, stretch),
-        counts=np.where(few, fine.counts, whole.counts),
-        few=few,
+    terms = problem.terms
+    repeats = {
+        force: repeatability(equations, motions, force, [term.name for term in part])
+        for force, part in terms.forces.items() if part
+    }  # fmt: skip
+    known = corrected(errors, repeats)
+    level = second_level(equations, motions, problem)
+    assumed = np.ones(level.forces)
+    held, theta = np.zeros(len(problem.scale), bool), np.zeros(len(problem.scale))
+    while True:
+        free = level.less(theta, held)
+        best = estimator(free.d)
+        theta = np.where(held, theta, best.values(free.y))
+        v = covariance(level, level.d @ theta, known, assumed)
+        more = _rejected(problem, theta, np.sqrt(np.diag(best.covariance(v))), held | ~best.known)
+        if more is None:
+            break
+        held[more] = True
+        theta[more] = np.clip(theta[more], problem.lower[more], problem.upper[more])
+    fit = lack_of_fit(free, v)
+    scatter = np.array([own.scatter for own in fit])
+    wide, shown = np.maximum(scatter, 1.0), np.maximum(scatter, LEAST_SCATTER)
+    forces = (level.d @ theta, known)
+    return ErrorModel(
+        free,
+        known,
+        repeats,
+        fit,
+        theta,
+        held,
+        best,
+        covariance(level, *forces, wide),
+        covariance(level, *forces, shown),
     )
 
 
-def clustered_fit(problem: Problem, clusters: Clusters, held: np.ndarray | None = None) -> UnboundedFit:
-    """Let the bounds go, hold again one by one those that the data reject, and jackknife what is left (ours).
+def _rejected(problem: Problem, theta: np.ndarray, std: np.ndarray, left: np.ndarray) -> int | None:
+    """The parameter that the data put farthest beyond its bound for certain, if any."""
+    excess = np.maximum(problem.lower - theta, theta - problem.upper) - CERTAIN * std
+    excess[left] = -np.inf
+    worst = int(excess.argmax())
+    return worst if excess[worst] > 0 else None
+
+
+def unbounded_fit(problem: Problem, model: ErrorModel, std: np.ndarray, counts: np.ndarray) -> UnboundedFit:
+    """Bring the error model's fit to coefficients (ours).
 
     Parameters
     ----------
     problem : Problem
         The joint problem.
-    clusters : Clusters
-        What is taken as independent.
-    held : array (n,) of bool, optional
-        Which coefficients to hold at their bounds, instead of asking the data.
+    model : ErrorModel
+        The fit on motions.
+    std : array (n,)
+        Standard error of each coefficient, scaled; at least that of the error model.
+    counts : array (n,)
+        Degrees of freedom of each, and one.
     """
-    h, g = problem.normal(np.concatenate([clusters.sums.sum(axis=0)[None], clusters.without]))
-    counts, excess = leverage(h, problem.normal(clusters.sums)[0])
-    slots = [problem.slot[name] for name in problem.terms.names]
-    chosen = None if held is None else np.isin(np.arange(len(problem.scale)), np.array(slots)[held])
-    lower, upper = np.full(len(problem.scale), -np.inf), np.full(len(problem.scale), np.inf)
-    values, std = np.zeros(len(lower)), np.zeros(len(lower))
-    now = np.zeros(len(lower), bool)
-    while True:
-        z = solve_many(h, g, lower, upper)
-        covariance = jackknife(z[0], z[1:]) / np.sqrt(np.outer(excess, excess))
-        error = np.sqrt(np.diag(covariance))
-        values[~now], std[~now] = z[0][~now], error[~now]
-        more = _rejected(problem, z[0], error * t_quantile(counts), now, h[0]) if chosen is None else chosen & ~now
-        if not more.any():
-            break
-        now |= more
-        lower[more] = upper[more] = np.clip(z[0], problem.lower, problem.upper)[more]
-    scale = problem.scale[slots]
-    return UnboundedFit(
-        problem.coefficients(values),
-        std[slots] / scale,
-        covariance[np.ix_(slots, slots)] / np.outer(scale, scale),
-        now[slots],
-        counts[slots],
-        np.zeros(len(slots), bool),
-    )
+    slots = np.array([problem.slot[name] for name in problem.terms.names])
+    scale, held = problem.scale[slots], model.held[slots]
+    plain = np.sqrt(np.maximum(np.diag(model.of_theta), 0.0))[slots]
+    std = np.where(held, 0.0, std)
+    stretch = _of_forces(problem, np.where(plain > 0, std / np.where(plain > 0, plain, 1.0), np.nan)) / scale
+    covariance = model.of_theta[np.ix_(slots, slots)] * np.outer(stretch, stretch)
+    return UnboundedFit(problem.coefficients(model.theta), std / scale, covariance, held, counts)
 
 
-def _rejected(problem: Problem, z: np.ndarray, far: np.ndarray, held: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """The parameter that the data put farthest beyond its bound for certain, if any."""
-    excess = np.maximum(problem.lower - z, z - problem.upper) - far
-    excess[held | (np.diag(h) == 0)] = -np.inf
-    worst = np.arange(len(z)) == excess.argmax()
-    return np.asarray(worst & (excess > 0))
+def _of_forces(problem: Problem, stretch: np.ndarray) -> np.ndarray:
+    """The median of each force's coefficients, (n,): one for all, so that what trades against each other cancels."""
+    middle, start = np.ones(len(stretch)), 0
+    for part in problem.terms.forces.values():
+        own = stretch[start : start + len(part)]
+        if np.isfinite(own).any():
+            middle[start : start + len(part)] = np.nanmedian(own)
+        start += len(part)
+    slots = np.array([problem.slot[name] for name in problem.terms.names])
+    return np.array([middle[slots == slot].max() for slot in slots])
 
 
-def leverage(h: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return what unequal clusters do to the jackknife: their effective number, and its excess, each (p,).
-
-    A standard error from thirty tests of which two hold nearly all that is known of a coefficient is as uncertain as
-    one from two; and the jackknife variance is too large by what each test's absence inflates it, which is known
-    exactly for independent errors of one size.
+def freedoms(problem: Problem, model: ErrorModel) -> np.ndarray:
+    """Return the degrees of freedom of each coefficient's variance, (n,); tied ones have the fewest of theirs (ours).
 
     Parameters
     ----------
-    h : array (1 + clusters, p, p)
-        Of all rows, and of all but each cluster; scaled.
-    parts : array (clusters, p, p)
-        Of each cluster.
-
-    References
-    ----------
-    Carter, Schnepel, Steigerwald (2017), Asymptotic behavior of a t-test robust to cluster heterogeneity.
-    Bell, McCaffrey (2002), Bias reduction in standard errors for linear regression with multi-stage samples.
+    problem : Problem
+        The joint problem.
+    model : ErrorModel
+        The fit on motions.
     """
-    inverse = np.linalg.inv(h + RIDGE * np.eye(h.shape[-1]))
-    shares = np.einsum("ij,kjl,li->ki", inverse[0], parts, inverse[0])
-    squares = (shares**2).sum(axis=0)
-    counts = np.where(squares > 0, shares.sum(axis=0) ** 2 / np.where(squares > 0, squares, 1.0), len(parts))
-    grown = np.diagonal(inverse[1:], axis1=1, axis2=2) / np.diag(inverse[0]) - 1
-    excess = (1 - 1 / len(parts)) * grown.sum(axis=0)
-    return counts, np.where((grown < MOST_GROWN).all(axis=0) & (excess > 0), excess, 1.0)
+    forces = [part for part in problem.terms.forces.values() if part]
+    own = np.array([model.freedom[i] for i, part in enumerate(forces) for _ in part])
+    slots = np.array([problem.slot[name] for name in problem.terms.names])
+    return np.array([own[slots == slot].min() for slot in slots])

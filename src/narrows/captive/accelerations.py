@@ -1,0 +1,229 @@
+"""Accelerations beside the motion that they are of: five harmonics of its own period, or none where nothing oscillates.
+
+Noise in a regressor does not average out: it draws its coefficient to zero, and others with it. The velocities of a
+periodic run, projected on few harmonics and differentiated, have next to none.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+from narrows.captive.tests import CaptiveTests
+from narrows.errors import check_choice
+
+Accelerations = Literal["checked", "motion", "measured"]
+CHOICES = get_args(Accelerations)
+RATES = {"u": "udot", "v": "vdot", "r": "rdot"}
+HARMONICS = 5
+STRAY = 0.01
+"""Of the size that an acceleration has in the table: measured ones that are farther from their motion are replaced."""
+STEADY = {"v": 0.01, "psi": 0.01, "y": 0.01}
+"""Standard deviations in a run in which nothing oscillates: over the speed, in radians, over the ship's length."""
+SMALL_REST, WHITE = 0.02, 0.5
+"""What the harmonics leave of a velocity: so little of it, or without memory from row to row, in a periodic run."""
+LEAST = 0.01
+"""Of speed squared over length: the size of accelerations in a table in which nothing oscillates."""
+SIGNIFICANT = 9.0
+"""Power of a harmonic over that of its noise below which it is none."""
+FEWEST = 2 * (2 * HARMONICS + 1)
+"""Rows of a run, at least: two for each number that is fitted."""
+SAMPLED = 600
+"""Rows of a run by which its period is found and its accelerations are compared; all are replaced."""
+
+
+class HarmonicMotion(NamedTuple):
+    """Velocities of one run as harmonics of a period.
+
+    Parameters
+    ----------
+    frequency : float [rad/s]
+        Of the first harmonic; 0 where nothing oscillates.
+    harmonics : mapping of str to array (2 x HARMONICS,)
+        Cosines, then sines, of each velocity that they explain.
+    missing : mapping of str to float
+        Size of the acceleration that higher harmonics would add, about, in the unit of each.
+    """
+
+    frequency: float
+    harmonics: Mapping[str, np.ndarray]
+    missing: Mapping[str, float]
+
+    def acceleration(self, velocity: str, t: np.ndarray) -> np.ndarray:
+        """Differentiate a velocity at some times, (rows,).
+
+        Parameters
+        ----------
+        velocity : str
+            One of ``harmonics``.
+        t : array (rows,) [s]
+            Since the first row of the run.
+        """
+        cosine, sine = np.split(self.harmonics[velocity], 2)
+        result = np.zeros(len(t))
+        for k, (a, b) in enumerate(zip(cosine, sine, strict=True), start=1):
+            rate = k * self.frequency
+            if a or b:
+                result += rate * (b * np.cos(rate * t) - a * np.sin(rate * t))
+        return result
+
+
+UNKNOWN = HarmonicMotion(0.0, {}, {})
+
+
+def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveTests:
+    """Return tests with the accelerations of their own motion where the measured ones stray from it (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests
+        With time, velocities and accelerations; others are returned as they are.
+    choice : str
+        ``checked``: those of the motion where the measured ones stray from it; ``motion``: those of the motion wherever
+        it is known; ``measured``: as they are, and what strays is named.
+
+    Raises
+    ------
+    InputError
+        Where the choice is none of these.
+    """
+    check_choice("accelerations", choice, CHOICES)
+    columns = tests.columns
+    pairs = {v: rate for v, rate in RATES.items() if {v, rate} <= columns.keys()}
+    if not {"t", "y", "psi", "u"} <= columns.keys() or not pairs:
+        return tests
+    runs = [tests.rows_of(i) for i in range(len(tests.names))]
+    length = tests.configuration.ship.length
+    small = {rate: _small(columns, velocity, length) for velocity, rate in pairs.items()}
+    motions = [UNKNOWN if choice != "motion" and _agree(run, pairs, small) else motion_of(run, length) for run in runs]
+    new = {rate: columns[rate] for rate in pairs.values()}
+    notes = []
+    for velocity, rate in pairs.items():
+        stray = _strays(runs, motions, velocity, small[rate])
+        chosen = np.isfinite(stray) if choice == "motion" else stray > STRAY
+        if (stray > STRAY).any():
+            notes.append(_sentence(rate, tests.names, stray, choice))
+        if choice != "measured" and chosen.any():
+            new[rate] = new[rate].copy()
+            for i in np.flatnonzero(chosen):
+                t = runs[i]["t"]
+                new[rate][tests.starts[i] : tests.starts[i + 1]] = motions[i].acceleration(velocity, t - t[0])
+    return replace(tests, columns={**columns, **new}, notes=(*tests.notes, *notes))
+
+
+def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
+    """Find the period of a run and the harmonics of its velocities (ours).
+
+    Parameters
+    ----------
+    run : mapping of str to array (rows,)
+        With t, y, psi, u and other velocities.
+    length : float [m]
+        Of the ship.
+    """
+    few = _sampled(run)
+    if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
+        return UNKNOWN
+    t, speed = few["t"] - few["t"][0], max(float(np.abs(few["u"]).mean()), 1e-9)
+    size = {"v": speed, "psi": 1.0, "y": length}
+    moving = {name: float(np.std(few[name])) / size[name] / part for name, part in STEADY.items() if name in few}
+    frequency = 0.0
+    if max(moving.values()) > 1:
+        frequency = _frequency(t, few[max(("y", "psi"), key=lambda name: moving[name])])
+    usual = {"u": 0.01 * speed, "v": 0.01 * speed, "r": 0.01 * speed / length}
+    fitted = {name: _harmonics(t, few[name], frequency, usual[name]) for name in RATES if name in few}
+    known = {name: harmonics for name, harmonics in fitted.items() if harmonics is not None}
+    return HarmonicMotion(
+        frequency,
+        {n: harmonics[0] for n, harmonics in known.items()},
+        {n: harmonics[1] for n, harmonics in known.items()},
+    )
+
+
+def _sampled(run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    step = max(1, len(run["t"]) // SAMPLED)
+    return {name: column[::step] for name, column in run.items()}
+
+
+def _frequency(t: np.ndarray, column: np.ndarray) -> float:
+    """Of the harmonics that leave the least of a column, from the largest line of its spectrum."""
+    from scipy.optimize import minimize_scalar
+
+    span = t[-1] + float(np.median(np.diff(t)))
+    even = np.interp(np.linspace(0, t[-1], len(t)), t, column - column.mean())
+    line = 1 + int(np.abs(np.fft.rfft(even))[1:].argmax())
+    low, high = (2 * np.pi / span * max(0.4, line + by) for by in (-0.75, 0.75))
+    for harmonics in (1, HARMONICS):
+        minimum = minimize_scalar(
+            lambda w, n=harmonics: _rest(t, column, w, n)[1].var(), bounds=(low, high), method="bounded",
+            options={"xatol": 1e-7 * high},
+        )  # fmt: skip
+        low, high = minimum.x * 0.98, minimum.x * 1.02
+    return float(minimum.x)
+
+
+def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -> tuple[np.ndarray, np.ndarray]:
+    """Constant, cosines and sines of a column by least squares, and what they leave."""
+    angles = np.outer(t, frequency * np.arange(1, harmonics + 1))
+    basis = np.hstack([np.ones((len(t), 1)), np.cos(angles), np.sin(angles)])
+    parts = np.linalg.lstsq(basis, column, rcond=1e-10)[0]
+    return parts, column - basis @ parts
+
+
+def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float) -> tuple[np.ndarray, float] | None:
+    """Cosines and sines of a velocity, without those within their noise, and the acceleration that is missing.
+
+    None where they do not explain it.
+    """
+    parts, rest = _rest(t, column, frequency, HARMONICS) if frequency else (np.zeros(1), column - column.mean())
+    error = float(rest.std())
+    memory = float(rest[1:] @ rest[:-1]) / max(float(rest @ rest), 1e-300)
+    if error > SMALL_REST * max(float(column.std()), usual) and memory > WHITE:
+        return None
+    if not frequency:
+        return np.zeros(2 * HARMONICS), 0.0
+    pairs = parts[1:].reshape(2, HARMONICS)
+    silent = (pairs**2).sum(axis=0) < SIGNIFICANT * 4 * error**2 / len(t)
+    missing = (HARMONICS + 2) * frequency * error if memory > WHITE else 0.0
+    return np.where(silent, 0.0, pairs).ravel(), missing
+
+
+def _small(columns: Mapping[str, np.ndarray], velocity: str, length: float) -> float:
+    """What a measured acceleration may be off by: a part of its size in the table."""
+    least = LEAST * float(np.mean(columns["u"] ** 2)) / length / (length if velocity == "r" else 1.0)
+    return STRAY * max(float(np.sqrt(np.mean(columns[RATES[velocity]] ** 2))), least)
+
+
+def _agree(run: Mapping[str, np.ndarray], pairs: Mapping[str, str], small: Mapping[str, float]) -> bool:
+    """Whether plain differences of the velocities give the measured accelerations already, as where none is noisy."""
+    few = _sampled(run)
+    if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
+        return True
+    slopes = ((np.gradient(few[velocity], few["t"]) - few[rate], small[rate]) for velocity, rate in pairs.items())
+    return all(np.mean(away**2) <= most**2 for away, most in slopes)
+
+
+def _strays(
+    runs: list[dict[str, np.ndarray]], motions: list[HarmonicMotion], velocity: str, small: float
+) -> np.ndarray:
+    """How far measured accelerations are from those of the motion, over their size in the table; NaN where unknown."""
+    rate = RATES[velocity]
+    apart = np.full(len(runs), np.nan)
+    for i, (run, motion) in enumerate(zip(runs, motions, strict=True)):
+        if velocity in motion.harmonics:
+            few = _sampled(run)
+            expected = motion.acceleration(velocity, few["t"] - few["t"][0])
+            away = np.sqrt(np.mean((few[rate] - expected) ** 2))
+            apart[i] = away if away > 2 * motion.missing[velocity] else 0.0
+    return STRAY * apart / small
+
+
+def _sentence(rate: str, names: tuple[str, ...], stray: np.ndarray, choice: str) -> str:
+    far = np.flatnonzero(stray > STRAY)
+    others = f" and {len(far) - 1} more" if len(far) > 1 else ""
+    done = "used as measured, which draws their coefficients to 0" if choice == "measured" else "taken from the motion"
+    return (
+        f"Measured {rate} strays from the motion by {np.nanmax(stray):.0%} of its size in test "
+        f"{names[int(np.nanargmax(stray))]}{others}: it is {done}."
+    )

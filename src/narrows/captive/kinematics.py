@@ -1,0 +1,286 @@
+"""Whether the columns of a motion agree: how y, psi, u, v and r change, beside what velocities and rates say."""
+
+import math
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.captive.columns import COLUMNS, Column
+from narrows.captive.tests import cuts
+from narrows.errors import InputError
+
+Columns = Mapping[str, np.ndarray]
+
+STRETCHES, FEWEST_STRETCHES = 60, 8
+"""Changes are compared over so many stretches of a test, which takes out noise; with fewer nothing is said."""
+FEWEST_RATES = 2
+"""Columns that must tell of the time from row to row where no column does."""
+ALIKE, APART = 0.9, 1.25
+"""Two columns are of one motion beyond this correlation, and agree within this factor."""
+FAINT, STEADY = 0.1, 0.003
+"""A test tells nothing of a column that varies less than this part of what it does in others; no test does of one
+that varies less than this part of a length, a radian or the speed."""
+GAP = 2.5
+"""Of the usual time from row to row: over more nothing is compared, as rows were left out."""
+DEGREE = math.pi / 180
+RATES = {"y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",)}
+"""What says how fast each column changes."""
+SAYS = {"y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
+MIRRORED = (
+    ("y",), ("psi",), ("v",), ("r",), ("vdot",), ("rdot",), ("udot",), ("psi", "r"), ("r", "rdot"), ("v", "vdot"),
+    ("psi", "r", "rdot"), ("y", "v", "vdot"),
+)  # fmt: skip
+"""Columns that are counted the other way together, the fewest first."""
+TURNING = (("psi",), ("r",), ("rdot",), ("psi", "r"), ("r", "rdot"), ("psi", "r", "rdot"))
+MOVING = (("y",), ("u",), ("v",), ("vdot",), ("udot",), ("v", "vdot"), ("u", "v"), ("u", "v", "udot", "vdot"))
+UNITS = (
+    *((names, DEGREE, "rad", "deg") for names in TURNING), *((names, 1 / DEGREE, "deg", "rad") for names in TURNING),
+    *((names, 1e-3, "m", "mm") for names in MOVING),
+    *((names, 0.514444, "m/s", "kn") for names in (("u",), ("v",), ("u", "v"))),
+    (("t",), 1e-3, "s", "ms"), (("t",), 60.0, "s", "minute"),
+)  # fmt: skip
+"""Columns that are in another unit together: how many of the first unit one of the second is."""
+
+
+class Agreement(NamedTuple):
+    """How changes of a column compare with what its rate says, a number a test.
+
+    Parameters
+    ----------
+    correlation : array (tests,) [1]
+        Between the two.
+    factor : array (tests,) [1]
+        The column's change over what its rate says; 0 where a test tells nothing of it.
+    """
+
+    correlation: np.ndarray
+    factor: np.ndarray
+
+    @property
+    def alike(self) -> np.ndarray:
+        """In which tests the two are of one motion, be it of another size or sign, (tests,) of bool."""
+        return np.asarray((self.factor > 0) & (np.abs(self.correlation) > ALIKE))
+
+    @property
+    def apart(self) -> np.ndarray:
+        """Which tests contradict it, (tests,) of bool."""
+        far = (self.correlation < 0) | (self.factor > APART) | (self.factor < 1 / APART)
+        return np.asarray(self.alike & far)
+
+
+class MotionColumns(NamedTuple):
+    """Columns of some tests.
+
+    Parameters
+    ----------
+    columns : mapping of str to array (rows,)
+        In what should be SI, test by test.
+    starts : array (tests + 1,) of int
+        First row of each test, and the number of rows.
+    length : float [m]
+        Of the ship.
+    """
+
+    columns: Columns
+    starts: np.ndarray
+    length: float
+
+    def only(self, tests: np.ndarray) -> "MotionColumns":
+        """Return some of the tests.
+
+        Parameters
+        ----------
+        tests : array (tests,) of bool
+            Which.
+        """
+        rows = np.diff(self.starts)
+        kept = np.repeat(tests, rows)
+        starts = np.concatenate([[0], np.cumsum(rows[tests])])
+        return self._replace(columns={name: column[kept] for name, column in self.columns.items()}, starts=starts)
+
+
+def check_kinematics(
+    motions: MotionColumns, names: Iterable[str], by_name: Mapping[str, Column], table: str
+) -> tuple[str, ...]:
+    """Raise where a column is counted the other way or in another unit, and say what else disagrees (ours).
+
+    Parameters
+    ----------
+    motions : MotionColumns
+        The columns.
+    names : iterable of str
+        The tests.
+    by_name : mapping of str to Column
+        Where each column came from.
+    table : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        Names the columns and the tests that disagree, and what brings them together.
+    """
+    agreements = agreements_of(motions)
+    wrong = sum((agreement.apart for agreement in agreements.values()), np.zeros(1, bool)) > 0
+    if not wrong.any():
+        return ()
+    sentence = _disagreement(agreements, [name for name, bad in zip(names, wrong, strict=True) if bad])
+    for some in (motions, motions.only(wrong)):
+        agreement = agreements_of(some)
+        if causes := _turned_round(some, agreement, by_name) or _in_another_unit(some, agreement, by_name):
+            raise InputError(f"{table}: {sentence}; {causes}")
+    return (f"{sentence[0].upper()}{sentence[1:]}: check these columns.",)
+
+
+def agreements_of(motions: MotionColumns) -> dict[str, Agreement]:
+    """Compare the changes of each column with what its rate says, by column (ours).
+
+    Parameters
+    ----------
+    motions : MotionColumns
+        The columns.
+    """
+    rates = {name: rate for name, rate in rates_of(motions.columns).items() if _moves(motions, name)}
+    lapses = _lapses(motions, rates)
+    return {name: _agreement(motions.columns[name], rate, lapses, motions.starts) for name, rate in rates.items()}
+
+
+def rates_of(columns: Columns) -> dict[str, np.ndarray]:
+    """Return how fast columns change by what other columns say, midway from row to row, (rows - 1,) (ours).
+
+    Parameters
+    ----------
+    columns : mapping of str to array (rows,)
+        In SI.
+    """
+    known = [name for name, asked in RATES.items() if {name, *asked} <= columns.keys()]
+    rates = {name: _aside(columns) if name == "y" else columns[RATES[name][0]] for name in known}
+    return {name: 0.5 * (rate[1:] + rate[:-1]) for name, rate in rates.items()}
+
+
+def _aside(columns: Columns) -> np.ndarray:
+    return np.asarray(columns["u"] * np.sin(columns["psi"]) + columns["v"] * np.cos(columns["psi"]))
+
+
+def _moves(motions: MotionColumns, name: str) -> bool:
+    """Whether a column varies by more than a carriage shakes."""
+    speed = float(np.abs(motions.columns.get("u", np.ones(1))).mean())
+    least = {"y": motions.length, "psi": 1.0, "u": speed, "v": speed, "r": speed / motions.length}[name] * STEADY
+    return bool(np.std(motions.columns[name]) > least)
+
+
+def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
+    """Time from row to row [s]: from t, from the way made good, or even and of any size; 0 where none is known."""
+    columns, starts = motions.columns, motions.starts
+    inside = np.ones(int(starts[-1]) - 1, bool)
+    inside[starts[1:-1] - 1] = False
+    if "t" in columns:
+        return _without_gaps(np.diff(columns["t"]), inside, starts)
+    if {"x", "u", "v", "psi"} <= columns.keys():
+        ahead = columns["u"] * np.cos(columns["psi"]) - columns["v"] * np.sin(columns["psi"])
+        with np.errstate(all="ignore"):
+            lapses = np.abs(2 * np.diff(columns["x"]) / (ahead[1:] + ahead[:-1]))
+        if (lapses[inside] > 0).all() and np.isfinite(lapses[inside]).all():
+            return _without_gaps(lapses, inside, starts)
+    return _even(columns, starts, rates, inside)
+
+
+def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Leave out steps from test to test, and those over rows that were selected away."""
+    known = np.where(inside, lapses, 0.0)
+    usual = np.repeat([np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)], np.diff(starts))
+    return np.where(known > GAP * usual[:-1], 0.0, known)
+
+
+def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarray) -> np.ndarray:
+    """One time from row to row in each test, such that half of its columns agree with it; 0 where one column tells."""
+    seen = [_agreement(columns[name], rate, inside * 1.0, starts) for name, rate in rates.items()]
+    if not seen:
+        return inside * 1.0
+    told = np.array([np.where(one.alike, one.factor, np.nan) for one in seen])
+    enough = np.isfinite(told).sum(axis=0) >= FEWEST_RATES
+    step = np.array(
+        [np.nanmedian(factors) if several else 0.0 for factors, several in zip(told.T, enough, strict=True)]
+    )
+    return np.asarray(inside * np.repeat(step, np.diff(starts))[:-1])
+
+
+def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts: np.ndarray) -> Agreement:
+    """Compare over stretches of each test; a test of few stretches, or of small changes, tells nothing."""
+    ends = [start + cuts(int(stop - start) - 1, STRETCHES) for start, stop in pairwise(starts)]
+    edges, count = np.concatenate(ends), len(ends)
+    test = np.repeat(np.arange(count), [len(edge) for edge in ends])
+    way, unknown = (np.concatenate([[0.0], np.cumsum(column_of)])[edges] for column_of in (rate * lapses, lapses == 0))
+    whole = np.diff(unknown) == 0
+    whose, change, expected = test[1:][whole], np.diff(column[edges])[whole], np.diff(way)[whole]
+    cc, ee, ce = (np.bincount(whose, product, count) for product in (change**2, expected**2, change * expected))
+    rows = np.bincount(whose, minlength=count)
+    told = (rows >= FEWEST_STRETCHES) & (np.minimum(_strong(cc, rows), _strong(ee, rows)) > FAINT**2)
+    with np.errstate(all="ignore"):
+        return Agreement(np.where(told, ce / np.sqrt(cc * ee), 0.0), np.where(told, np.sqrt(cc / ee), 0.0))
+
+
+def _strong(squares: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Mean square of each test over the largest of any."""
+    mean = squares / np.maximum(rows, 1)
+    return np.asarray(mean / max(mean.max(), 1e-300))
+
+
+def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
+    """What disagrees, in words, with the numbers of the first test that tells of each."""
+    parts = []
+    for name, agreement in agreements.items():
+        if agreement.apart.any():
+            i = int(np.argmax(agreement.apart))
+            parts.append(
+                f"d{name}/dt is {math.copysign(agreement.factor[i], agreement.correlation[i]):.2g} times {SAYS[name]}"
+            )
+    others = f" and {len(tests) - 1} more" if len(tests) > 1 else ""
+    return f"in test {tests[0]}{others}, {' and '.join(parts)}"
+
+
+def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
+    """The fewest columns that agree with all others once they are counted the other way, in words."""
+    mended = [names for names in MIRRORED if _mends(motions, agreements, dict.fromkeys(names, -1.0))]
+    fewest = [names for names in mended if len(names) == len(mended[0])]
+    if not fewest:
+        return ""
+    choices = ", or ".join(_listed(names, by_name) for names in fewest)
+    return f"turn the sign of {choices} (y and v count to starboard, angles clockwise from above)"
+
+
+def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
+    """The fewest columns that agree with all others once they are read in another unit, in words."""
+    mended = [
+        (names, usual, unit)
+        for names, scale, usual, unit in UNITS
+        # A header that carries a unit may be wrong only where that is not the usual one.
+        if all(name in by_name and by_name[name].stated == (unit == "rad") for name in names)
+        and _mends(motions, agreements, dict.fromkeys(names, scale))
+    ]
+    fewest = min((len(names) for names, _, _ in mended), default=0)
+    parts = []
+    for names, usual, unit in (mend for mend in mended if len(mend[0]) == fewest):
+        units = [COLUMNS[name].unit.replace(usual, unit, 1) if unit != "rad" else COLUMNS[name].unit for name in names]
+        heads = " and ".join(f"'{name} [{spelled}]'" for name, spelled in zip(names, units, strict=True))
+        parts.append(f"{_listed(names, by_name)} {'look' if len(names) > 1 else 'looks'} like {units[0]}; head {heads}")
+    return ", or ".join(parts)
+
+
+def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: Mapping[str, float]) -> bool:
+    """Whether all columns agree once some are scaled, with no fewer tests that tell of each."""
+    columns = motions.columns
+    if not columns.keys() >= scales.keys():
+        return False
+    again = agreements_of(motions._replace(columns={**columns, **{n: columns[n] * k for n, k in scales.items()}}))
+    return all(
+        name in again and not again[name].apart.any() and again[name].alike.sum() >= agreement.alike.sum()
+        for name, agreement in agreements.items()
+    )
+
+
+def _listed(names: tuple[str, ...], by_name: Mapping[str, Column]) -> str:
+    headers = [repr(by_name[name].header) if name in by_name else repr(name) for name in names]
+    return " and ".join([", ".join(headers[:-1]), headers[-1]] if len(headers) > 1 else headers)

@@ -1,0 +1,192 @@
+"""A laboratory's own names, units and signs, brought to the documented columns."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from narrows.captive import check
+from narrows.captive.columns import COLUMNS, LABELS, parse_header, unit_of
+from narrows.errors import InputError, did_you_mean, shown
+from narrows.quantities.names import Quantity
+from narrows.ship.ship_file import check_table, load_toml
+
+WAYS = {
+    "forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise",
+}  # fmt: skip
+"""Which way a quantity counts here, and the other way."""
+COUNTED = {
+    **dict.fromkeys(("x", "u", "udot", "X"), ("forward",)),
+    **dict.fromkeys(("y", "v", "vdot", "Y"), ("starboard",)),
+    **dict.fromkeys(("psi", "r", "rdot", "N"), ("starboard", "clockwise")),
+    "rudder": ("starboard",),
+    "heave": ("down",),
+}
+"""Which way each quantity is positive here; a rudder by the side to which it turns the bow."""
+
+
+@dataclass(frozen=True)
+class ColumnMapping:
+    """How a laboratory's columns are read as the documented ones.
+
+    Parameters
+    ----------
+    columns : mapping of str to str
+        Headers of the table by the documented names; an empty one where a column of that name is none.
+    units : mapping of str to str
+        Of columns whose headers do not say it.
+    positive : mapping of str to str
+        Which way a column counts: ``port``, ``aft``, ``up``, ``counter-clockwise`` turn its sign.
+    name : str
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        Where a name, a unit or a way is none.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    positive: Mapping[str, str] = field(default_factory=dict)
+    name: str = "the mapping"
+
+    def __post_init__(self) -> None:
+        for section in fields(self)[:3]:
+            values = getattr(self, section.name)
+            check_table(section.name, values, self.name)
+            for name, word in values.items():
+                if not isinstance(word, str):
+                    raise InputError(
+                        f"{self.name}: [{section.name}] {name} = {shown(word)} is no word; give it in quotes"
+                    )
+        for name, way in self.positive.items():
+            _sign(name, way, self.name)
+
+    def applied(
+        self, frame: pd.DataFrame, table: str, known: Mapping[str, Quantity] = COLUMNS
+    ) -> tuple[pd.DataFrame, tuple[str, ...]]:
+        """Bring a frame to the documented headers, units and signs, with a sentence of what was done (ours).
+
+        Parameters
+        ----------
+        frame : DataFrame
+            As read.
+        table : str
+            The file.
+        known : mapping of str to Quantity
+            What a table may carry.
+
+        Raises
+        ------
+        InputError
+            Where a name is unknown, or the table has no such column.
+        """
+        sources = self._sources(frame, table, known)
+        notes = []
+        new = {}
+        for name, header in sources.items():
+            unit = self.units.get(name) or unit_of(header)
+            turned = name in self.positive and _sign(name, self.positive[name], self.name) < 0
+            new[f"{name} [{unit}]" if unit and name not in LABELS else name] = (
+                -check.numbers(frame, header, table) if turned else frame[header]
+            )
+            way = f", its sign turned as it counts {_towards(self.positive[name])}" if turned else ""
+            notes.append(f"{name} is {header!r}{way}")
+        others = frame.drop(columns=list(sources.values()))
+        others = others[[header for header in others if not self._replaced(str(header), sources, known)]]
+        note = (f"by {self.name}: {'; '.join(notes)}",) if notes else ()
+        return pd.concat([others, pd.DataFrame(new, index=frame.index)], axis="columns"), note
+
+    def _sources(self, frame: pd.DataFrame, table: str, known: Mapping[str, Quantity]) -> dict[str, str]:
+        """The header of each quantity that the mapping speaks of."""
+        sources = {}
+        for name in dict.fromkeys([*self.columns, *self.units, *self.positive]):
+            if name not in known and name not in LABELS:
+                raise InputError(
+                    f"{self.name}: {name!r} is no documented column{did_you_mean(name, [*known, *LABELS])}"
+                )
+            if self.columns.get(name) != "":
+                sources[name] = self._header(name, [str(header) for header in frame.columns], table, known)
+        twice = [header for header in sources.values() if list(sources.values()).count(header) > 1]
+        if twice:
+            names = " and ".join(name for name, header in sources.items() if header == twice[0])
+            raise InputError(f"{self.name}: {twice[0]!r} is read as {names}; give it one name")
+        return sources
+
+    def _header(self, name: str, headers: list[str], table: str, known: Mapping[str, Quantity]) -> str:
+        asked = self.columns.get(name)
+        if asked is None:
+            matching = [header for header in headers if _parsed(header, known) == name]
+        else:
+            # A row of units may have been put to the name.
+            matching = [asked] if asked in headers else [header for header in headers if _bare(header) == asked.strip()]
+        if not matching:
+            raise InputError(
+                f"{table}: no column is headed {asked or name!r}, which {self.name} reads as {name}"
+                f"{did_you_mean(asked or name, headers)}"
+            )
+        return matching[0]
+
+    def _replaced(self, header: str, sources: Mapping[str, str], known: Mapping[str, Quantity]) -> bool:
+        """Whether a column that the mapping does not read would pass for one that it does, or says to be none."""
+        name = _parsed(header, known)
+        return name in sources or self.columns.get(name or "") == ""
+
+
+def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None) -> ColumnMapping | None:
+    """Return a mapping of columns, read where it is a file (ours).
+
+    Parameters
+    ----------
+    mapping : str, Path, mapping or ColumnMapping, optional
+        TOML with sections ``[columns]``, ``[units]`` and ``[positive]``, or what is in one.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent, is not TOML, or has other sections.
+    """
+    if mapping is None or isinstance(mapping, ColumnMapping):
+        return mapping
+    tables = mapping if isinstance(mapping, Mapping) else load_toml(mapping)
+    name = "the mapping" if isinstance(mapping, Mapping) else Path(mapping).name
+    sections = [section.name for section in fields(ColumnMapping)][:3]
+    for section in tables:
+        if section not in sections:
+            raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), sections)}")
+    return ColumnMapping(**tables, name=name)
+
+
+def _sign(name: str, way: str, table: str) -> float:
+    ways = COUNTED.get(name, ())
+    if way in ways:
+        return 1.0
+    opposite = [WAYS[straight] for straight in ways]
+    if way in opposite:
+        return -1.0
+    known: Iterable[str] = (*ways, *opposite)
+    raise InputError(f"{table}: [positive] {name} = {way!r} is no way that it may count{did_you_mean(way, known)}")
+
+
+def _parsed(header: str, known: Mapping[str, Quantity]) -> str | None:
+    """The quantity of a header, whatever its unit."""
+    if header in LABELS:
+        return header
+    try:
+        column = parse_header(header, known)
+    except InputError:
+        return None
+    return column.quantity if column else None
+
+
+def _bare(header: str) -> str:
+    """A header without its unit in brackets."""
+    return re.sub(r"\s*[\[(][^\])]*[\])]$", "", header).strip()
+
+
+def _towards(way: str) -> str:
+    return f"to {way}" if way in ("port", "starboard") else way

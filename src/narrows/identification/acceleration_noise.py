@@ -1,0 +1,69 @@
+"""What noise in accelerations would do to coefficients, where no motion with time tells how much there is."""
+
+import numpy as np
+
+from narrows.captive.accelerations import RATES
+from narrows.captive.tests import CaptiveTests, Tests
+from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.solve import Solution
+
+SHARE = 0.1
+"""Of the size of the accelerations that is taken for noise."""
+
+
+def noise_bias(problem: Problem, solution: Solution, sums: np.ndarray, share: float = SHARE) -> dict[str, float]:
+    """Return how far white noise in the accelerations draws each coefficient from its value, to first order (ours).
+
+    The noise adds to the diagonal of H alone, and the solution moves by -H^-1 D z: attenuation, and what others take
+    over. Coefficients at a bound stay there.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint problem.
+    solution : Solution
+        Its optimum.
+    sums : array (m, m)
+        Over all rows.
+    share : float [1]
+        Standard deviation of the noise over the root mean square of each acceleration.
+
+    References
+    ----------
+    Fuller (1987), Measurement Error Models, section 2.2.
+    """
+    h, _ = problem.normal(sums)
+    noisy = np.zeros(len(h))
+    for term in problem.terms.terms:
+        if term.inputs in [(rate,) for rate in RATES.values()]:
+            noisy[problem.slot[term.name]] = share**2
+    free = ~solution.at_bound
+    moved = np.zeros(len(h))
+    pull = noisy * np.diag(h) * solution.z
+    moved[free] = -np.linalg.pinv(h[np.ix_(free, free)], rcond=1e-12, hermitian=True) @ pull[free]
+    return problem.named(moved)
+
+
+def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float]) -> str:
+    """Say what noise in accelerations would do where nothing checks them; nothing where time does (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        The rows.
+    bias : dict of str to float
+        Of ``noise_bias``.
+    values : dict of str to float
+        The coefficients themselves.
+    """
+    if isinstance(tests, CaptiveTests) and "t" in tests.columns:
+        return ""
+    shifts = {
+        name: bias[name] / values[name] for name in bias if values[name] and abs(bias[name] / values[name]) > 1e-3
+    }
+    if not shifts:
+        return ""
+    told = ", ".join(
+        f"{name} by {shift:+.1%}" for name, shift in sorted(shifts.items(), key=lambda own: -abs(own[1]))[:4]
+    )
+    return f"Nothing tells noise in the accelerations without time in memory: were it a tenth of them, it moved {told}."

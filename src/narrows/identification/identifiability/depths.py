@@ -1,0 +1,74 @@
+"""Whether a coefficient of the bank is the same at every depth, from what the tests at each depth tell of it alone."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identification.identifiability.evidence import ComparedEstimate
+
+DIFFERENT = 0.05
+"""Probability of as much difference under which a coefficient is said to change with the depth."""
+
+
+@dataclass(frozen=True)
+class DepthTest:
+    """A coefficient at each depth by itself, and the test of whether it is one.
+
+    Parameters
+    ----------
+    values : mapping of float [m] to float
+        Its estimate by the tests at each depth alone, in its unit.
+    std : mapping of float [m] to float
+        Their standard errors.
+    chi2 : float [1]
+        Sum of squared distances from their weighted mean, each over its standard error.
+    p : float [1]
+        Probability of as much, were it one coefficient.
+    """
+
+    values: Mapping[float, float]
+    std: Mapping[float, float]
+    chi2: float
+    p: float
+
+    @property
+    def changes(self) -> bool:
+        """Whether it differs between depths by more than its errors allow."""
+        return self.p < DIFFERENT
+
+    def sentence(self, name: str) -> str:
+        """Say it.
+
+        Parameters
+        ----------
+        name : str
+            The coefficient.
+        """
+        told = ", ".join(f"{value:.3g} +- {self.std[h]:.2g} at {h:.4g} m" for h, value in self.values.items())
+        word = "it changes with the depth" if self.changes else "no change with the depth is seen"
+        return f"{name} by each depth alone is {told}: {word} (p = {self.p:.2g})."
+
+
+def depth_test(compared: Iterable[ComparedEstimate], std_over_reach: float) -> DepthTest | None:
+    """Compare what the tests at each depth tell of a coefficient; None where fewer than two depths do (ours).
+
+    Parameters
+    ----------
+    compared : iterable of ComparedEstimate
+        Of the coefficient.
+    std_over_reach : float [1]
+        Standard error over half of a 95 % interval.
+    """
+    from scipy.special import chdtrc
+
+    own = {c.place[1]: c for c in compared if c.place and c.place[0] == "depth" and not c.lost}
+    if len(own) < 2:
+        return None
+    depths = sorted(own)
+    values = np.array([own[h].value for h in depths])
+    std = np.array([own[h].reach for h in depths]) * std_over_reach
+    mean = (values / std**2).sum() / (1 / std**2).sum()
+    chi2 = float((((values - mean) / std) ** 2).sum())
+    told, errors = (dict(zip(depths, part.tolist(), strict=True)) for part in (values, std))
+    return DepthTest(told, errors, chi2, float(chdtrc(len(depths) - 1, chi2)))

@@ -1,0 +1,328 @@
+"""Other fits that should agree: hulls and zeros of their own within strata, other weights, some motions alone."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+
+from narrows.identification.motions import EDGE, DistinctMotions
+from narrows.identification.regression.problem import Problem
+from narrows.identification.uncertainty.error_model import pseudo_inverse, whitened
+from narrows.identification.uncertainty.estimator import estimator
+from narrows.identification.uncertainty.second_level import SecondLevel
+from narrows.identification.uncertainty.unbounded_fit import ErrorModel
+
+LOST = 1e-6
+"""Share of a column that is left beside others under which it cannot be told from them."""
+OFFSET = "offset"
+STEADY_RUNS, HARMONIC_RUNS = "steady runs", "harmonic runs"
+WHERE = {"speed": "runs at {:.3g} m/s", "depth": "runs in {:.4g} m of water"}
+POWERS = (2, 3)
+"""Of the offset, its sign kept, as which a force may go that is no bank's; as y itself a bank's goes."""
+TWICE = 2
+"""How often columns are projected: the second time takes off what rounding left the first time."""
+ABSENT = 1e-12
+"""Share of a column that is in a cell up to which it is not there at all."""
+RESOLVED = 1e-8
+"""The same of a column that is added: under it what is left is rounding."""
+
+
+class Kind(Enum):
+    """What another fit is made of."""
+
+    OWN = "own"
+    WEIGHTS = "weights"
+    WITHOUT = "without"
+    ONLY = "only"
+    SHAPE = "shape"
+    GAIN = "gain"
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another estimate of one coefficient.
+
+    Parameters
+    ----------
+    kind : Kind
+        What it is made of.
+    label : str
+        In words.
+    value : float
+        Scaled; NaN where nothing is left of the coefficient.
+    std : float
+        Its standard error by the error model.
+    gap : float
+        Standard error of its difference from the fit, by the scatter that the data show.
+    place : pair of str and float, optional
+        Which stratum alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
+    """
+
+    kind: Kind
+    label: str
+    value: float
+    std: float
+    gap: float
+    place: tuple[str, float] | None = None
+
+    @property
+    def lost(self) -> bool:
+        """Whether nothing is left of the coefficient."""
+        return not np.isfinite(self.value)
+
+
+class Strata:
+    """Alternatives to a fit, made when they are asked for and shared between coefficients where they are the same.
+
+    Parameters
+    ----------
+    problem : Problem
+        The terms.
+    motions : DistinctMotions
+        The strata.
+    model : ErrorModel
+        The fit.
+    """
+
+    def __init__(self, problem: Problem, motions: DistinctMotions, model: ErrorModel) -> None:
+        self.problem, self.motions, self.model = problem, motions, model
+        self.level: SecondLevel = model.level
+        self.terms = problem.terms.terms
+        self.bank = np.array([term.from_bank for term in self.terms])
+        self.operator = self.level.d @ model.best.inverse.T
+        self.shown, self.v = model.shown, model.covariance
+        self.slots = np.array([problem.slot[term.name] for term in self.terms])
+        self._kept: dict[str, list[np.ndarray | None]] = {}
+        self._whole = self._everywhere()
+
+    def of(self, index: int) -> Iterator[Alternative]:
+        """Yield every alternative estimate of a coefficient.
+
+        Parameters
+        ----------
+        index : int
+            Of the term.
+        """
+        slot = self.problem.slot[self.terms[index].name]
+        for name in self.motions.cells:
+            yield self._made(
+                Kind.OWN, f"hull terms and zeros of their own at each {name}", slot, self._own(name, index)
+            )
+        if self.motions.offsets.max() > 0:
+            yield self._made(Kind.OWN, "hull terms of their own at each offset", slot, self._own(OFFSET, index))
+        yield self._made(Kind.OWN, "a constant force beside", slot, self._beside(slot, self._constants))
+        for kind, label, values, std, gap, known in self._whole:
+            value = float(values[slot]) if known[slot] else np.nan
+            yield Alternative(kind, label, value, float(std[slot]), float(gap[slot]))
+        if self.bank[index]:
+            for power in POWERS:
+                beside = self._beside(slot, self._added(self._as_power(index, power)))
+                yield self._made(Kind.SHAPE, f"a force that goes as y^{power} beside", slot, beside)
+        for name, mask, place in self._parts():
+            part = self._only(slot, index, mask)
+            if part is not None:
+                yield self._made(Kind.ONLY, f"told by {name} alone", slot, part, place)
+        for name, gain in self._gains.items():
+            part = self._beside(slot, gain)
+            if part is not None:
+                yield self._made(Kind.GAIN, f"a gain of their own in {name}", slot, part)
+
+    def _made(
+        self, kind: Kind, label: str, slot: int, weights: np.ndarray | None, place: tuple[str, float] | None = None
+    ) -> Alternative:
+        if weights is None:
+            return Alternative(kind, label, np.nan, np.inf, np.inf)
+        change = weights - self.operator[..., slot]
+        value = float((weights * self.level.y).sum())
+        return Alternative(kind, label, value, _size(weights, self.v), _size(change, self.shown), place)
+
+    def _everywhere(self) -> list[tuple[Kind, str, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """The fit weighted by the error model, and without each motion, of all parameters at once."""
+        level = self.level
+        white = whitened(self.v, level.d)
+        root = np.linalg.cholesky(self.v)
+        instruments = np.linalg.solve(np.swapaxes(root, 1, 2), white)
+        others = [(Kind.WEIGHTS, "motions weighted by their errors", estimator(instruments, level.d))]
+        pairs = zip(self.motions.labels, self.model.left_out, strict=True)
+        others += [(Kind.WITHOUT, label, one) for label, one in pairs]
+        found = []
+        for kind, label, one in others:
+            weights = one.z @ one.inverse.T
+            sizes = _sizes(weights, self.v), _sizes(weights - self.operator, self.shown)
+            found.append((kind, label, one.values(level.y), *sizes, one.known))
+        return found
+
+    def _own(self, name: str, index: int) -> np.ndarray | None:
+        """Weights of the estimate beside hull terms and zeros of each cell of a stratification."""
+        if name not in self._kept:
+            z, live = self._within(name)
+            inverse, known = pseudo_inverse(_products(z))
+            weights = (z @ inverse[:, None, :, :1])[..., 0]
+            determined = live & known[:, 0]
+            self._kept[name] = [own if good else None for own, good in zip(weights, determined, strict=True)]
+        return self._kept[name][index]
+
+    def _within(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """What is left of each coefficient's column, and of the bank's, beside hull terms and zeros of each cell.
+
+        (n, blocks, q, c), its own first; and whether anything is left of that, (n,). Other hull columns are sums of
+        those beside: nothing is left of them.
+        """
+        level, (beside, of_terms) = self.level, self._hulls
+        group = self.motions.offsets if name == OFFSET else self.motions.cells[name]
+        cell = group[level.motion] * level.forces + level.force
+        cells = np.arange(cell.max() + 1)
+        inside = (cell == cells[:, None]).astype(float)
+        turned = np.swapaxes(beside, 1, 2)
+
+        def summed(columns: np.ndarray) -> np.ndarray:
+            parts = turned @ columns
+            flat = inside @ parts.reshape(*parts.shape[:-2], -1)
+            return np.asarray(flat.reshape(*flat.shape[:-1], *parts.shape[-2:]))
+
+        inverse = self._inverses(summed(beside), of_terms[cells % level.forces], zeros=name != OFFSET)
+        columns = self._columns
+        left = columns
+        for _ in range(TWICE):
+            left = left - beside @ (inverse @ summed(left))[:, cell]
+        whole, rest = (columns**2).sum(axis=(1, 2)), (left**2).sum(axis=(1, 2))
+        live = rest > LOST * whole
+        return np.asarray(left * live[:, None, None]), live[:, 0]
+
+    def _inverses(self, gram: np.ndarray, of_terms: np.ndarray, zeros: bool) -> np.ndarray:
+        """Of the products of what is beside each coefficient in each cell, (n, cells, k, k): its own column is not."""
+        hull, count = ~self.bank, len(self.terms)
+        kept = np.append(hull, zeros)[of_terms] & (of_terms >= 0)
+        apart = np.ones((count, count + 1), bool)
+        apart[:, :-1] = self.bank[:, None] | (self.slots[:, None] != self.slots)
+        inverse = np.repeat(pseudo_inverse(_masked(gram, kept), ABSENT)[0][None], count, axis=0)
+        own, where = np.nonzero((kept & ~apart[:, of_terms]).any(axis=2))
+        left = kept[where] & apart[own[:, None], of_terms[where]]
+        inverse[own, where] = pseudo_inverse(_masked(gram[where], left), ABSENT)[0]
+        return inverse
+
+    @cached_property
+    def _hulls(self) -> tuple[np.ndarray, np.ndarray]:
+        """Columns of hull terms and of a zero, force by force, (blocks, q, k); of which term each is, (forces, k).
+
+        The zero's number is that of the terms; -1 where there is none.
+        """
+        level = self.level
+        return _of_own_force(np.concatenate([level.own * ~self.bank, level.one[..., None]], axis=2), level.force)
+
+    @cached_property
+    def _columns(self) -> np.ndarray:
+        """The column of each coefficient's parameter and those of the bank's others, (n, blocks, q, c)."""
+        banks = np.unique(self.slots[self.bank])
+        empty = np.concatenate([self.level.d, np.zeros((*self.level.y.shape, 1))], axis=2)
+        chosen = [[slot, *np.where(banks == slot, -1, banks)] for slot in self.slots]
+        return np.asarray(np.moveaxis(empty[..., np.array(chosen)], 2, 0))
+
+    @cached_property
+    def _constants(self) -> "_Added":
+        return self._added(self._of_each_force(self.level.one))
+
+    @cached_property
+    def _gains(self) -> "dict[str, _Added]":
+        """The fitted force of steady motions, and of harmonic ones: their gain; none where all are of one kind."""
+        level, steady = self.level, self.motions.steady
+        if steady.all() or not steady.any():
+            return {}
+        fitted = level.d @ self.model.theta
+        kinds = {STEADY_RUNS: steady, HARMONIC_RUNS: ~steady}
+        return {
+            name: self._added(self._of_each_force(fitted * mask[level.motion][:, None])) for name, mask in kinds.items()
+        }
+
+    def _of_each_force(self, column: np.ndarray) -> np.ndarray:
+        """A column (blocks, q) as one for each force."""
+        level = self.level
+        return np.asarray(column[..., None] * (level.force[:, None] == np.arange(level.forces))[:, None, :])
+
+    def _as_power(self, index: int, power: int) -> np.ndarray:
+        """The coefficient's own column as it grows from motion to motion with an offset, to a power less one."""
+        level = self.level
+        grown = self.motions.cube[level.motion] ** ((power - 1) / 2)
+        return np.asarray(level.own[..., index, None] * grown[:, None, None])
+
+    def _added(self, z: np.ndarray) -> "_Added":
+        """Columns z that are added to the fit: what is left of them beside its own, brought to directions."""
+        flat = z.reshape(-1, z.shape[2])
+        columns = self.level.d.reshape(len(flat), -1)
+        left = flat
+        for _ in range(TWICE):
+            left = left - columns @ (self.model.best.inverse @ (columns.T @ left))
+        size = np.where((flat**2).sum(axis=0) > 0, np.sqrt((flat**2).sum(axis=0)), 1.0)
+        values, vectors = np.linalg.eigh((left / size).T @ (left / size))
+        kept = values > RESOLVED
+        return _Added(flat / size, vectors[:, kept], (left / size) @ (vectors[:, kept] / values[kept]))
+
+    def _beside(self, slot: int, added: "_Added") -> np.ndarray | None:
+        """Weights of the estimate with columns z added: w - (w z) (z'Mz)^- z'M (Frisch, Waugh, Lovell)."""
+        w = self.operator[..., slot]
+        taken = w.ravel() @ added.columns
+        inside = taken @ added.directions
+        outside = np.linalg.norm(taken - added.directions @ inside)
+        if outside > 1e-3 * max(float(np.linalg.norm(taken)), 1e-3 * float(np.linalg.norm(w))):
+            return None
+        return np.asarray(w - (added.left @ inside).reshape(w.shape))
+
+    def _parts(self) -> Iterator[tuple[str, np.ndarray, tuple[str, float] | None]]:
+        motions = self.motions
+        yield STEADY_RUNS, motions.steady, None
+        yield HARMONIC_RUNS, ~motions.steady, None
+        reach = motions.reach
+        yield "motions far from the walls", reach <= EDGE * 0.5 * (reach.max() + np.median(reach)), None
+        for name in ("speed", "depth"):
+            group = motions.strata[name]
+            for number in range(group.max() + 1) if group.max() else ():
+                mean = float(f"{motions.features[name][group == number].mean():.6g}")
+                yield WHERE[name].format(mean), group == number, (name, mean)
+
+    def _only(self, slot: int, index: int, mask: np.ndarray) -> np.ndarray | None:
+        """Weights of the estimate with a coefficient of its own for the other motions."""
+        own = self.level.own[..., index]
+        inside = mask[self.level.motion][:, None]
+        here, there = own * inside, own * ~inside
+        if not (here**2).sum() > 0 or not (there**2).sum() > 0:
+            return None
+        return self._beside(slot, self._added(there[..., None]))
+
+
+@dataclass(frozen=True)
+class _Added:
+    """Columns added to a fit, of unit length; directions among them that it does not hold; what is left in these."""
+
+    columns: np.ndarray
+    directions: np.ndarray
+    left: np.ndarray
+
+
+def _of_own_force(columns: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Leave out the columns that are zero in every block of a force; and say which ones each force has."""
+    live = [np.flatnonzero(columns[force == f].any(axis=(0, 1))) for f in range(force.max() + 1)]
+    width = max(1, *(len(own) for own in live))
+    packed, chosen = np.zeros((*columns.shape[:2], width)), np.full((len(live), width), -1)
+    for f, own in enumerate(live):
+        packed[force == f, :, : len(own)] = columns[force == f][..., own]
+        chosen[f, : len(own)] = own
+    return packed, chosen
+
+
+def _masked(gram: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    return np.asarray(gram * kept[..., :, None] * kept[..., None, :])
+
+
+def _products(z: np.ndarray) -> np.ndarray:
+    flat = z.reshape(len(z), -1, z.shape[-1])
+    return np.asarray(np.swapaxes(flat, 1, 2) @ flat)
+
+
+def _size(weights: np.ndarray, v: np.ndarray) -> float:
+    return float(np.sqrt(max((weights * (v @ weights[..., None])[..., 0]).sum(), 0.0)))
+
+
+def _sizes(weights: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return np.asarray(np.sqrt(np.maximum((weights * (v @ weights)).sum(axis=(0, 1)), 0.0)))

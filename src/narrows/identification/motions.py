@@ -1,0 +1,239 @@
+"""Which tests are one motion made again, and which share a speed, a period, a depth, a side of the canal."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from narrows.identification.regression.normal_equations import NormalEquations
+
+SAME_MOTION = 0.03
+"""Of each feature, or of a fifth of the largest in the table where that is more: within it two tests are one motion."""
+SAME_STRATUM = 0.05
+"""Of speed, period or depth against the first test of a stratum."""
+STEADY = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
+"""Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length."""
+FLOOR = 0.2
+EDGE = 1 + 1e-6
+"""What is at a tolerance is within it, whatever the rounding of sums."""
+SIDE = 0.15
+"""Of the largest offset of the table: a mean offset beyond it lies on a side of the canal."""
+
+
+@dataclass(frozen=True)
+class DistinctMotions:
+    """The distinct motions of a table, and the strata that they fall into.
+
+    A group is kept against its own first member, never against its last: neighbours do not chain.
+
+    Parameters
+    ----------
+    sums : array (motions, m, m)
+        Sums of products over all tests of a motion.
+    members : tuple of tuple of str
+        The tests of each motion: the first one and its repeats.
+    strata : mapping of str to array (motions,) of int
+        ``speed``, ``period``, ``depth`` and ``side`` of each motion, numbered; period 0 holds the steady ones where
+        there are any.
+    steady : array (motions,) of bool
+        Nothing oscillates.
+    reach : array (motions,) [m]
+        Offset from the centreline that a motion comes to, about.
+    cube : array (motions,) [m2]
+        How a force that goes as y cubed compares with one that goes as y: their slope in each motion.
+    features : mapping of str to array (motions,)
+        Mean speed [m/s], period [s], 0 of steady motions, and depth [m] of each.
+    """
+
+    sums: np.ndarray
+    members: tuple[tuple[str, ...], ...]
+    strata: Mapping[str, np.ndarray]
+    steady: np.ndarray
+    reach: np.ndarray
+    cube: np.ndarray
+    features: Mapping[str, np.ndarray]
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What each motion is called: its first test, and how often that was made again."""
+        return tuple(_label(tests) for tests in self.members)
+
+    @cached_property
+    def without(self) -> np.ndarray:
+        """Sums over all but each motion, (motions, m, m): added up and not taken away, so that nothing cancels."""
+        sums = np.zeros_like(self.sums)
+        sums[1:] += np.cumsum(self.sums[:-1], axis=0)
+        sums[:-1] += np.cumsum(self.sums[:0:-1], axis=0)[::-1]
+        return sums
+
+    @cached_property
+    def cells(self) -> dict[str, np.ndarray]:
+        """Every stratification with more than one stratum, and their cells: name -> number of each motion's."""
+        several = {name: group for name, group in self.strata.items() if group.max() > 0}
+        if len(several) > 1:
+            _, both = np.unique(np.array(list(several.values())), axis=1, return_inverse=True)
+            return several | {" and ".join(several): both.ravel()}
+        return several
+
+    @cached_property
+    def offsets(self) -> np.ndarray:
+        """Number of each motion's farthest offset from the centreline, (motions,): a hull may feel the walls there."""
+        return numbered(self.reach)
+
+    @property
+    def by_speed(self) -> list[np.ndarray]:
+        """The motions of each speed, slowest first."""
+        group = self.strata["speed"]
+        groups = [np.flatnonzero(group == number) for number in range(group.max() + 1)]
+        return sorted(groups, key=lambda own: float(self.features["speed"][own[0]]))
+
+    @property
+    def sentence(self) -> str:
+        """What was taken as independent, in words."""
+        tests = sum(len(own) for own in self.members)
+        if tests == len(self):
+            return f"Errors are those of {tests} runs, each a motion of its own."
+        return (
+            f"Errors are those of {len(self)} distinct motions: {tests - len(self)} of the {tests} tests are repeats."
+        )
+
+
+def _label(tests: tuple[str, ...]) -> str:
+    again = len(tests) - 1
+    return tests[0] + (f" and {again} repeat{'s' * (again > 1)}" if again else "")
+
+
+def distinct_motions(equations: NormalEquations) -> DistinctMotions:
+    """Group tests by what was done in them (ours).
+
+    Parameters
+    ----------
+    equations : NormalEquations
+        Sums of products, and the sums of what moved.
+    """
+    runs = _Runs(equations)
+    group = _same_motion(runs)
+    firsts = [int(np.flatnonzero(group == g)[0]) for g in range(group.max() + 1)]
+    names = np.array(equations.names, dtype=object)
+    by_test = equations.by_test()
+    return DistinctMotions(
+        np.stack([by_test[group == g].sum(axis=0) for g in range(len(firsts))]),
+        tuple(tuple(names[group == g]) for g in range(len(firsts))),
+        {name: numbered(np.asarray(values)[firsts]) for name, values in runs.strata.items()},
+        runs.steady[firsts],
+        runs.reach[firsts],
+        runs.cube[firsts],
+        {name: np.asarray(values)[firsts] for name, values in runs.strata.items()},
+    )
+
+
+def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_STRATUM) -> np.ndarray:
+    """Number values by the first one that each is within a tolerance of (ours).
+
+    Parameters
+    ----------
+    values : array (n,)
+        Speeds, say.
+    tolerance : float [1]
+        Of the first member of a group.
+    """
+    firsts: list[float] = []
+    numbers = []
+    for value in values:
+        near = [i for i, first in enumerate(firsts) if abs(value - first) <= EDGE * tolerance * abs(first)]
+        if not near:
+            firsts.append(float(value))
+        numbers.append(near[0] if near else len(firsts) - 1)
+    return np.array(numbers)
+
+
+class _Runs:
+    """Features of each test from the sums of what moved; a quantity that is not in the table is 0."""
+
+    def __init__(self, equations: NormalEquations) -> None:
+        self.moved, self.length = equations.moved, equations.length
+        names = equations.names
+        place = np.array([names.index(test) for test in equations.tests])
+        self.totals = {
+            quantity: np.stack([np.bincount(place, part, len(names)) for part in parts.T])
+            for quantity, parts in equations.moved.items()
+        }
+        self.count = len(names)
+
+    def mean(self, quantity: str) -> np.ndarray:
+        rows, total, _ = self._sums(quantity)
+        return np.asarray(total / rows)
+
+    def std(self, quantity: str) -> np.ndarray:
+        rows, total, squares = self._sums(quantity)
+        return np.asarray(np.sqrt(np.maximum(squares / rows - (total / rows) ** 2, 0.0)))
+
+    def _sums(self, quantity: str) -> np.ndarray:
+        nothing = np.stack([np.ones(self.count), np.zeros(self.count), np.zeros(self.count)])
+        return self.totals.get(quantity, nothing)
+
+    @cached_property
+    def speed(self) -> np.ndarray:
+        return np.asarray(np.maximum(np.hypot(self.mean("u"), self.mean("v")), 1e-9))
+
+    @cached_property
+    def steady(self) -> np.ndarray:
+        sizes = (self.speed, np.ones(self.count), np.full(self.count, self.length))
+        still = [self.std(name) < share * size for (name, share), size in zip(STEADY.items(), sizes, strict=True)]
+        return np.asarray(np.all(still, axis=0))
+
+    @cached_property
+    def period(self) -> np.ndarray:
+        """From v'' = -w2 v of what oscillates most, 0 where nothing does [s]."""
+        sway, yaw = self.std("v") / self.speed, self.std("r") * self.length / self.speed
+        speed = np.where(sway > yaw, self.std("v"), self.std("r"))
+        rate = np.where(sway > yaw, self.std("vdot"), self.std("rdot"))
+        return np.asarray(np.where(self.steady, 0.0, 2 * np.pi * speed / np.maximum(rate, 1e-12)))
+
+    @cached_property
+    def reach(self) -> np.ndarray:
+        return np.asarray(np.abs(self.mean("y")) + np.sqrt(2) * self.std("y"))
+
+    @cached_property
+    def cube(self) -> np.ndarray:
+        """Mean of y^4 over mean of y^2, of a sine about a mean."""
+        mean, variance = self.mean("y") ** 2, self.std("y") ** 2
+        fourth = mean**2 + 6 * mean * variance + 1.5 * variance**2
+        return np.asarray(fourth / np.maximum(mean + variance, 1e-12))
+
+    @property
+    def strata(self) -> dict[str, np.ndarray]:
+        side = np.where(np.abs(self.mean("y")) > SIDE * max(self.reach.max(), 1e-9), np.sign(self.mean("y")), 0.0)
+        depth = self.mean("depth") if "depth" in self.totals else np.ones(self.count)
+        return {"speed": self.speed, "period": self.period, "depth": depth, "side": side}
+
+    def features(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mean and amplitude of everything that moved, (tests, features), and the size that each is seen against."""
+        fast, long = float(self.speed.max()), self.length
+        natural = {"u": fast, "v": fast, "r": fast / long, "y": 0.1 * long, "sin_psi": 1.0}
+        natural |= {"udot": fast**2 / long, "vdot": fast**2 / long, "rdot": fast**2 / long**2}
+        columns, sizes = [self.period], [float(self.period.max())]
+        for name in self.totals:
+            rates = name in ("udot", "vdot", "rdot")
+            for values in (self.mean(name),) if rates else (self.mean(name), np.sqrt(2) * self.std(name)):
+                columns.append(values)
+                sizes.append(max(float(np.abs(values).max()), natural.get(name, 0.0)))
+        return np.stack(columns, axis=1), np.maximum(sizes, 1e-12)
+
+
+def _same_motion(runs: _Runs) -> np.ndarray:
+    features, sizes = runs.features()
+    firsts: list[int] = []
+    group = np.zeros(len(features), int)
+    for i, own in enumerate(features):
+        seen = features[firsts]
+        near = np.abs(own - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * sizes)
+        same = np.flatnonzero(near.all(axis=1) & (runs.steady[firsts] == runs.steady[i]))
+        if not same.size:
+            firsts.append(i)
+        group[i] = same[0] if same.size else len(firsts) - 1
+    return group

@@ -1,0 +1,234 @@
+"""Whether a fit can be of this ship: its masses and inertias, the signs of forces and rudder, a rudder left out."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.captive.tests import CaptiveTests, Tests
+from narrows.identification.regression.normal_equations import ONE, NormalEquations
+from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.scores import score
+from narrows.identification.regression.solve import solve
+from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
+from narrows.terms.about import TermKind
+from narrows.terms.term import TermTable
+
+LEAST_ADDED, MOST = 0.5, 10.0
+"""Of the added mass in deep water that a hull has at least; of mass and added mass in deep water, at most, which
+shallow water and near banks multiply."""
+SURE, FELT = 2.0, 0.1
+"""Standard errors that a mass must be beyond what a ship can have; the force that such a mass makes over what the fit
+leaves, below which nothing is said."""
+CLEARLY = 0.7
+"""Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt."""
+UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
+"""What forces come in beside N and N m, and how many of these one is."""
+RUDDER_MOVES = math.radians(1.0)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a fit is judged by.
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        What it was fitted on.
+    equations : NormalEquations
+        Sums over the rows.
+    problem : Problem
+        What was solved.
+    coefficients : mapping of str to float
+        The optimum.
+    unbounded : mapping of str to float
+        What the data alone say.
+    std : mapping of str to float
+        Standard error of each coefficient that the tests determine.
+    rejected : tuple of str
+        Coefficients that the data put beyond their bounds for certain.
+    """
+
+    tests: Tests
+    equations: NormalEquations
+    problem: Problem
+    coefficients: Mapping[str, float]
+    unbounded: Mapping[str, float]
+    std: Mapping[str, float]
+    rejected: tuple[str, ...]
+
+
+def implausible(evidence: Judged) -> tuple[str, ...]:
+    """Say what cannot be of a fit, each in a sentence with its likely cause; nothing of one that can (ours).
+
+    Parameters
+    ----------
+    evidence : Judged
+        What it is judged by.
+    """
+    reversed_forces = [force for force in ("Y", "N") if fits_reversed(evidence, force)]
+    said = [
+        f"{force} of the other sign fits far better: is {axis}?"
+        for force, axis in (("Y", "Y counted to port"), ("N", "N counted anticlockwise"))
+        if force in reversed_forces
+    ]
+    said += [mass_sentence(evidence, own) for own in MASSES if own.force not in reversed_forces]
+    return tuple(sentence for sentence in (*said, rudder_sentence(evidence)) if sentence)
+
+
+def fits_reversed(evidence: Judged, force: str) -> bool:
+    """Say whether a force of the other sign would be fitted far better (ours).
+
+    Parameters
+    ----------
+    evidence : Judged
+        What it is judged by.
+    force : str
+        ``Y`` or ``N``.
+    """
+    equations, problem = evidence.equations, evidence.problem
+    if not problem.terms.forces[force]:
+        return False
+    total = equations.total
+    turned = total.copy()
+    turned[equations.columns[force], :] *= -1
+    turned[:, equations.columns[force]] *= -1
+    again = problem.named(solve(*problem.normal(turned), problem.lower, problem.upper).z)
+    now = score(equations, total, problem.terms, evidence.coefficients)[force].rmse
+    return score(equations, turned, problem.terms, again)[force].rmse < CLEARLY * now
+
+
+class Mass(NamedTuple):
+    """What resists an acceleration.
+
+    Parameters
+    ----------
+    force : str
+        That accelerates.
+    rate : str
+        The acceleration.
+    words : str
+        What it is called.
+    unit : str
+        Its unit.
+    bare : callable
+        Of the configuration: what the ship has of it.
+    added : callable
+        Of the configuration: what deep water adds.
+    """
+
+    force: str
+    rate: str
+    words: str
+    unit: str
+    bare: Callable[..., float]
+    added: Callable[..., float]
+
+
+MASSES = (
+    Mass("Y", "vdot", "mass in sway", "kg", ship_mass, added_sway),
+    Mass("N", "rdot", "inertia in yaw", "kg m2", ship_inertia, added_yaw),
+)
+
+
+def mass_sentence(evidence: Judged, mass: Mass) -> str:
+    """Say that a mass or inertia cannot be that of the ship with its added mass, and why; nothing where it can (ours).
+
+    Parameters
+    ----------
+    evidence : Judged
+        What it is judged by.
+    mass : Mass
+        Which.
+    """
+    names = [term.name for term in evidence.problem.terms.forces[mass.force] if term.inputs == (mass.rate,)]
+    if len(names) != 1 or names[0] not in evidence.std:
+        return ""
+    (name,), configuration = names, evidence.tests.configuration
+    bare, added = mass.bare(configuration), mass.added(configuration)
+    least, most = bare + LEAST_ADDED * added, MOST * (bare + added)
+    low, high = (evidence.unbounded[name] + side * SURE * evidence.std[name] for side in (-1, 1))
+    if (least <= high and low <= most) or not _felt(evidence, name, mass.force, least):
+        return ""
+    side = "under" if high < least else "over"
+    return (
+        f"{name} = {evidence.unbounded[name]:.3g} {mass.unit} cannot be this ship's {mass.words}, which with its added "
+        f"mass is about {bare + added:.3g} {mass.unit} in deep water and more in shallow: "
+        f"{_cause(evidence.unbounded[name], bare + added, mass.force, side)}"
+    )
+
+
+def _felt(evidence: Judged, name: str, force: str, mass: float) -> bool:
+    """Whether so much mass would be felt in the forces above what the fit leaves."""
+    equations = evidence.equations
+    total, column, one = equations.total, equations.columns[name], equations.columns[ONE]
+    size = math.sqrt(total[column, column] / total[one, one])
+    left = score(equations, total, evidence.problem.terms, evidence.coefficients)[force].rmse
+    return mass * size > FELT * left
+
+
+def _cause(value: float, usual: float, force: str, side: str) -> str:
+    if value <= 0:
+        return f"is the sign of {force}, or of the accelerations, reversed?"
+    if side == "over":
+        return f"is the unit of {force} smaller than that of its header, or the ship file of a smaller model?"
+    for unit, size in UNITS.items():
+        if abs(math.log(usual / value / size)) < math.log(2):
+            return f"is {force} in {unit}?"
+    return f"has the ship's own inertia been taken off {force} already, or is the ship file of a larger model?"
+
+
+def rudder_sentence(evidence: Judged) -> str:
+    """Say that a rudder's force is of the other sign than a rudder's; nothing where it is not (ours).
+
+    Parameters
+    ----------
+    evidence : Judged
+        What it is judged by.
+    """
+    helm = [term.name for term in evidence.problem.terms.terms if term.kind == TermKind.RUDDER]
+    wrong = [name for name in helm if name in evidence.rejected]
+    if not wrong:
+        return ""
+    return (
+        f"The data put {' and '.join(wrong)} below 0: is the rudder's sign reversed (positive where it turns the bow "
+        "to starboard)?"
+    )
+
+
+def rudder_angle(tests: Tests, terms: TermTable) -> float:
+    """Return how far a rudder goes that no term has [rad], 0 where it does not move (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        The rows.
+    terms : TermTable
+        The terms.
+    """
+    angle = tests.columns.get("rudder") if isinstance(tests, CaptiveTests) else None
+    if angle is None or any(actuator.name == "rudder" for actuator in terms.actuators):
+        return 0.0
+    most = float(np.abs(angle).max())
+    return most if most >= RUDDER_MOVES else 0.0
+
+
+def unmodelled_rudder(tests: Tests, problem: Problem) -> str:
+    """Say that a rudder moves while no term has it; nothing where it does not (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests or StreamedTests
+        The rows.
+    problem : Problem
+        For the terms.
+    """
+    most = rudder_angle(tests, problem.terms)
+    if not most:
+        return ""
+    return (
+        f"The rudder goes to {math.degrees(most):.0f} deg and no term has it, so that its force is given to others: "
+        f"take {problem.terms.name}+helm, or rows with it amidships."
+    )

@@ -1,0 +1,195 @@
+"""A fit put on rows: forces estimated, what is left of the measured ones, and how large that is."""
+
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from narrows.captive.lacking import lacking
+from narrows.captive.read import ShipSource
+from narrows.captive.tests import Block, Tests
+from narrows.errors import InputError
+from narrows.identification.regression.accumulation import accumulate
+from narrows.identification.regression.scores import Score, score
+from narrows.results import Shown
+from narrows.terms.term import TermTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Fitted(Protocol):
+    """What is asked of a fit here."""
+
+    @property
+    def tests(self) -> Tests:
+        """What it was fitted on."""
+
+    @property
+    def terms(self) -> TermTable:
+        """The terms."""
+
+    @property
+    def coefficients(self) -> Mapping[str, float]:
+        """Their values."""
+
+    @property
+    def intervals(self) -> Mapping[str, tuple[float, float]]:
+        """95 % confidence interval of each."""
+
+    @property
+    def scores(self) -> Mapping[str, Score]:
+        """R2 and RMSE of each force on the rows of the fit."""
+
+
+class Prediction(Shown):
+    """What a fit says of rows, its own or others."""
+
+    def predict(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":
+        """Estimate surge force [N], sway force [N] and yaw moment [N m] at each row.
+
+        Parameters
+        ----------
+        tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
+            Whose rows; those of the fit unless given.
+        ship : str, Path or Configuration, optional
+            Of a table that was not read yet; the fit's own unless given.
+
+        Returns
+        -------
+        DataFrame
+            A row a row, by test, and time where it is known; a column each force that has terms.
+
+        Raises
+        ------
+        InputError
+            Where a table cannot be read, or lacks what the terms ask for.
+        """
+        return _rows(self, _or_own(self, tests, ship), measured=False)
+
+    @property
+    def residuals(self: Fitted) -> "pd.DataFrame":
+        """Measured less estimated surge force [N], sway force [N] and yaw moment [N m], at each row of the fit."""
+        return _rows(self, self.tests, measured=True)
+
+    def score(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
+        """Return R2 and RMSE of each force on other tests than those of the fit.
+
+        Parameters
+        ----------
+        tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
+            Whose rows; those of the fit unless given.
+        ship : str, Path or Configuration, optional
+            Of a table that was not read yet; the fit's own unless given.
+
+        Raises
+        ------
+        InputError
+            Where a table cannot be read, or lacks what the terms ask for.
+        """
+        equations, _ = accumulate(_or_own(self, tests, ship), self.terms)
+        return score(equations, equations.total, self.terms, self.coefficients)
+
+    def report(self: Fitted, path: str | Path, title: str = "narrows") -> None:
+        """Write one HTML page with everything that is known of it, its answer first.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where to.
+        title : str
+            Of the page.
+
+        Raises
+        ------
+        InputError
+            Where the file cannot be written.
+        """
+        # Pages are made in a room above, which is looked up when one is asked for.
+        import_module("narrows.report.fit_page").write_report({"": self}, path, title)
+
+    def conf_int(self: Fitted) -> "pd.DataFrame":
+        """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient."""
+        import pandas as pd
+
+        frame = pd.DataFrame.from_dict(dict(self.intervals), orient="index", columns=["low", "high"])
+        return frame.rename_axis("coefficient")
+
+    @property
+    def rsquared(self: Fitted) -> dict[str, float]:
+        """R2 of each force on the rows of the fit [1]."""
+        return {force: fitted.r2 for force, fitted in self.scores.items()}
+
+    @property
+    def rmse(self: Fitted) -> dict[str, float]:
+        """Root mean squared error of each force on the rows of the fit [N, N, N m]."""
+        return {force: fitted.rmse for force, fitted in self.scores.items()}
+
+    @property
+    def nobs(self: Fitted) -> int:
+        """Number of rows of the fit."""
+        return sum(block.rows for block in self.tests.blocks(1))
+
+
+def tests_from(tests: Any, ship: ShipSource | None) -> Any:
+    """Return tests as they are, or read a table of them (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
+        The rows.
+    ship : str, Path or Configuration, optional
+        Of a table.
+
+    Raises
+    ------
+    InputError
+        Where a table has no ship, or tests that were read are given another.
+    """
+    if hasattr(tests, "blocks"):
+        if ship is not None:
+            raise InputError("these tests have a ship already; give ship where they are a file or a table")
+        return tests
+    if ship is None:
+        raise InputError("a table does not say which ship it is of; give ship='ship.toml', or a Configuration")
+    from narrows.captive.read import read_captive
+
+    return read_captive(tests, ship)
+
+
+def _or_own(fit: Fitted, tests: Any, ship: Any) -> Any:
+    """Tests of the fit, tests that were read, or a table of the same ship."""
+    if tests is None or hasattr(tests, "blocks"):
+        return fit.tests if tests is None else tests_from(tests, ship)
+    return tests_from(tests, ship or fit.tests.configuration)
+
+
+def _rows(fit: Fitted, tests: Tests, measured: bool) -> "pd.DataFrame":
+    """Forces of each row as estimated, or what was measured beyond that."""
+    import pandas as pd
+
+    forces = [force for force, terms in fit.terms.forces.items() if terms]
+    frames = []
+    for block in tests.blocks(1):
+        rows = {force: _force(fit, force, block) for force in forces}
+        if measured:
+            rows = {force: block.values[force] - estimated for force, estimated in rows.items()}
+        frames.append(pd.DataFrame({**_index(block), **rows}))
+    frame = pd.concat(frames)
+    return frame.set_index([name for name in ("test", "t") if name in frame])
+
+
+def _force(fit: Fitted, force: str, block: Block) -> np.ndarray:
+    for name in fit.terms.inputs:
+        if name not in block.values:
+            raise InputError(lacking(name, block.headers, fit.terms.actuators))
+    parts = (fit.coefficients[term.name] * term.column(block.values) for term in fit.terms.forces[force])
+    return np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
+
+
+def _index(block: Block) -> dict[str, Any]:
+    tests = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
+    time = block.values.get("t")
+    return {"test": tests} if time is None else {"test": tests, "t": time}

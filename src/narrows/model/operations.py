@@ -1,0 +1,100 @@
+"""What the rooms above do with a model, as its methods; each room is looked up when it is asked for."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from narrows.results import Shown
+
+
+class Operations(Shown):
+    """Simulation, derivatives and equations of a model, by methods."""
+
+    def derivative(self, state: Any, **given: Any) -> np.ndarray:
+        """Return the rates of x, y, psi, u, v, r of the free ship, (6, ...), as the engine has them.
+
+        Parameters
+        ----------
+        state : sequence of six numbers, or mapping of str to number
+            x, y [m], psi [rad], u, v [m/s], r [rad/s]; floats or columns.
+        **given : Any
+            As for ``nw.derivative``: X, Y, N, rudder, revolutions, surge, surge_inertia, coriolis.
+        """
+        found: np.ndarray = import_module("narrows.simulation.derivative").derivative(self, state, **given)
+        return found
+
+    def step(self, state: Any, dt: float, **given: Any) -> np.ndarray:
+        """Return x, y, psi, u, v, r one step of the engine later, (6,).
+
+        Parameters
+        ----------
+        state : sequence of six numbers, or mapping of str to number
+            x, y [m], psi [rad], u, v [m/s], r [rad/s].
+        dt : float [s]
+            Length of the step.
+        **given : Any
+            As for ``nw.derivative``.
+        """
+        found: np.ndarray = import_module("narrows.simulation.derivative").step(self, state, dt, **given)
+        return found
+
+    def linearize(self, **at: Any) -> Any:
+        """Return the exact derivatives of the motion about a state, a ``Jacobian``.
+
+        Parameters
+        ----------
+        **at : Any
+            As for ``nw.jacobian``.
+        """
+        return import_module("narrows.simulation.linear_motion").jacobian(self, **at)
+
+    def simulate(self, *start: float, **given: Any) -> Any:
+        """Simulate one voyage, to a ``Voyage``.
+
+        Parameters
+        ----------
+        *start : float
+            y [m], u [m/s], duration [s], dt [s], as for ``nw.simulate``.
+        **given : Any
+            As for ``nw.simulate``.
+        """
+        return import_module("narrows.simulation.voyage").simulate(self, *start, **given)
+
+    def scale(self, length: float, **given: Any) -> Any:
+        """Scale the model by Froude's law: a ``Scaled``, with the new model and what does not scale.
+
+        Parameters
+        ----------
+        length : float [m]
+            Between perpendiculars, of the new ship.
+        **given : Any
+            As for ``nw.scale_model``.
+        """
+        return import_module("narrows.model.froude").scale_model(self, length, **given)
+
+    def latex(self, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
+        """Write the equations of the forces in LaTeX, a line a force.
+
+        Parameters
+        ----------
+        numbers : bool
+            With the values of the coefficients, to four digits, instead of their symbols.
+        forces : sequence of str
+            Which.
+
+        Raises
+        ------
+        InputError
+            Where there is no such force.
+        """
+        model: Any = self
+        coefficients = model.coefficients if numbers else None
+        text: str = import_module("narrows.codegen.printers.latex").latex_of(model.terms, coefficients, forces)
+        return text
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: the sections of the model file."""
+        tables: dict[str, Any] = import_module("narrows.model.model_file").as_tables(self)
+        return tables

@@ -1,0 +1,118 @@
+"""The figure of each kind of result, that its ``plot()`` draws."""
+
+from functools import singledispatch
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from narrows.captive.tests import CaptiveTests
+from narrows.errors import InputError
+from narrows.experiment_design import Plan
+from narrows.identification import Comparison, Explanation, Fit
+from narrows.manoeuvres import Trials
+from narrows.model.froude import Scaled
+from narrows.model.model import Model
+from narrows.model.shallow_water import DepthCorrected
+from narrows.model.squat import Squat
+from narrows.report.envelope_chart import envelope_chart
+from narrows.report.fit_figures import intervals_figure
+from narrows.report.manoeuvre_report import manoeuvres_figure
+from narrows.report.model_figures import model_figure
+from narrows.report.motion_figures import motions_figure
+from narrows.report.style import BLACK, BLUE, ORANGE, panels
+from narrows.report.uncertainty_figures import comparison_figure
+from narrows.report.voyage_figures import paths_figure, voyage_figure
+from narrows.safety import SafeEnvelope
+from narrows.simulation.linear_motion import Jacobian
+from narrows.simulation.voyage import Voyage
+from narrows.studies.mikkelsen2025 import Reproduction
+
+
+@singledispatch
+def figure_of(result: Any) -> Figure:
+    """Draw a result.
+
+    Parameters
+    ----------
+    result : Result
+        What to draw.
+
+    Raises
+    ------
+    InputError
+        Where nothing is drawn of its kind.
+    """
+    raise InputError(f"nothing is drawn of a {type(result).__name__}; take its data frame or dataset")
+
+
+figure_of.register(Fit, intervals_figure)
+figure_of.register(SafeEnvelope, envelope_chart)
+figure_of.register(Trials, manoeuvres_figure)
+figure_of.register(Voyage, voyage_figure)
+figure_of.register(CaptiveTests, motions_figure)
+figure_of.register(Model, model_figure)
+
+
+@figure_of.register
+def _(result: Jacobian) -> Figure:
+    figure, axes = panels(1, 1, 3.2)
+    poles = result.poles()
+    axes[0, 0].plot(poles.real, poles.imag, "x", color=BLUE)
+    axes[0, 0].axvline(0, color=BLACK, linewidth=0.7)
+    axes[0, 0].set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
+    axes[0, 0].grid(alpha=0.3)
+    return figure
+
+
+@figure_of.register
+def _(result: Comparison) -> Figure:
+    return comparison_figure(result.rows(), result.forces)
+
+
+@figure_of.register
+def _(result: Explanation) -> Figure:
+    return comparison_figure(result.comparison.rows(), result.comparison.forces)
+
+
+@figure_of.register
+def _(result: Reproduction) -> Figure:
+    return paths_figure(list(result.voyages.values()), result.truth.configuration)
+
+
+@figure_of.register
+def _(result: DepthCorrected) -> Figure:
+    return _bars(dict(result.factors), "factor on the coefficient [1]")
+
+
+@figure_of.register
+def _(result: Scaled) -> Figure:
+    ratios = {name: value / result.original.coefficients[name] for name, value in result.model.coefficients.items()
+              if result.original.coefficients[name]}  # fmt: skip
+    return _bars(ratios, "coefficient at the new scale over that at the old [1]", log=True)
+
+
+@figure_of.register
+def _(result: Squat) -> Figure:
+    return _bars({f"{result.gives}, by {result.formula}": result.sinkage}, "sinkage [m]")
+
+
+@figure_of.register
+def _(result: Plan) -> Figure:
+    """Standard errors after each run, beside those of the usual tests."""
+    figure, axes = panels(1, len(result.targets), 2.6)
+    for panel, name in zip(axes[0], result.targets, strict=True):
+        panel.plot(range(1, len(result.runs) + 1), result.std[name], color=BLUE, marker="o", label="these runs")
+        panel.axhline(result.usual[name], color=ORANGE, linestyle="--", label="as many about the centreline")
+        panel.set(yscale="log", xlabel="run [-]", ylabel=f"standard error of {name}")
+        panel.grid(alpha=0.3)
+    axes[0, 0].legend(frameon=False)
+    return figure
+
+
+def _bars(values: dict[str, float], label: str, log: bool = False) -> Figure:
+    figure, axes = panels(1, 1, 0.9 + 0.22 * len(values))
+    axes[0, 0].barh(list(values), list(values.values()), color=BLUE, log=log)
+    axes[0, 0].invert_yaxis()
+    axes[0, 0].set_xlabel(label)
+    axes[0, 0].grid(alpha=0.3, axis="x")
+    return figure

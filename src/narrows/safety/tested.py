@@ -1,0 +1,87 @@
+"""What of an envelope lies within the tests behind its model."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from narrows.model.data_range import MEASURES, Measure, extrapolation
+from narrows.model.model import Model
+from narrows.quantities.constants import KNOT
+
+IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
+"""How ranges of the data are spoken of on a bridge."""
+SECTION = ("depth_to_draft", "width_to_beam")
+
+
+def within_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """Return which offsets and speeds the tests covered, (offsets, speeds); all where they do not say (ours).
+
+    A place nearer to the middle than the tests were is inside.
+
+    Parameters
+    ----------
+    model : Model
+        With the range of its data.
+    offsets : array (n,) [m]
+        From the middle.
+    speeds : array (m,) [m/s]
+        Through the water.
+    """
+    known = model.data_range
+    far = np.abs(offsets) > 0 if known.abs_y is None else np.abs(offsets) > known.abs_y[0]
+    off = far & np.asarray(known.outside("abs_y", np.abs(offsets)))
+    return np.asarray(~off[:, None] & ~np.asarray(known.outside("speed", speeds))[None])
+
+
+def tested_ranges(model: Model) -> dict[str, list[float]]:
+    """Return the speeds [m/s] and offsets [m] that the tests covered, as far as they are known.
+
+    Parameters
+    ----------
+    model : Model
+        With the range of its data.
+    """
+    ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
+    return {name: list(covered) for name, covered in ranges.items() if covered is not None}
+
+
+def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
+    """Say in what a question goes beyond the tests, or that they do not say what they covered.
+
+    Parameters
+    ----------
+    model : Model
+        With the range of its data.
+    offsets : array (n,) [m]
+        From the middle.
+    speeds : array (m,) [m/s]
+        Through the water.
+    """
+    known = model.data_range
+    middle = replace(known, abs_y=known.abs_y and (0.0, known.abs_y[1]))
+    asked = {"speed": speeds, "abs_y": np.abs(offsets).max(), **_section(model)}
+    return extrapolation(middle, asked, IN_KNOTS, unknown=True)
+
+
+def untested_section(model: Model) -> str:
+    """Say in what the section of water is none that was tested; nothing where it is one, or that is not known.
+
+    Parameters
+    ----------
+    model : Model
+        In the canal that is asked about.
+    """
+    known = model.data_range
+    there = [
+        f"{IN_KNOTS[name].words} {IN_KNOTS[name].shown(value, value)} ({IN_KNOTS[name].shown(*getattr(known, name))} "
+        "was tested)"
+        for name, value in _section(model).items()
+        if known.outside(name, value)
+    ]
+    return " and ".join(there)
+
+
+def _section(model: Model) -> dict[str, float]:
+    ship, canal = model.configuration.ship, model.configuration.canal
+    depth = {} if canal.depth is None else {"depth_to_draft": canal.depth / ship.draft}
+    return {**depth, "width_to_beam": canal.width / ship.beam}

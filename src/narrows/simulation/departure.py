@@ -1,0 +1,109 @@
+"""Where and how a voyage begins: the numbers of its march, and what cannot be a start."""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from narrows.codegen.choices import COUNTED
+from narrows.codegen.free_motion import INPUTS
+from narrows.errors import InputError, did_you_mean
+from narrows.simulation.channel import Channel, along_waterway, straight_channel
+from narrows.simulation.march import March, near_the_bank
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import Steering
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+POSE = ("x", "y", "psi", "u", "v", "r")
+
+
+def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
+    """Raise where a position is of no actuator of the model (ours).
+
+    Parameters
+    ----------
+    positions : mapping of str to float
+        By name.
+    ship : SimulatedShip
+        The ship.
+
+    Raises
+    ------
+    InputError
+        Names the first.
+    """
+    known = [actuator.name for actuator in ship.actuators]
+    for name in positions:
+        if name not in known:
+            hint = did_you_mean(name, known) if known else "; it has none"
+            raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
+
+
+def departure(
+    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
+) -> tuple[March, tuple[float, ...]]:
+    """Return a march and the state that it begins in: every number that its lines ask for (ours).
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The ship.
+    steering : Steering, optional
+        What gives orders.
+    numbers : dict of str to float
+        Pose, velocities, positions of actuators.
+    waterway : Waterway, optional
+        Where it sails instead of the model's own canal.
+    pushed : bool
+        Whether a force from elsewhere acts.
+
+    Raises
+    ------
+    InputError
+        Where the start is off the waterway, in a bank or across the canal, or the forces there are no numbers.
+    """
+    values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
+    channel = _channel(ship, values, waterway, numbers["x"])
+    system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
+    inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
+    inputs |= {**dict.fromkeys(INPUTS.values(), 0.0), "push_end": math.inf}
+    order = steering.asked.begin() if steering and steering.asked else None
+    march = March(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
+    start = _start(ship, system.choices.kept, steering, numbers)
+    _check_afloat(march, start)
+    return march, start
+
+
+def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | None", x: float) -> Channel:
+    if waterway is None:
+        return straight_channel(values, ship.shape)
+    if not 0 <= x < waterway.line.length:
+        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
+    return along_waterway(waterway, ship.model, ship.shape)
+
+
+def _start(
+    ship: SimulatedShip, kept: tuple[str, ...], steering: Steering | None, numbers: dict[str, float]
+) -> tuple[float, ...]:
+    psi = numbers["psi"]
+    state = {**numbers, "t": 0.0, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
+    at_rest = ship.values()
+    state |= {
+        actuator.name: state.get(actuator.name, float(at_rest.get(actuator.name) or 0.0)) for actuator in ship.actuators
+    }
+    memory = steering.memory(state) if steering else {}
+    return tuple(float({**state, **memory}[name]) for name in kept)
+
+
+def _check_afloat(march: March, start: tuple[float, ...]) -> None:
+    _, y, cosine, sine, *_ = start
+    if cosine <= march.inputs["least_cos"]:
+        heading = math.degrees(math.atan2(sine, cosine))
+        raise InputError(f"psi = {heading:.1f} deg lies across the canal; start within 85 deg")
+    room, _ = march.room(start)
+    if room < 0 or (room == 0 and start[0] != march.channel.start):
+        raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
+    if not all(map(math.isfinite, march.stepped(start, 0.0)[0])):
+        u, v, r = start[4:7]
+        raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")

@@ -1,0 +1,126 @@
+"""The answer comes first, and what the tests do not settle is repeated by whatever uses the model."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.identification.bank_answer import answer_of, missing_runs, preferred_fit
+from narrows.report.envelope_chart import envelope_chart
+from narrows.report.map_figures import map_figure
+from narrows.report.voyage_figures import voyage_figure
+
+SEPARATING = (
+    *(nw.HarmonicRun(f"{kind}{u}{p}", kind, 0.5, p, u, 2) for kind in ("yaw", "sway") for u in (0.7, 1.0)
+      for p in (14.0, 23.0)),
+    *(nw.StraightRun(f"straight{y}{u}", y, u, 20.0) for y in (-2.0, -1.0, 1.0, 1.5, 2.0) for u in (0.7, 1.0)),
+)  # fmt: skip
+NOTE = "What the banks do is not settled by the tests: b_bank is confounded with b_r, c_bank is confounded with c_r."
+
+
+@pytest.fixture(scope="module")
+def settled() -> nw.Fit:
+    return nw.identify(nw.twin(runs=SEPARATING, rate=5.0))
+
+
+def test_three_sentences_of_the_kcs(kcs_fits: dict[int, nw.Fit]) -> None:
+    fit = kcs_fits[100]
+    coefficients, trust, runs = answer_of(fit).sentences
+    assert coefficients.startswith(
+        f"Under the terms paper the bank's coefficients are b_bank {fit.coefficients['b_bank']:.2g} ("
+    )
+    assert "under crossflow, which these tests prefer" in coefficients
+    assert trust.startswith("They cannot be trusted: b_bank is confounded with b_r")
+    assert "under crossflow b_bank is" in trust
+    assert runs.startswith("Run next: straight runs off the centreline to both sides at 0.62 m/s")
+
+
+def test_the_preferred_terms_err_least(kcs_fits: dict[int, nw.Fit]) -> None:
+    for fit in kcs_fits.values():
+        other = preferred_fit(fit)
+        assert other.terms.name == "crossflow"
+        assert all(other.left_out[force].rmse < fit.left_out[force].rmse for force in "YN")
+        assert preferred_fit(other) is None
+
+
+def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: nw.Model) -> None:
+    answer = answer_of(settled)
+    assert answer.settled
+    assert answer.sentences[1] == "They can be trusted as far as these terms hold."
+    assert missing_runs(settled) == []
+    assert settled.model.trust_note == ""
+    low, high = settled.intervals["b_bank"]
+    assert low < dtc.coefficients["b_bank"] < high
+    one_period = nw.identify(nw.twin(runs=SEPARATING[::2], rate=5.0))
+    assert any("two periods" in ask for ask in missing_runs(one_period))
+
+
+def test_terms_without_a_bank_and_tests_that_are_wrong(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
+    assert "nothing is said of it" in answer_of(nw.identify(kcs_tests[100], "paper+open_water")).sentences[0]
+    turned = replace(kcs_tests[100], columns={**kcs_tests[100].columns, "N": -kcs_tests[100].columns["N"]})
+    wrong = answer_of(nw.identify(turned)).sentences[1]
+    assert wrong.startswith("They cannot be trusted, as something is wrong with the tests: N of the other sign")
+
+
+def test_first_in_terminal_report_and_json(kcs_fits: dict[int, nw.Fit], tmp_path: Path, cli) -> None:
+    table, ship = measured_files("kcs")
+    words = ("identify", table, "--ship", ship, "--condition", "C0101A01", "--report", tmp_path / "r.html")
+    code, out, _ = cli(*words)
+    told = answer_of(kcs_fits[100])
+    assert code == 0
+    assert " ".join(out.split()).partition("h/T = 2.00 ")[2].startswith(told.sentences[0])
+    page = (tmp_path / "r.html").read_text()
+    assert page.index("Under the terms paper") < page.index("<h3>Coefficients</h3>")
+    code, out, _ = cli(*words[:-2], "--json")
+    assert json.loads(out)["answer"] == told.to_dict() | {"preferred_terms": "crossflow"}
+
+
+@pytest.fixture(scope="module")
+def model(kcs_fits: dict[int, nw.Fit]) -> nw.Model:
+    return kcs_fits[100].model
+
+
+def test_verdicts_travel_in_the_model_file(model: nw.Model, tmp_path: Path) -> None:
+    model.save(tmp_path / "m.toml")
+    again = nw.load_model(tmp_path / "m.toml")
+    assert again.verdicts == model.verdicts
+    assert again.verdicts["b_vdot"] in ("identified", "rests on one test")
+    assert again.trust_note == NOTE
+    assert again.in_open_water().trust_note == ""
+    assert again.with_coefficients(b_bank=1.0, c_bank=0.1).trust_note == ""
+    text = (tmp_path / "m.toml").read_text()
+    (tmp_path / "m.toml").write_text(text.replace("[verdicts]", "[verdicts]\nb_bonk = 'identified'"))
+    with pytest.raises(nw.InputError, match="'b_bonk' is no words on a coefficient"):
+        nw.load_model(tmp_path / "m.toml")
+
+
+def test_models_without_verdicts_say_nothing(dtc: nw.Model) -> None:
+    assert dtc.verdicts == {}
+    assert dtc.trust_note == ""
+
+
+def test_simulate_and_map_repeat_it(model: nw.Model) -> None:
+    voyage = nw.simulate(model, y=0.5, u=0.6, duration=2.0)
+    assert NOTE in voyage.summary()
+    assert voyage.to_dict()["notes"][0] == NOTE
+    assert any(NOTE in text.get_text().replace("\n", " ") for text in voyage_figure(voyage).texts)
+    voyages = nw.ensemble(model, y=np.array([-1.0, 1.0]), u=0.6, duration=2.0, samples=3)
+    assert voyages.attrs["notes"].splitlines()[0] == NOTE
+    picture = map_figure(voyages, model)
+    assert any(NOTE in text.get_text().replace("\n", " ") for text in picture.texts)
+
+
+def test_scaling_keeps_the_verdicts_and_the_envelope_repeats_them() -> None:
+    tests = nw.read_captive(*measured_files("kcs"), "type in ('PMMY2', 'PMMPSI2') and abs(rud_given_deg) < 31")
+    fit = nw.identify(tests.by_condition()["C0101A01"], "speed+helm")
+    full = nw.scale_model(fit.model, 230.0, width=300.0, depth=16.2)
+    assert full.model.trust_note.startswith("What the banks do is not settled")
+    assert full.notes[0] == full.model.trust_note
+    answer = nw.safe_envelope(full.model, [0.0, 20.0], [4.0], samples=4)
+    assert answer.summary().endswith(full.model.trust_note)
+    assert answer.to_dict()["notes"][0] == full.model.trust_note
+    assert "not settled" in envelope_chart(answer).get_suptitle()

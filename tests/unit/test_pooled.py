@@ -1,0 +1,101 @@
+"""Tests at several depths together: hulls of their own, one bank, and whether it changes."""
+
+import json
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.identification.identifiability.depths import DepthTest
+from narrows.terms.pooled import pooled
+from narrows.terms.tables import table_named
+
+DEPTHS = (0.246, 0.3075, 0.41)
+
+
+@pytest.fixture(scope="module")
+def kcs() -> nw.Fit:
+    return nw.identify(nw.measured_tests("kcs"), pool="depth")
+
+
+def made(bank: tuple[float, float], seed: int = 0) -> nw.CaptiveTests:
+    """Twins at two depths: a hull that doubles, and a bank of either size."""
+    dtc, parts = nw.published("mikkelsen2025_dtc"), []
+    for depth, grown, b_bank in ((0.4, 1.0, bank[0]), (0.25, 2.0, bank[1])):
+        runs = [nw.HarmonicRun(f"{k} {a} {depth}", k, a, p, 1.0, 2, 0.0, depth) for k, a, p in
+                (("yaw", 0.9, 25.0), ("yaw", 0.5, 16.0), ("sway", 0.6, 20.0), ("sway", 0.4, 14.0))]  # fmt: skip
+        runs += [nw.StraightRun(f"y {y} {depth}", y, 1.0, 20.0, 0.0, depth) for y in (-1.4, -0.8, 0.9, 1.5)]
+        hull = {name: value * grown for name, value in dtc.coefficients.items() if "bank" not in name}
+        parts.append(nw.twin(dtc.with_coefficients(**hull, b_bank=b_bank), runs, rate=5.0, seed=seed))
+    lengths = np.concatenate([np.diff(part.starts) for part in parts])
+    return nw.CaptiveTests(
+        {name: np.concatenate([part.columns[name] for part in parts]) for name in parts[0].columns},
+        sum((part.names for part in parts), ()), np.concatenate([[0], np.cumsum(lengths)]), parts[0].configuration,
+    )  # fmt: skip
+
+
+def test_at_a_depth_of_the_tests_its_own_hull_counts_alone() -> None:
+    table = pooled(nw.PAPER, DEPTHS)
+    for depth in DEPTHS:
+        for term in nw.PAPER.terms:
+            if term.from_bank:
+                continue
+            values = {"u": 1.0, "v": 0.2, "r": 0.1, "udot": 0.3, "vdot": 0.4, "rdot": 0.5, "depth": depth}
+            for other in DEPTHS:
+                share = term.column(values) if other == depth else 0.0
+                assert table[f"{term.name}@{other:g}"].column(values) == share
+
+
+def test_between_depths_hulls_are_linear() -> None:
+    table = pooled(nw.PAPER, DEPTHS)
+    shares = [table[f"b_v@{h:g}"].column({"v": -1.0, "depth": 0.26}) for h in DEPTHS]
+    assert sum(shares) == pytest.approx(1.0)
+    assert shares[0] == pytest.approx((0.3075 - 0.26) / (0.3075 - 0.246))
+    assert table["b_v@0.41"].column({"v": -1.0, "depth": 5.0}) == 1.0
+    assert table["b_v@0.246"].column({"v": -1.0, "depth": 0.1}) == 1.0
+
+
+def test_a_model_of_several_depths_is_kept_in_a_file(kcs: nw.Fit, tmp_path) -> None:
+    path = tmp_path / "kcs.toml"
+    kcs.model.save(path)
+    again = nw.load_model(path)
+    assert again.terms.name == "paper@0.246,0.3075,0.41"
+    assert again.coefficients == kcs.coefficients
+    assert table_named("paper@0.246,0.3075,0.41").names == kcs.terms.names
+
+
+def test_hulls_are_those_of_each_depth_and_the_bank_is_better_known(kcs: nw.Fit) -> None:
+    alone = {label: nw.identify(tests) for label, tests in nw.measured_tests("kcs").by_condition().items()}
+    for fit, depth in zip(alone.values(), (0.41, 0.3075, 0.246), strict=True):
+        assert kcs.coefficients[f"c_rdot@{depth:g}"] == pytest.approx(fit.coefficients["c_rdot"], rel=0.01)
+        assert kcs.std["b_bank"] < fit.std["b_bank"]
+    assert len(kcs.motions) == 36
+
+
+def test_whether_the_bank_changes_with_depth_is_tested() -> None:
+    same, other = (nw.identify(made(bank), pool="depth") for bank in ((1.0, 1.0), (1.0, 2.0)))
+    assert isinstance(same.depth_tests["b_bank"], DepthTest)
+    assert not same.depth_tests["b_bank"].changes
+    assert other.depth_tests["b_bank"].changes
+    assert other.depth_tests["b_bank"].values[0.4] == pytest.approx(1.0, rel=0.15)
+    assert other.depth_tests["b_bank"].values[0.25] == pytest.approx(2.0, rel=0.15)
+    assert any("b_bank by each depth alone" in note for note in other.notes)
+    assert same.verdicts["b_bank"].status == "identified"
+    assert other.verdicts["b_bank"].status == "contradicted"
+
+
+def test_pooling_on_the_command_line(cli) -> None:
+    table, ship = measured_files("kcs")
+    code, out, err = cli("identify", table, "--ship", ship, "--pool", "depth", "--json")
+    assert (code, err) == (0, "")
+    assert "b_v@0.246" in json.loads(out)["coefficients"]
+    code, _, err = cli("identify", table, "--ship", ship, "--pool", "speed")
+    assert code == 2
+    assert "depth" in err
+
+
+@pytest.mark.parametrize("name", ["paper@", "paper@0.3", "paper@deep,0.3", "paper@-1,0.3"])
+def test_names_that_are_no_depths(name: str) -> None:
+    with pytest.raises(nw.InputError, match="depths"):
+        table_named(name)
