@@ -30,7 +30,7 @@ def envelope(
         str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
     ] = None,
     waterway: Annotated[
-        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the index of the model's canal.")
+        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
     ] = None,
     at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0,
     level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MEDIAN, SURE_SHARE = 0.5, 0.95
-"""Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a index is called safe."""
+"""Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a place is called safe."""
 SAME, TURNED = 1e-6, 1e-4
 """Rudder angles [rad] that are one, and the least that says something."""
 CHOKED, AGROUND, ENGINE, RUDDER, PILOT, TESTS, RANGE, NONE = (

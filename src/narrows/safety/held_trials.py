@@ -16,6 +16,7 @@ from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.disturbance import Disturbance
+from narrows.safety.question import Walls
 from narrows.simulation.controllers import Autopilot, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
@@ -30,8 +31,6 @@ BLOCK = 65_536
 MOST = 50_000_000
 """Points of one call: beyond it the answer does not fit in memory."""
 KEPT = ("rudder", "held")
-Walls = tuple[float, float]
-"""Where a keel meets the banks [m]: to port and to starboard of the middle."""
 
 
 def trials(

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from narrows.model.data_range import MEASURES, Measure, extrapolation
+from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
 
@@ -27,10 +27,15 @@ def within_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.nd
     speeds : array (m,) [m/s]
         Through the water.
     """
+    known = _to_the_middle(model)
+    off, fast = known.outside("abs_y", np.abs(offsets)), known.outside("speed", speeds)
+    return np.asarray(~np.asarray(off)[:, None] & ~np.asarray(fast)[None])
+
+
+def _to_the_middle(model: Model) -> DataRange:
+    """What the tests covered, the offsets nearer to the middle than theirs with them."""
     known = model.data_range
-    far = np.abs(offsets) > 0 if known.abs_y is None else np.abs(offsets) > known.abs_y[0]
-    off = far & np.asarray(known.outside("abs_y", np.abs(offsets)))
-    return np.asarray(~off[:, None] & ~np.asarray(known.outside("speed", speeds))[None])
+    return replace(known, abs_y=known.abs_y and (0.0, known.abs_y[1]))
 
 
 def tested_ranges(model: Model) -> dict[str, list[float]]:
@@ -57,10 +62,8 @@ def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple
     speeds : array (m,) [m/s]
         Through the water.
     """
-    known = model.data_range
-    middle = replace(known, abs_y=known.abs_y and (0.0, known.abs_y[1]))
     asked = {"speed": speeds, "abs_y": np.abs(offsets).max(), **_section(model)}
-    return extrapolation(middle, asked, IN_KNOTS, unknown=True)
+    return extrapolation(_to_the_middle(model), asked, IN_KNOTS, unknown=True)
 
 
 def untested_section(model: Model) -> str:

@@ -1,0 +1,136 @@
+"""What is asked of a safe envelope: which ship, offsets and speeds, against what, and how much is to be left."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.safety.disturbance import Disturbance
+from narrows.safety.underkeel import keel_at
+
+Walls = tuple[float, float]
+"""Where a keel meets the banks [m]: to port and to starboard of the middle."""
+KEEL_SHARE = 0.05
+"""Of the draft, to be left under the keel."""
+OFFSETS, SPEEDS = 25, 15
+SLOWEST, FASTEST = 0.3, 1.05
+"""Of the speed that chokes the canal: the range where none is given."""
+
+
+@dataclass(frozen=True)
+class EnvelopeQuestion:
+    """What a safe envelope is asked, complete and checked.
+
+    Parameters
+    ----------
+    model : Model
+        Of the ship in its canal.
+    offsets : array (offsets,) [m]
+        To starboard of the middle.
+    speeds : array (speeds,) [m/s]
+        Through the water.
+    disturbance : Disturbance
+        What throws the ship off.
+    reserve : float [1]
+        Of the rudder, to be left on the steady course.
+    clearance : float [m]
+        To be left under the keel.
+    most_revolutions : float [1/s], optional
+        Of the engine.
+    walls : pair of float [m]
+        Where the keel meets the banks, to port and to starboard of the middle.
+    """
+
+    model: Model
+    offsets: np.ndarray
+    speeds: np.ndarray
+    disturbance: Disturbance
+    reserve: float
+    clearance: float
+    most_revolutions: float | None
+    walls: Walls
+
+    @property
+    def rudder_limit(self) -> float:
+        """The most rudder [rad] of a steady course that leaves the reserve."""
+        return (1 - self.reserve) * self.model.configuration.gear.limit
+
+
+def envelope_question(
+    model: Model, y: np.ndarray | None, u: np.ndarray | None, disturbance: Disturbance | None, reserve: float,
+    keel: float | None, most_revolutions: float | None, walls: Walls | None,
+) -> EnvelopeQuestion:  # fmt: skip
+    """Return what is asked, with what suits the ship and its canal where nothing is given (ours).
+
+    Parameters
+    ----------
+    model : Model
+        Of the ship in its canal.
+    y : array (offsets,) [m], optional
+        As far as half a beam from either bank unless given.
+    u : array (speeds,) [m/s], optional
+        To a little over the speed that chokes the canal unless given.
+    disturbance : Disturbance, optional
+        A heading that is off unless given.
+    reserve : float [1]
+        Of the rudder.
+    keel : float [m], optional
+        Least clearance under the keel; a twentieth of the draft unless given.
+    most_revolutions : float [1/s], optional
+        Of the engine.
+    walls : pair of float [m], optional
+        The walls of the canal unless given.
+
+    Raises
+    ------
+    InputError
+        Where a number is out of range, or nothing says how fast.
+    """
+    ship, canal = model.configuration.ship, model.configuration.canal
+    least = KEEL_SHARE * ship.draft if keel is None else keel
+    if not 0 <= reserve < 1 or not 0 <= least < math.inf:
+        raise InputError(
+            f"a reserve of {reserve} of the rudder and {least} m under the keel: give a share from 0 to less than 1, "
+            "and metres from 0"
+        )
+    room = walls or (canal.width / 2, canal.width / 2)
+    offsets = _offsets(model, room) if y is None else np.atleast_1d(np.asarray(y, float))
+    speeds = _speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
+    _check(offsets, speeds, room, ship.beam)
+    return EnvelopeQuestion(
+        model, offsets, speeds, disturbance or Disturbance(), reserve, least, most_revolutions, room
+    )
+
+
+def _offsets(model: Model, room: Walls) -> np.ndarray:
+    port, starboard = (wall - model.configuration.ship.beam for wall in room)
+    if port + starboard <= 0:
+        raise InputError("the canal is less than two beams wide: there is no offset to look at; check its width")
+    covered = model.data_range.abs_y
+    ends = [] if covered is None else [end for end in (-covered[1], covered[1]) if -port < end < starboard]
+    return np.union1d(np.linspace(-port, starboard, OFFSETS), ends)
+
+
+def _speeds(model: Model) -> np.ndarray:
+    choke = keel_at(model, np.empty(0)).choke
+    if math.isinf(choke):
+        raise InputError("without a depth nothing bounds the speed: give the canal's depth, or the speeds to look at")
+    asked = np.linspace(SLOWEST, FASTEST, SPEEDS) * choke
+    covered = model.data_range.speed or ()
+    return np.union1d(asked, [end for end in covered if asked[0] < end < asked[-1]])
+
+
+def _check(offsets: np.ndarray, speeds: np.ndarray, room: Walls, beam: float) -> None:
+    for name, column in (("offsets", offsets), ("speeds", speeds)):
+        if not column.size or not np.isfinite(column).all() or (np.diff(column) <= 0).any():
+            raise InputError(f"the {name} must be finite and rise; give them in order, none twice")
+    if speeds[0] <= 0:
+        raise InputError(f"a speed of {speeds[0]:g} m/s steers nothing; give speeds over 0")
+    low, high = beam / 2 - room[0], room[1] - beam / 2
+    if not (low < offsets[0] and offsets[-1] < high):
+        raise InputError(
+            f"offsets from {offsets[0]:g} to {offsets[-1]:g} m have the hull in a bank; stay between {low:.4g} and "
+            f"{high:.4g} m"
+        )

@@ -1,0 +1,91 @@
+"""Trials of many samples as shares and quantiles, and as many samples as settle the edge."""
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from narrows.safety.answer import MEDIAN, SURE_SHARE
+from narrows.safety.sampling import is_settled, share_interval
+
+FIRST_SAMPLES, MOST_SAMPLES = 400, 6400
+"""Tried at first where no number is given, and doubled until the edge is settled, up to so many."""
+Trial = Callable[..., xr.Dataset]
+"""Trials of so many ``samples`` from a ``seed``: the rudder [rad] and whether it is held, over y, u and sample."""
+
+
+def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float, clear: np.ndarray) -> xr.Dataset:
+    """Return trials of so many samples, or of twice as many again and again until the edge is settled (ours).
+
+    Parameters
+    ----------
+    try_more : callable
+        Trials of so many ``samples`` from a ``seed``.
+    samples : int, optional
+        How many; as many as settle the edge unless given.
+    seed : int
+        Of the samples.
+    limit : float [rad]
+        The most rudder of a steady course.
+    clear : array (offsets, speeds) of bool
+        Where the edge is asked for.
+    """
+    if samples is not None:
+        return try_more(samples=samples, seed=seed)
+    tried, rounds = try_more(samples=FIRST_SAMPLES, seed=seed), 0
+    while (count := tried.sizes["sample"]) < MOST_SAMPLES:
+        held = _safe(tried, limit).mean("sample").transpose("y", "u").to_numpy()
+        if is_settled(*share_interval(held, count), SURE_SHARE, clear):
+            break
+        rounds += 1
+        another = int(np.random.SeedSequence((seed, rounds)).generate_state(1)[0])
+        tried = xr.concat([tried, try_more(samples=count, seed=another)], "sample")
+    return tried
+
+
+def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
+    """Return shares and quantiles of the samples over y and u (ours).
+
+    A sample without a course counts as beyond hard over, on the side of the others.
+
+    Parameters
+    ----------
+    tried : xarray.Dataset
+        Over y, u and sample: ``rudder`` [rad], NaN where there is no course, and ``held``.
+    limit : float [rad]
+        The most rudder of a steady course.
+    """
+    found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
+    shares = {"found": found.mean("sample"), "holds": holds.mean("sample")}
+    shares |= _counted("held", _safe(tried, limit))
+    counted = {name: share.assign_attrs(units="1") for name, share in shares.items()}
+    return xr.Dataset(_quantiles(tried["rudder"]) | counted).transpose("y", "u")
+
+
+def _safe(tried: xr.Dataset, limit: float) -> xr.DataArray:
+    return (np.abs(tried["rudder"]) <= limit) & tried["held"]
+
+
+def _counted(name: str, counted: xr.DataArray) -> dict[str, xr.DataArray]:
+    """The share of the samples in which something holds, and its interval for so many of them."""
+    share = counted.mean("sample")
+    low, high = (share.copy(data=end) for end in share_interval(share.to_numpy(), counted.sizes["sample"]))
+    return {name: share, f"{name}_low": low, f"{name}_high": high}
+
+
+def _quantiles(rudder: xr.DataArray) -> dict[str, xr.DataArray]:
+    beyond = np.sign(rudder.median("sample")).fillna(1.0) * np.inf
+    filled, size = rudder.fillna(beyond.where(beyond != 0, np.inf)), np.abs(rudder).fillna(np.inf)
+    middle = _quantile(filled, MEDIAN, "midpoint")
+    return {
+        "rudder": middle.where(np.isfinite(middle)).assign_attrs(units="rad"),
+        "rudder_low": _quantile(filled, 1 - SURE_SHARE, "lower"),
+        "rudder_high": _quantile(filled, SURE_SHARE, "higher"),
+        "rudder_95": _quantile(size, SURE_SHARE, "higher"),
+    }
+
+
+def _quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
+    with np.errstate(invalid="ignore"):
+        quantiles = values.quantile(share, "sample", method=method).drop_vars("quantile")
+    return quantiles.assign_attrs(units="rad")
