@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -27,12 +28,27 @@ def _by_room() -> dict[str, list[tuple[str, str]]]:
         if isinstance(statement, ast.ImportFrom) and statement.module:
             room = statement.module.partition(".")[0]
             found.setdefault(room, []).extend((name.name, f"narrows.{statement.module}") for name in statement.names)
+        elif isinstance(statement, ast.ImportFrom):
+            for name in statement.names:
+                found.setdefault(name.name, []).extend(_of_room(name.name))
     return found
+
+
+def _of_room(room: str) -> list[tuple[str, str]]:
+    """A room that is itself a name, and what it has beyond the names of the package."""
+    own = vars(getattr(narrows, room))
+    names = [n for n, it in own.items() if not n.startswith("_") and (inspect.isclass(it) or inspect.isfunction(it))]
+    return [
+        (room, "narrows"),
+        *((f"{room}.{name}", f"narrows.{room}") for name in names if name not in narrows.__all__),
+    ]
 
 
 def _row(named: tuple[str, str]) -> tuple[str, str]:
     name, module = named
-    thing = getattr(narrows, name)
+    thing = attrgetter(name)(narrows)
+    if inspect.ismodule(thing):
+        return f"{{py:obj}}`nw.{name} <{thing.__name__}>`", (inspect.getdoc(thing) or "").partition("\n")[0]
     if not (inspect.isclass(thing) or inspect.isfunction(thing)):
         return f"`nw.{name}`", _constant(thing, module)
     line = (inspect.getdoc(thing) or "").partition("\n")[0]

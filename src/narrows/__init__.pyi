@@ -1,3 +1,4 @@
+from . import control as control
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
 from .captive import StraightRun as StraightRun

@@ -16,7 +16,8 @@ STEERED_BY = "rudder"
 def balance_module(system: "System") -> ModuleType:
     """Return the module that finds steady courses; its ``solve`` compiles when first called.
 
-    Its ``COLUMNS`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside.
+    Its ``COLUMNS`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside, the
+    curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
 
     Parameters
     ----------
@@ -38,11 +39,14 @@ def _text(system: "System") -> str:
     lines, (drift, angle) = Lines(), (real("drift"), real("angle"))
     cosine = lines.put("cos_psi", (1 + drift * drift) ** sympy.Rational(-1, 2))
     at = {name: real(name) for name in (*STATE, *system.rates.moving)}
+    sway = lines.put("v", drift * real("u"))
+    pace = lines.put("pace", real("u") * cosine + sway * drift * cosine + real("current"))
+    at |= {"cos_psi": cosine, "sin_psi": lines.put("sin_psi", -drift * cosine), "v": sway}
     at |= {
-        "cos_psi": cosine, "sin_psi": lines.put("sin_psi", -drift * cosine), "r": sympy.Integer(0),
-        "v": lines.put("v", drift * real("u")), f"cos_{STEERED_BY}": lines.put("cos_angle", FUNCTIONS["cosine"](angle)),
+        "r": lines.put("r", real("path_curvature") * pace),
+        f"cos_{STEERED_BY}": lines.put("cos_angle", FUNCTIONS["cosine"](angle)),
         f"sin_{STEERED_BY}": lines.put("sin_angle", FUNCTIONS["sine"](angle)),
-    }  # fmt: skip
+    }
     rates = system.rates.written(lines, "", at)
     unit = {drift: [sympy.Integer(1), sympy.Integer(0)], angle: [sympy.Integer(0), sympy.Integer(1)]}
     more, slopes = with_tangents(lines, unit, 2)

@@ -137,6 +137,8 @@ def in_threads(work: Any, parts: Sequence[Any], workers: int) -> list[Any]:
     workers : int
         Threads.
     """
+    if len(parts) == 1:
+        return [work(parts[0])]
     pool = ThreadPoolExecutor(workers)
     try:
         return list(pool.map(work, parts))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib.metadata import version
 from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -144,16 +144,9 @@ class System:
         InputError
             Where a value is missing, or no mass resists an acceleration.
         """
-        from narrows.codegen.functions import column_functions
         from narrows.codegen.linearisation import Linearisation
 
-        def text() -> str:
-            from narrows.codegen.jacobian import jacobian_text
-
-            return jacobian_text(self.rates.motion, self.table.names, tuple(actuators))
-
-        scope: dict[str, Any] = dict(column_functions())
-        exec(compile(source("jacobian", (*self.key, tuple(actuators)), text), "<jacobian>", "exec"), scope)
+        scope = _derivatives(self, tuple(actuators))
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
         return Linearisation(scope, constants, self.table.names, tuple(actuators), self._batch(tuple(actuators)))
 
@@ -190,6 +183,21 @@ class System:
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.
         return System, (self.table, self.surge, self.coriolis, self.choices)
+
+
+@lru_cache(maxsize=64)
+def _derivatives(system: System, actuators: tuple["Actuated", ...]) -> Mapping[str, Any]:
+    """The generated functions of derivatives, for floats and columns."""
+    from narrows.codegen.functions import column_functions
+
+    def text() -> str:
+        from narrows.codegen.jacobian import jacobian_text
+
+        return jacobian_text(system.rates.motion, system.table.names, actuators)
+
+    scope: dict[str, Any] = dict(column_functions())
+    exec(compile(source("jacobian", (*system.key, actuators), text), "<jacobian>", "exec"), scope)
+    return scope
 
 
 def _evaluated(

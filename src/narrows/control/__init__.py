@@ -1,5 +1,7 @@
-"""Control: steady courses, the revolutions that keep a speed, the track pilot."""
+"""Control: steady courses, linear systems about them, the revolutions that keep a speed, helms."""
 
+from narrows.control.linear_system import LinearSystem as LinearSystem
+from narrows.control.linearization import linearize as linearize
 from narrows.control.self_propulsion import self_propulsion as self_propulsion
 from narrows.control.steady_course import steady_course as steady_course
 from narrows.control.track_pilot import track_pilot as track_pilot

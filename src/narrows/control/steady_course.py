@@ -22,6 +22,8 @@ from narrows.simulation.ship import SimulatedShip
 SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
 """What a steady course answers or does not feel."""
 RUDDER = "rudder"
+ALONG = ("path_curvature", "current")
+"""What bends a steady course, or carries it along: none in a straight canal."""
 BLOCK = 16_384
 
 
@@ -120,7 +122,8 @@ def solved(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses (ours).
 
-    By Newton's method with exact slopes, compiled.
+    By Newton's method with exact slopes, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the values
+    the course is a steady turn along a bend.
 
     Parameters
     ----------
@@ -134,9 +137,9 @@ def solved(
         Threads.
     """
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
-    system = ship.system(law=_steered(rudder), pushed="until")
+    system = ship.system(law=moving(rudder), pushed="until")
     module = balance_module(system)
-    inputs = {**dict.fromkeys(INPUTS, 0.0), **ship.values(), **values}
+    inputs = {**dict.fromkeys((*INPUTS, *ALONG), 0.0), **ship.values(), **values}
     inputs |= {FORCES[name]: inputs[name] for name in INPUTS}
     drift, angle = np.empty(count), np.empty(count)
 
@@ -152,7 +155,14 @@ def solved(
     return drift * np.asarray(inputs["u"], float), angle
 
 
-@lru_cache(maxsize=4)
-def _steered(rudder: tuple[Actuated, ...]) -> Law:
-    """A law that moves the rudder: what it orders is not asked, only that the rudder is a variable."""
-    return Law(tape_of(lambda at: {RUDDER: at.rudder}, {RUDDER: RUDDER}, "the rudder"), (), rudder)
+@lru_cache(maxsize=16)
+def moving(actuators: tuple[Actuated, ...]) -> Law:
+    """Return a law that moves actuators: what it orders is not asked, only that they are variables (ours).
+
+    Parameters
+    ----------
+    actuators : tuple of Actuated
+        Which.
+    """
+    names = {actuator.name: actuator.name for actuator in actuators}
+    return Law(tape_of(vars, names, "what moves"), (), actuators)

@@ -82,7 +82,7 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     from scipy.linalg import LinAlgError, solve_continuous_are
 
     inputs = {**ship.values(), **values}
-    linear = ship.system().linearisation(inputs, ship.actuators)
+    linear = ship.linearisation(inputs)
     at = {"u": speed, "revolutions": inputs.get("revolutions", 0.0)}
     indices = [LINEARISED.index(name) for name in FELT]
     motion = linear.state(at)[np.ix_(indices, indices)]

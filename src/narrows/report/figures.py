@@ -3,9 +3,11 @@
 from functools import singledispatch
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from narrows.captive.tests import CaptiveTests
+from narrows.control import LinearSystem
 from narrows.errors import InputError
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
@@ -55,9 +57,17 @@ figure_of.register(Model, model_figure)
 
 @figure_of.register
 def _(result: Jacobian) -> Figure:
+    return _eigenvalues(result.poles())
+
+
+@figure_of.register
+def _(result: LinearSystem) -> Figure:
+    return _eigenvalues(result.eigenvalues())
+
+
+def _eigenvalues(poles: np.ndarray) -> Figure:
     figure, axes = panels(1, 1, 3.2)
-    poles = result.poles()
-    axes[0, 0].plot(poles.real, poles.imag, "x", color=BLUE)
+    axes[0, 0].plot(poles.real.ravel(), poles.imag.ravel(), "x", color=BLUE)
     axes[0, 0].axvline(0, color=BLACK, linewidth=0.7)
     axes[0, 0].set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
     axes[0, 0].grid(alpha=0.3)

@@ -127,7 +127,7 @@ def jacobian(
     numbers = finite_numbers(**state, X=X, Y=Y, N=N, **positions)
     pushes = {PUSHES[force]: numbers[force] for force in FORCES}
     values = {**ship.values(**positions), **pushes}
-    linear = ship.system().linearisation(values, ship.actuators)
+    linear = ship.linearisation(values)
     at = {**state, **pushes, **{own.name: values.get(own.name, 0.0) for own in ship.actuators}}
     matrix = linear.linear(at)
     a, b = matrix[:, : len(LINEARISED)], matrix[:, len(LINEARISED) :]

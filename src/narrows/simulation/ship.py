@@ -7,6 +7,7 @@ from typing import Any
 
 from narrows.codegen.choices import Actuated, Choices, Law, Pushed
 from narrows.codegen.free_motion import Surge
+from narrows.codegen.linearisation import Linearisation
 from narrows.codegen.shapes import OPEN, Outline, checked_shape
 from narrows.codegen.system import System
 from narrows.errors import InputError
@@ -112,6 +113,16 @@ class SimulatedShip:
             if actuator.name in positions:
                 ship |= {actuator.name: positions[actuator.name], **actuator.placed(positions[actuator.name])}
         return {**ship, "heave": 0.0, "surge_inertia": added}
+
+    def linearisation(self, values: Mapping[str, Number]) -> Linearisation:
+        """Return the exact derivatives of its motion, for whatever linearises it.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            Particulars and coefficients by name, as ``values`` gives them; columns for many ships.
+        """
+        return self.system().linearisation(values, self.actuators)
 
     def with_model(self, model: Model) -> "SimulatedShip":
         """Return another model under the same choices.

@@ -80,7 +80,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     silent = {} if bank else {term.name: 0.0 for term in model.terms.terms if term.from_bank}
     inputs = {**ship.values(), **values, **silent}
-    linear = ship.system().linearisation(inputs, ship.actuators)
+    linear = ship.linearisation(inputs)
     at = {name: values[name] for name in START} | {mover.name: inputs.get(mover.name, 0.0) for mover in ship.actuators}
     matrix = linear.state(at | {name: values[force] for name, force in zip(PUSHES.values(), INPUTS, strict=True)})
     indices = [LINEARISED.index(name) for name in (FELT if bank else OPEN_WATER)]

@@ -1,0 +1,353 @@
+"""A ship about its steady course as matrices with names: what linear control theory asks for."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.errors import InputError, check_choice, needs
+from narrows.results import Shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
+UNITS = {
+    "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad", "revolutions": "1/s", "X": "N",
+    "Y": "N", "N": "N m", "current": "m/s", "curvature": "1/m",
+}  # fmt: skip
+SYMBOLS = {"psi": r"\psi", "rudder": r"\delta", "revolutions": "n", "current": r"c", "curvature": r"\kappa"}
+RANK_TOLERANCE = 1e-9
+DIGITS = 4
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class LinearSystem(Shown):
+    """A ship that is a little off its steady course: dx/dt = A x + B u + G d, exact in the limit of small x, u and d.
+
+    x, u and d are what state, controls and disturbances are beyond the course; of several courses at once the matrices
+    have the dimensions of ``course`` first.
+
+    Parameters
+    ----------
+    A : array (..., states, states)
+        Rates by states.
+    B : array (..., states, controls)
+        Rates by positions of actuators.
+    G : array (..., states, disturbances)
+        Rates by forces from outside, the current along the line and the curvature of the line.
+    states, controls, disturbances : tuple of str
+        What rows and columns stand for, in ``units``.
+    course : mapping of str to array (...)
+        The steady course: y [m], u [m/s], psi, rudder [rad], v [m/s], r [rad/s] and what else stays as it is.
+    varied : tuple of str
+        The dimensions, in order: y, u, or none.
+    rates : callable
+        Of the states, by states, controls and disturbances of a single course, as one vector each.
+    length : float [m]
+        Of the ship, which with its speed makes states of one size.
+    notes : tuple of str
+        What to know before it is used.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    G: np.ndarray
+    states: tuple[str, ...]
+    controls: tuple[str, ...]
+    disturbances: tuple[str, ...]
+    course: Mapping[str, np.ndarray]
+    varied: tuple[str, ...]
+    rates: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray] = field(repr=False)
+    length: float
+    notes: tuple[str, ...]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each state, control and disturbance."""
+        return {name: UNITS.get(name, "") for name in (*self.states, *self.controls, *self.disturbances)}
+
+    def eigenvalues(self) -> np.ndarray:
+        """Return the eigenvalues of A [1/s], (..., states), the most unstable first."""
+        values = np.full(self.A.shape[:-1], np.nan + 0j)
+        known = np.isfinite(self.A).all(axis=(-2, -1))
+        values[known] = np.linalg.eigvals(self.A[known])
+        return np.take_along_axis(values, np.argsort(-values.real, axis=-1, kind="stable"), axis=-1)
+
+    def modes(self) -> "pd.DataFrame":
+        """Give the modes of one course: growth rate, time to double or to halve, period, damping ratio, shape.
+
+        The shape is the eigenvector with states in ship lengths and speeds, its largest entry 1.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses.
+        """
+        import pandas as pd
+
+        values, vectors = np.linalg.eig(self._of_one(self.A))
+        order = np.argsort(-values.real, kind="stable")
+        values, shapes = values[order], (vectors / self._scales()[:, None])[:, order]
+        shapes = shapes / shapes[np.abs(shapes).argmax(axis=0), np.arange(len(values))]
+        with np.errstate(divide="ignore"):
+            times = {
+                "doubling_s": np.where(values.real > 0, np.log(2) / values.real, np.inf),
+                "halving_s": np.where(values.real < 0, -np.log(2) / values.real, np.inf),
+                "period_s": 2 * np.pi / np.abs(values.imag),
+            }
+        damping = np.where(values != 0, -values.real / np.maximum(np.abs(values), np.finfo(float).tiny), 0.0)
+        shape = dict(zip(self.states, shapes, strict=True))
+        rates = {"growth": values.real, "angular_frequency": values.imag}
+        return pd.DataFrame({**rates, **times, "damping_ratio": damping, **shape}).rename_axis("mode")
+
+    def controllability(self, *controls: str) -> int:
+        """Return how many of the states of one course controls reach: the rank of Kalman's matrix, in ship lengths.
+
+        Parameters
+        ----------
+        *controls : str
+            Which; all unless given.
+
+        Raises
+        ------
+        InputError
+            Where there is no such control, or there are several courses.
+        """
+        matrix, scales, time = self._of_one(self.A), self._scales(), self._time()
+        A = time * matrix * scales / scales[:, None]
+        B = self._of_one(self.B)[:, self._columns(controls)] / scales[:, None]
+        sizes = np.linalg.norm(B, axis=0)
+        step = B / np.where(sizes > 0, sizes, 1.0)
+        steps = [step]
+        for _ in range(len(A) - 1):
+            steps.append(A @ steps[-1])
+        reached = np.hstack(steps)
+        return int(np.linalg.matrix_rank(reached, tol=RANK_TOLERANCE * np.linalg.norm(reached, 2)))
+
+    def margins(self, gains: Any, control: str = "rudder") -> dict[str, float]:
+        """Return the margins of the loop that ``u = -gains x`` closes, broken at one control.
+
+        Parameters
+        ----------
+        gains : array (states,)
+            Control for each state off.
+        control : str
+            Which.
+
+        Returns
+        -------
+        dict of str to float
+            As ``loop_margins``.
+
+        Raises
+        ------
+        InputError
+            Where there is no such control, the gains are not as many as states, or python-control is not there.
+        """
+        gains = np.asarray(gains, float)
+        if gains.shape != (len(self.states),):
+            raise InputError(f"there are {len(self.states)} states, {', '.join(self.states)}; give a gain for each")
+        return loop_margins(self._of_one(self.A), self._of_one(self.B)[:, self._columns((control,))], gains)
+
+    def state_space(self) -> Any:
+        """Return one course as a state space of python-control, with named states, inputs and outputs.
+
+        Its inputs are controls, then disturbances; its outputs are the states.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses, or python-control is not there (``pip install narrows[control]``).
+        """
+        with needs("control", "state_space"):
+            import control
+        inputs, count = (*self.controls, *self.disturbances), len(self.states)
+        driven = np.hstack([self._of_one(self.B), self._of_one(self.G)])
+        return control.ss(
+            self._of_one(self.A), driven, np.eye(count), np.zeros((count, len(inputs))), states=list(self.states),
+            inputs=list(inputs), outputs=list(self.states), name="ship",
+        )  # fmt: skip
+
+    def nonlinear(self) -> Any:
+        """Return the ship itself as a nonlinear system of python-control, with the names of ``state_space``.
+
+        Its states and inputs count from zero, not from the course: ``course`` and ``operating_point`` say where that
+        is.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses, or python-control is not there (``pip install narrows[control]``).
+        """
+        self._of_one(self.A)
+        with needs("control", "nonlinear"):
+            import control
+        split, rates = len(self.controls), self.rates
+
+        def update(t: float, x: np.ndarray, u: np.ndarray, parameters: Mapping[str, Any]) -> np.ndarray:
+            return rates(x, u[:split], u[split:])
+
+        inputs, states = [*self.controls, *self.disturbances], list(self.states)
+        return control.nlsys(update, None, inputs=inputs, states=states, outputs=states, name="ship")
+
+    def operating_point(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return states and inputs of one course, as ``nonlinear`` counts them.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses.
+        """
+        self._of_one(self.A)
+        names = (*self.controls, *self.disturbances)
+        state, inputs = (np.array([float(self.course[name]) for name in part]) for part in (self.states, names))
+        return state, inputs
+
+    def latex(self) -> str:
+        """Write the system of one course in LaTeX, its numbers to four digits.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses.
+        """
+        parts = ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances))
+        rates = _column([rf"\Delta\dot{{{SYMBOLS.get(name, name)}}}" for name in self.states])
+        products = [_matrix(self._of_one(matrix)) + " " + _changes(names) for matrix, names in parts]
+        return f"{rates} = {' + '.join(products)}"
+
+    def summary(self) -> str:
+        """Say which course it is about, and how fast what is off it grows or dies out."""
+        if self.A.ndim > 2:
+            known = np.isfinite(self.A).all(axis=(-2, -1))
+            growth = self.eigenvalues().real.max(axis=-1)[known]
+            rates = f": the largest growth rate is {growth.min():.3g} to {growth.max():.3g} 1/s" if known.any() else ""
+            return f"Motion about {int(known.sum())} steady courses of {known.size} asked for{rates}."
+        at = {name: float(value) for name, value in self.course.items()}
+        growth = float(self.eigenvalues()[0].real)
+        bend = f" in a bend of {1 / abs(at['curvature']):.4g} m" if at["curvature"] else ""
+        return (
+            f"Motion about the steady course {at['y']:g} m off the middle at {at['u']:.3g} m/s{bend}: rudder "
+            f"{np.degrees(at['rudder']):.2f} degrees, heading {np.degrees(at['psi']):.2f} degrees; the largest growth "
+            f"rate is {growth:.3g} 1/s."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the matrices, their names and the course."""
+        values = self.eigenvalues()
+        names = {name: getattr(self, name) for name in ("states", "controls", "disturbances", "units", "A", "B", "G")}
+        poles = np.stack([values.real, values.imag], axis=-1)
+        told = {"course": dict(self.course), "eigenvalues": poles, "summary": self.summary(), "notes": list(self.notes)}
+        return {**names, **told}
+
+    def dataset(self) -> "xarray.Dataset":
+        """Give the matrices over the dimensions of the courses, with named states and inputs."""
+        import xarray
+
+        values, lead = self.eigenvalues(), self.varied
+        parts = {
+            "A": ("of_state", self.states),
+            "B": ("control", self.controls),
+            "G": ("disturbance", self.disturbances),
+        }
+        data = {n: (lead, column, {"units": UNITS.get(n, "")}) for n, column in self.course.items() if n not in lead}
+        data |= {name: ((*lead, "state", column), getattr(self, name), {}) for name, (column, _) in parts.items()}
+        modes = {"growth": values.real, "angular_frequency": values.imag}
+        data |= {name: ((*lead, "mode"), part, {"units": "1/s"}) for name, part in modes.items()}
+        labels: dict[str, Any] = {"state": list(self.states)} | {name: list(own) for name, own in parts.values()}
+        for axis, name in enumerate(lead):
+            column = np.moveaxis(self.course[name], axis, 0)
+            labels[name] = (name, column.reshape(len(column), -1)[:, 0], {"units": UNITS[name]})
+        return xarray.Dataset(data, coords=labels, attrs={"summary": self.summary(), "notes": "\n".join(self.notes)})
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give A, B and G of one course side by side: a row a rate, a column a state, a control or a disturbance.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses.
+        """
+        import pandas as pd
+
+        rows = pd.Index([f"d{name}/dt" for name in self.states], name="rate")
+        whole = np.hstack([self._of_one(matrix) for matrix in (self.A, self.B, self.G)])
+        return pd.DataFrame(whole, index=rows, columns=[*self.states, *self.controls, *self.disturbances])
+
+    def _of_one(self, matrix: np.ndarray) -> np.ndarray:
+        if matrix.ndim > 2:
+            raise InputError("these are several courses at once; linearise about one y and one u")
+        return matrix
+
+    def _columns(self, controls: tuple[str, ...]) -> list[int]:
+        for name in controls:
+            check_choice("control", name, self.controls)
+        return [self.controls.index(name) for name in controls or self.controls]
+
+    def _time(self) -> float:
+        return self.length / float(self.course["u"])
+
+    def _scales(self) -> np.ndarray:
+        """The size of each state, by the ship's length and speed."""
+        speed = float(self.course["u"])
+        sizes = {"y": self.length, "u": speed, "v": speed, "r": speed / self.length}
+        return np.array([sizes.get(name, 1.0) for name in self.states])
+
+
+def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, float]:
+    """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input (ours).
+
+    Parameters
+    ----------
+    A : array (n, n)
+        Rates by states.
+    B : array (n, 1)
+        Rates by the input.
+    gains : array (n,)
+        Input for each state off.
+
+    Returns
+    -------
+    dict of str to float
+        ``gain`` and ``gain_down`` [1], factors on the gain that bring it to instability from above and from below;
+        ``phase_deg``; ``delay`` [s]; ``distance`` [1], the least of |1 + loop|. Infinite (or 0 for ``gain_down``) where
+        nothing does.
+
+    Raises
+    ------
+    InputError
+        Where python-control is not there (``pip install narrows[control]``).
+    """
+    with needs("control", "margins"):
+        import control
+    loop = control.ss(A, B, gains[None, :], 0)
+    gain, phase, distance, _, at_gain, _ = control.stability_margins(loop, returnall=True)
+    over, under = gain[gain > 1], gain[(gain > 0) & (gain < 1)]
+    # A delay turns the loop clockwise: a phase margin counts by how far it is to half a turn, clockwise.
+    delays = np.radians(np.mod(phase, 360.0)) / np.where(at_gain > 0, at_gain, np.inf)
+    return {
+        "gain": float(over.min(initial=np.inf)),
+        "gain_down": float(under.max(initial=0.0)),
+        "phase_deg": float(np.abs(phase).min(initial=np.inf)),
+        "delay": float(delays[delays > 0].min(initial=np.inf)),
+        "distance": float(np.min(distance, initial=np.inf)),
+    }
+
+
+def _column(entries: Iterable[str]) -> str:
+    return r"\begin{bmatrix} " + r" \\ ".join(entries) + r" \end{bmatrix}"
+
+
+def _changes(names: Iterable[str]) -> str:
+    return _column(rf"\Delta {SYMBOLS.get(name, name)}" for name in names)
+
+
+def _matrix(matrix: np.ndarray) -> str:
+    return _column(" & ".join(_number(float(value)) for value in row) for row in matrix)
+
+
+def _number(value: float) -> str:
+    digits, _, exponent = f"{value + 0.0:.{DIGITS}g}".partition("e")
+    return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits

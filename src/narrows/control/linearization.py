@@ -1,0 +1,219 @@
+"""Linearise the motion about steady courses: beside a bank, in a bend, in a current; one course, or many at once."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.codegen.free_motion import Surge
+from narrows.control.linear_system import LinearSystem
+from narrows.control.local_motion import MOVED, WATER, LocalMotion
+from narrows.control.local_water import LocalWater, local_water
+from narrows.control.self_propulsion import self_propulsion
+from narrows.control.steady_course import check_inside, check_rudder, solved
+from narrows.errors import InputError, did_you_mean
+from narrows.model.model import Model
+from narrows.simulation.inputs import finite_numbers
+from narrows.simulation.ship import SimulatedShip
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+Columns = dict[str, np.ndarray]
+FORCES = {"held": ("Y", "N"), "free": ("X", "Y", "N")}
+ROUNDS, SETTLED = 30, 1e-11
+
+
+def linearize(
+    model: Model, y: Any = 0.0, u: Any = 1.0, *, waterway: "Waterway | None" = None, at: float = 0.0,
+    surge: Surge = "held", surge_inertia: float | None = None, **values: float,
+) -> LinearSystem:  # fmt: skip
+    """Linearise a ship about the steady course that it holds at an offset and a speed, exactly.
+
+    In a bend the course is the steady turn along it. The section of a waterway is taken to go on as it is at the place.
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    y : float or array [m]
+        To starboard of the middle of the canal, or of the line of the waterway; an array is a dimension of that name.
+    u : float or array [m/s]
+        Surge velocity through the water, likewise.
+    waterway : Waterway, optional
+        Where the ship is instead of the model's own canal.
+    at : float [m]
+        Along it.
+    surge : str
+        ``held``: the speed stays; ``free``: it is a state, and the propeller turns as the steady course asks, or
+        without one a force X drives the ship as hard as that.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+    **values : float [SI]
+        Forces from outside Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
+        model's, as in ``ensemble``.
+
+    Returns
+    -------
+    LinearSystem
+        ``A``, ``B``, ``G`` and what their rows and columns stand for, the course, and a way to python-control.
+
+    Raises
+    ------
+    InputError
+        Where the model has no rudder, a name is unknown, an offset has the hull in a bank, the ship does not fit, or no
+        rudder holds a single course.
+
+    References
+    ----------
+    Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2, for the form.
+    """
+    check_rudder(model)
+    water, ship = local_water(model, waterway, at), SimulatedShip(model, surge, surge_inertia)
+    given = _checked(ship, values)
+    asked = {"y": _column("y", y), "u": _column("u", u)}
+    _check_places(model, water, given, asked)
+    offsets, speeds = (part.ravel() for part in np.meshgrid(asked["y"], asked["u"], indexing="ij"))
+    motion, course = _steady(ship, water, offsets, speeds, given)
+    varied = {name: column for (name, column), told in zip(asked.items(), (y, u), strict=True) if np.ndim(told)}
+    known = np.isfinite(course["rudder"])
+    if not varied and not known.any():
+        raise InputError(
+            f"no rudder holds this ship {offsets[0]:g} m off the middle at {speeds[0]:g} m/s; choose a place nearer to "
+            "it"
+        )
+    return _system(motion, course, varied)
+
+
+def _column(name: str, value: Any) -> np.ndarray:
+    try:
+        column = np.atleast_1d(np.asarray(value, float))
+    except (TypeError, ValueError):
+        column = np.array([np.nan])
+    if column.ndim > 1 or not column.size or not np.isfinite(column).all():
+        raise InputError(f"{name} = {value} is neither a finite number nor a sequence of them; mend it")
+    return column
+
+
+def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, float]:
+    """What was given beside offset and speed, as finite numbers with known names."""
+    terms = ship.model.terms
+    known = {*ship.model.configuration.values(), *terms.names, "heave", "Y", "N", *(a.name for a in terms.actuators)}
+    for name in values:
+        if name not in known - {"rudder"}:
+            raise InputError(f"a linearisation knows no {name!r}{did_you_mean(name, known)}")
+    if ship.surge == "free" and "revolutions" in values:
+        raise InputError("revolutions are sought where the speed is free: leave them out, or hold the speed")
+    return finite_numbers(**values)
+
+
+def _check_places(model: Model, water: LocalWater, given: Mapping[str, float], asked: Columns) -> None:
+    if not (asked["u"] > 0).all():
+        raise InputError("a steady course needs a speed over 0; give u in m/s")
+    width, beam = given.get("width", water.width), given.get("beam", model.configuration.ship.beam)
+    check_inside(asked["y"] - water.middle, width, beam)
+
+
+def _steady(
+    ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
+) -> tuple[LocalMotion, Columns]:
+    """Solve for the steady courses, the propeller's turns with them where the speed is free."""
+    forces = {name: given.get(name, 0.0) for name in ("Y", "N")}
+    movers = {a.name: given.get(a.name, a.rest or 0.0) for a in ship.model.terms.actuators if a.name != "rudder"}
+    fixed = {**ship.values(**movers), **water.sections, **{n: v for n, v in given.items() if n not in forces}}
+    motion = LocalMotion(ship, water, fixed)
+    bend = water.curvature / (1 - water.curvature * y)
+    turns = _turns(ship.model, u, given)
+    for _ in range(ROUNDS):
+        sought = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
+        v, rudder = solved(ship, {**sought, "y": y - water.middle, "u": u}, len(y), 1)
+        psi = -np.arctan(v / u)
+        pace = u * np.cos(psi) - v * np.sin(psi) + water.current
+        course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * pace, "rudder": rudder, **movers, **turns, **forces}
+        course |= {"current": water.current, "curvature": water.curvature}
+        course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
+        change = _to_balance(motion, course) if ship.surge == "free" and turns else np.zeros(1)
+        if not (np.abs(change) > SETTLED * np.abs(course.get("revolutions", change))).any():
+            break
+        turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
+    if ship.surge == "free":
+        course["X"] = np.zeros(len(y)) if turns else _drag(motion, course)
+    return motion, course
+
+
+def _drag(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
+    """Return the force that keeps the speed of a ship without a propeller [N] (ours).
+
+    Parameters
+    ----------
+    motion : LocalMotion
+        Of the ship.
+    course : mapping of str to array
+        Where.
+    """
+    slowing, by_force = motion.rates({**course, "X": 0.0})["u"], motion.slopes(course)["X"][..., MOVED.index("u")]
+    return np.asarray(-slowing / by_force)
+
+
+def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
+    """The revolutions that keep the speed straight ahead, where the terms ask for any."""
+    if not model.terms.propelled:
+        return {}
+    if "revolutions" in given:
+        return {"revolutions": np.full(len(u), given["revolutions"])}
+    speeds, index = np.unique(u, return_inverse=True)
+    return {"revolutions": np.array([self_propulsion(model, float(speed)) for speed in speeds])[index]}
+
+
+def _to_balance(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
+    """Newton's step of the revolutions towards a speed that stays, drift, heading and rudder following."""
+    slopes, free = motion.slopes(course), [MOVED.index(name) for name in ("u", "v", "r")]
+    u, v = course["u"], course["v"]
+    # On a course the heading is that of no sway over the ground: psi = -arctan(v / u).
+    by_drift = slopes["v"] - slopes["psi"] * (u / (u**2 + v**2))[:, None]
+    matrix = np.stack([column[:, free] for column in (slopes["revolutions"], by_drift, slopes["rudder"])], axis=-1)
+    rates = motion.rates(course)
+    residual = np.stack(np.broadcast_arrays(*(rates[name] for name in ("u", "v", "r"))), axis=-1)
+    known = np.isfinite(matrix).all(axis=(1, 2))
+    change = np.full(len(u), np.nan)
+    change[known] = -np.linalg.solve(matrix[known], residual[known, :, None])[:, 0, 0]
+    return change
+
+
+def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSystem:
+    ship, shape = motion.ship, tuple(len(column) for column in varied.values())
+    states = tuple(name for name in MOVED if name != "u" or ship.surge == "free")
+    controls = tuple(actuator.name for actuator in ship.actuators)
+    disturbances = (*FORCES[ship.surge], *WATER)
+    slopes, rows = motion.slopes(course), [MOVED.index(name) for name in states]
+
+    def matrix(names: Sequence[str]) -> np.ndarray:
+        columns = np.stack([slopes[name][:, rows] for name in names], axis=-1)
+        return columns.reshape(*shape, len(states), len(names))
+
+    gear = ship.model.configuration.gear
+    beyond = int((np.abs(course["rudder"]) > gear.limit).sum())
+    notes = [*ship.model.bank_notes]
+    if beyond:
+        notes.append(
+            f"{beyond} of these courses ask for more than the {gear.limit_deg:g} degrees that the rudder turns"
+        )
+    if ship.surge == "held" and "revolutions" in controls:
+        notes.append("the speed is held, so that revolutions change the flow over the rudder alone")
+    one = {name: float(column[0]) for name, column in course.items()}
+    courses = {name: column.reshape(shape) for name, column in course.items()}
+    return LinearSystem(
+        matrix(states), matrix(controls), matrix(disturbances), states, controls, disturbances,
+        courses, tuple(varied), partial(_felt, motion, one, (*states, *controls, *disturbances), len(states)),
+        ship.model.configuration.ship.length, tuple(notes),
+    )  # fmt: skip
+
+
+def _felt(
+    motion: LocalMotion, course: Mapping[str, float], names: Sequence[str], states: int,
+    x: np.ndarray, u: np.ndarray, d: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """The rates of the states, what is no state staying as it is on the course."""
+    rates = motion.rates({**course, **dict(zip(names, (*x, *u, *d), strict=True))})
+    return np.array([float(rates[name]) for name in names[:states]])

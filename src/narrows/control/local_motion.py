@@ -1,0 +1,96 @@
+"""The motion of a ship in the water at a place, in a bend and a current too: its rates, and their exact derivatives."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.linearisation import LINEARISED
+from narrows.codegen.system import System
+from narrows.control.local_water import LocalWater
+from narrows.control.steady_course import moving
+from narrows.quantities.names import FORCES, Number
+from narrows.simulation.ship import SimulatedShip
+
+MOVED = ("y", "psi", "u", "v", "r")
+WATER = ("current", "curvature")
+
+
+@dataclass(frozen=True)
+class LocalMotion:
+    """Rates of y, psi, u, v, r of one ship, or of many where values are columns.
+
+    ``at`` has these five, positions of actuators, forces from outside X, Y, N, and ``current`` and ``curvature`` of the
+    line that y and psi count from; what it leaves out is 0.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The model, and whether its speed is held.
+    water : LocalWater
+        Where it is.
+    values : mapping of str to number
+        Particulars and coefficients by name.
+    """
+
+    ship: SimulatedShip
+    water: LocalWater
+    values: Mapping[str, Number]
+
+    @cached_property
+    def _system(self) -> System:
+        return self.ship.system(law=moving(self.ship.actuators), pushed="until")
+
+    @cached_property
+    def _constants(self) -> dict[str, Number]:
+        return self._system.constants(self.values)
+
+    def rates(self, at: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the rates, by the engine's own lines.
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            Where.
+        """
+        columns, inputs = self._system.columns, dict(self._constants)
+        inputs |= {INPUTS[force]: at.get(force, 0.0) for force in FORCES}
+        for actuator in self.ship.model.terms.actuators:
+            inputs |= actuator.placed(at.get(actuator.name, 0.0))
+        psi, y = at["psi"], at["y"]
+        state = (0.0, y - self.water.middle, np.cos(psi), np.sin(psi), at["u"], at["v"], at["r"])
+        found = columns.rates(*state, *(inputs[name] for name in columns.RATES_INPUTS))
+        rates = dict(zip(STATE, found, strict=True))
+        along = (rates["x"] + at.get("current", 0.0)) / (1 - at.get("curvature", 0.0) * y)
+        return {"psi": at["r"] - at.get("curvature", 0.0) * along, **{n: rates[n] for n in MOVED if n != "psi"}}
+
+    def slopes(self, at: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """Return the derivatives of the five rates by whatever moves them: a column (..., 5) by each name.
+
+        Parameters
+        ----------
+        at : mapping of str to number
+            Where.
+        """
+        linear = self.ship.linearisation(self.values)
+        shifted = {**at, "y": at["y"] - self.water.middle} | {INPUTS[f]: at.get(f, 0.0) for f in FORCES}
+        matrix = linear.linear(shifted)
+        names = (*LINEARISED, *FORCES, *(actuator.name for actuator in self.ship.actuators))
+        felt = [LINEARISED.index(name) for name in MOVED]
+        columns = {name: matrix[..., felt, index] for index, name in enumerate(names)}
+        ahead = {name: matrix[..., LINEARISED.index("x"), index] for index, name in enumerate(names)}
+        curvature, current = (np.asarray(at.get(name, 0.0), float) for name in ("curvature", "current"))
+        room, heading = 1 - curvature * at["y"], MOVED.index("psi")
+        speed = at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current
+        for name, column in columns.items():
+            column[..., heading] -= curvature / room * ahead[name]
+        columns["y"][..., heading] -= curvature**2 * speed / room**2
+        turning = np.zeros((*matrix.shape[:-2], len(MOVED)))
+        by_water = {"current": -curvature / room, "curvature": -speed / room**2}
+        for name, slope in by_water.items():
+            columns[name] = turning.copy()
+            columns[name][..., heading] = slope
+        return columns

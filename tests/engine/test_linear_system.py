@@ -1,0 +1,251 @@
+"""Linear systems about steady courses: against differences, python-control, the engine's voyages and stability."""
+
+import json
+import math
+from dataclasses import replace
+from functools import cache
+
+import control
+import numpy as np
+import pytest
+import xarray as xr
+from cases import mmg, paper
+from cases import steered as kinked
+from matplotlib.figure import Figure
+
+import narrows as nw
+from narrows.control import LinearSystem, linearize
+from narrows.results import Result, to_json
+from narrows.waterway import Bank, Centreline, Waterway
+
+RADIUS = 60.0
+
+
+@cache
+def steered() -> nw.Model:
+    """Without terms of |r|: they have a kink on straight courses, where exact slopes are the mean of both sides."""
+    return kinked().with_coefficients(
+        **{
+            f"{axis}_{kind}": 0.0
+            for axis in "abc"
+            for kind in ("vr", "rv", "rr")
+            if f"{axis}_{kind}" in kinked().coefficients
+        }
+    )
+
+
+TURN = "a bend of 60 m radius, in a current"
+CASES = {
+    "near the middle": (steered, {"y": 0.1}), "beside a bank": (steered, {"y": 0.25, "N": 0.4, "Y": -0.7}),
+    "with a propeller": (mmg, {"y": 0.8}), "a speed that is free": (mmg, {"y": 0.8, "surge": "free"}),
+    "a free speed without a propeller": (steered, {"y": 0.2, "surge": "free", "surge_inertia": 280.0}),
+    TURN: (steered, {"y": 0.4, "at": 100.0}),
+    f"{TURN}, the speed free": (mmg, {"y": 0.4, "at": 100.0, "surge": "free"}),
+}  # fmt: skip
+
+
+@cache
+def bend(width: float = 14.0, aside: float = 0.0) -> Waterway:
+    """An arc, its line off the middle of the water."""
+    turned = np.linspace(0, 3.0, 601)
+    line = Centreline(RADIUS * np.stack([1 - np.cos(turned), np.sin(turned)], axis=1))
+    s = np.array([0.0, line.length])
+    starboard, port = (
+        Bank(side, s, np.full(2, width / 2 + off)) for side, off in (("starboard", aside), ("port", -aside))
+    )
+    return Waterway(line, starboard, port, current=0.1)
+
+
+def system(case: str) -> LinearSystem:
+    make, told = CASES[case]
+    return linearize(make(), u=1.0, waterway=bend(aside=0.3) if "at" in told else None, **told)
+
+
+def central(function, about: np.ndarray, widths: np.ndarray) -> np.ndarray:
+    steps = np.diag(widths)
+    return np.stack([(function(about + h) - function(about - h)) / (2 * h.max()) for h in steps], axis=1)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_matrices_are_central_differences(case: str) -> None:
+    linear = system(case)
+    state, inputs = linear.operating_point()
+    split = len(linear.controls)
+
+    def rates(both: np.ndarray) -> np.ndarray:
+        x, rest = both[: len(state)], both[len(state) :]
+        return linear.rates(x, rest[:split], rest[split:])
+
+    names = (*linear.states, *linear.controls, *linear.disturbances)
+    widths = np.array([1e-7 if name == "curvature" else 1e-5 for name in names])
+    expected = central(rates, np.concatenate([state, inputs]), widths)
+    found = np.hstack([linear.A, linear.B, linear.G])
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(rates(np.concatenate([state, inputs])), 0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_state_space_is_what_python_control_makes_of_the_ship(case: str) -> None:
+    linear = system(case)
+    plant, exact = linear.nonlinear(), linear.state_space()
+    numeric = plant.linearize(*linear.operating_point(), eps=1e-7)
+    assert exact.state_labels == plant.state_labels == list(linear.states)
+    assert exact.input_labels == plant.input_labels == [*linear.controls, *linear.disturbances]
+    np.testing.assert_allclose(exact.A, numeric.A, rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(exact.B, numeric.B, rtol=1e-4, atol=1e-4)  # Their differences are one-sided.
+
+
+@pytest.mark.parametrize("model", [steered, mmg], ids=["steered", "mmg"])
+def test_eigenvalues_are_those_of_the_stability(model) -> None:
+    linear = linearize(model(), y=0.3, u=1.0)
+    at = {name: float(linear.course[name]) for name in ("psi", "v", "rudder", "revolutions") if name in linear.course}
+    np.testing.assert_allclose(linear.eigenvalues(), nw.eigenvalues(model(), y=0.3, u=1.0, **at), rtol=1e-9)
+    modes = linear.modes()
+    np.testing.assert_allclose(modes["growth"], linear.eigenvalues().real, rtol=1e-9)
+    length = model().configuration.ship.length
+    shapes = modes[list(linear.states)].to_numpy().T * np.array([length, 1.0, 1.0, 1 / length])[:, None]
+    values = (modes["growth"] + 1j * modes["angular_frequency"]).to_numpy()
+    np.testing.assert_allclose(linear.A @ shapes, shapes * values, atol=1e-9)
+
+
+@pytest.mark.parametrize("model", [steered, mmg], ids=["steered", "mmg"])
+def test_the_steady_turn_along_a_bend_is_a_voyage_that_stays_on_its_line(model) -> None:
+    way = bend(aside=0.3)
+    course = linearize(model(), y=0.4, u=1.0, waterway=way, at=60.0).course
+    told = {
+        name: float(course[name]) for name in ("y", "u", "psi", "v", "r", "rudder", "revolutions") if name in course
+    }
+    voyage = nw.simulate(model(), x=60.0, waterway=way, duration=4.0, dt=0.05, **told)
+    for name in ("y", "psi", "v", "r"):
+        np.testing.assert_allclose(voyage[name], told[name], atol=2e-4, err_msg=name)
+    assert abs(told["r"] - 1.1 / RADIUS) < 0.02 / RADIUS
+    assert abs(told["rudder"]) > 0.01
+
+
+def test_a_free_speed_is_held_by_its_propeller() -> None:
+    course = linearize(mmg(), y=0.8, u=1.0, surge="free").course
+    told = {name: float(course[name]) for name in ("y", "u", "psi", "v", "r", "rudder", "revolutions")}
+    assert told["revolutions"] > nw.self_propulsion(mmg(), 1.0)
+    voyage = nw.simulate(mmg(), surge="free", duration=3.0, dt=0.05, **told)
+    np.testing.assert_allclose(voyage.u, 1.0, atol=1e-6)
+    assert float(course["X"]) == 0.0
+    towed = linearize(steered(), y=0.2, u=1.0, surge="free", surge_inertia=280.0)
+    assert float(towed.course["X"]) > 0
+    assert towed.states == ("y", "psi", "u", "v", "r")
+
+
+def test_many_courses_are_each_as_by_itself() -> None:
+    offsets, speeds = [-0.5, 0.0, 0.9], [0.8, 1.1]
+    linear = linearize(mmg(), y=offsets, u=speeds)
+    assert linear.A.shape == (3, 2, 4, 4)
+    assert isinstance(linear.dataset(), xr.Dataset)
+    for i, y in enumerate(offsets):
+        for j, u in enumerate(speeds):
+            alone = linearize(mmg(), y=y, u=u)
+            for name in "ABG":
+                np.testing.assert_allclose(getattr(linear, name)[i, j], getattr(alone, name), rtol=1e-10, atol=1e-14)
+            part = linear.dataset().sel(y=y, u=u)
+            np.testing.assert_allclose(part["rudder"], alone.course["rudder"], atol=1e-12)
+
+
+def test_where_no_rudder_holds_it_many_say_nan_and_one_says_so() -> None:
+    strong = steered().with_coefficients(c_bank=40.0)
+    with pytest.raises(nw.InputError, match=r"no rudder holds this ship 3 m off the middle at 1 m/s"):
+        linearize(strong, y=3.0, u=1.0)
+    linear = linearize(strong, y=[0.0, 3.0], u=1.0)
+    assert np.isfinite(linear.A[0]).all()
+    assert np.isnan(linear.course["rudder"][1])
+    assert np.isnan(linear.eigenvalues()[1]).all()
+    assert "1 steady courses of 2" in linear.summary()
+    assert linear.dataset()["A"].sizes == {"y": 2, "state": 4, "of_state": 4}
+
+
+def test_margins_are_those_of_the_loop_that_they_bring_to_instability() -> None:
+    linear = linearize(steered(), y=0.3, u=1.0)
+    whole = linear.state_space()
+    gains, *_ = control.lqr(whole[:, 0], np.diag([4.0, 100.0, 0.0, 0.0]), [[30.0]])
+    margins = linear.margins(gains[0])
+
+    def growth(factor: float) -> float:
+        return float(np.linalg.eigvals(linear.A - factor * linear.B[:, :1] @ gains).real.max())
+
+    assert growth(margins["gain_down"] * 1.01) < 0 < growth(margins["gain_down"] * 0.99)
+    assert math.isinf(margins["gain"])
+    assert margins["phase_deg"] > 59.9  # Of every linear-quadratic regulator: Safonov and Athans (1977).
+    assert margins["distance"] > 0.999
+    loop = control.ss(linear.A, linear.B[:, :1], gains, 0)
+
+    def delayed(factor: float) -> float:
+        delay = control.tf2ss(*control.pade(margins["delay"] * factor, 10))
+        return float(control.feedback(loop * delay, 1).poles().real.max())
+
+    assert delayed(0.98) < 0 < delayed(1.02)
+
+
+def test_controllability_counts_what_a_control_reaches() -> None:
+    linear = linearize(mmg(), y=0.5, u=1.0)
+    assert linear.controllability("rudder") == linear.controllability() == 4
+    unsteered = replace(linear, B=np.zeros_like(linear.B))
+    assert unsteered.controllability("rudder") == 0
+    # A rudder that turns the bow and shifts nothing else reaches what yaw moves, and a block of its own it does not.
+    apart = np.diag([0.0, 0.0, -1.0, -2.0])
+    assert replace(linear, A=apart, B=np.array([[0.0, 0], [0, 0], [1, 0], [1, 0]])).controllability("rudder") == 2
+
+
+def test_it_speaks_like_other_results(tmp_path) -> None:
+    linear = linearize(mmg(), y=0.5, u=1.0)
+    assert isinstance(linear, Result)
+    told = json.loads(to_json(linear.to_dict()))
+    assert told["summary"] == linear.summary()
+    assert told["units"]["current"] == "m/s"
+    assert any("flow over the rudder" in note for note in linear.notes)
+    assert len(repr(linear)) < 200
+    assert linear.summary().split()[0] in linear._repr_html_()
+    assert isinstance(linear.plot(), Figure)
+    for name in ("a.json", "a.svg", "a.csv", "a.nc"):
+        linear.save(tmp_path / name)
+    with xr.open_dataset(tmp_path / "a.nc", engine="scipy") as again:
+        np.testing.assert_array_equal(again["A"], linear.A)
+    text = linear.latex()
+    assert text.count("bmatrix") == 14
+    assert all(symbol in text for symbol in (r"\psi", r"\delta", r"\kappa"))
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"y": 9.0}, "has the hull in the bank"),
+        ({"u": 0.0}, "needs a speed over 0"),
+        ({"u": "fast"}, "neither a finite number"),
+        ({"y": [[0.1]]}, "neither a finite number"),
+        ({"b_bnk": 1.0}, "knows no 'b_bnk'"),
+        ({"rudder": 0.1}, "knows no 'rudder'"),
+        ({"at": 5.0}, "is a place along a waterway"),
+        ({"waterway": bend(), "at": 500.0}, "is beyond waterway"),
+        ({"waterway": bend(0.5), "at": 5.0}, "wide at 5 m"),
+        ({"waterway": "canal.geojson"}, "waterway"),
+        ({"surge": "loose"}, "surge"),
+        ({"surge": "free"}, "surge_inertia"),
+        ({"N": np.nan}, "N"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_linearised_is_one_sentence(told, words) -> None:
+    with pytest.raises(nw.InputError, match=words):
+        linearize(steered(), **told)
+
+
+def test_a_model_without_a_rudder_says_so() -> None:
+    with pytest.raises(nw.InputError, match="no terms of a rudder"):
+        linearize(paper())
+
+
+def test_several_courses_are_refused_where_one_is_meant() -> None:
+    many = linearize(steered(), y=[0.0, 0.5])
+    for ask in (many.state_space, many.nonlinear, many.latex, many.modes, many.to_dataframe, many.controllability):
+        with pytest.raises(nw.InputError, match="several courses"):
+            ask()
+    with pytest.raises(nw.InputError, match="give a gain for each"):
+        linearize(steered()).margins([1.0])
+    with pytest.raises(nw.InputError, match="control = 'sail' is unknown"):
+        linearize(steered()).controllability("sail")
