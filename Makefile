@@ -4,7 +4,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: check demo test test-fast lint docs bench package lock clean
+.PHONY: check demo test test-fast lint docs bench package newest lock clean
 
 demo: .venv/base
 	$(BIN)/narrows demo --out out
@@ -22,9 +22,9 @@ lint: .venv/dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# What CI runs: the demo, lint, types, the import contracts, the package, the tests with README, docs, examples and
-# small benchmarks.
-check: demo lint package test
+# What CI runs: the demo, lint, types, the import contracts, the package, the newest Python, the tests with README, docs,
+# examples and small benchmarks.
+check: demo lint package newest test
 
 # The site, in out/site; it takes minutes, and `check` leaves it out.
 docs: .venv/docs
@@ -49,6 +49,10 @@ bench: .venv/dev
 # Builds sdist and wheel from it, and installs each into an empty environment where the demo must run.
 package: .venv/package
 	PYTHON=$(PYTHON) .ci/package
+
+# The demo and quick tests on python3.15 or python3.14, where the machine has one; two minutes.
+newest:
+	PYTHON=$(PYTHON) .ci/newest
 
 .venv/package: .venv/base requirements/package.txt
 	$(PYTHON) -m venv .venv/tools

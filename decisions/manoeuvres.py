@@ -35,7 +35,7 @@ def text() -> str:
             zigzags.append((order, ("first", "second")[place], f"{own:.1f}", f"{value:.1f}", f"{own - value:+.1f}"))
     return "\n\n".join(
         (
-            markdown(("rudder", "index", "computed", "measured", "difference"), circles),
+            markdown(("rudder", "measure", "computed", "measured", "difference"), circles),
             markdown(("zigzag", "overshoot", "computed [deg]", "measured [deg]", "difference [deg]"), zigzags),
         )
     )

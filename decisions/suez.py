@@ -17,7 +17,7 @@ from narrows.physics.squat_formulas import depth_froude
 from narrows.quantities.constants import KNOT
 
 LENGTH, WIDTH, DEPTH, DENSITY = 399.94, 205.0, 24.0, 1025.0
-SHIP = nw.Ship(LENGTH, 58.8, 15.85, 0.661, name="a ship of her size")
+SHIP = nw.Ship(LENGTH, 58.8, 15.85, 0.661, name="a ship of that size")
 """Beam and draft as reported; the block coefficient is the DTC's."""
 SPEEDS = (8.0, 10.0, 12.0, 13.5, 14.0)
 OFFSETS = (5.0, 10.0, 20.0)

@@ -4,8 +4,19 @@ The public names are listed in ``__init__.pyi``; each loads when it is first ask
 package costs next to nothing.
 """
 
+from typing import Any
+
 import lazy_loader
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_loaded, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        return _loaded(name)
+    except AttributeError:
+        from narrows.errors import public_name
+
+        raise AttributeError(f"narrows has no {name!r}{public_name(name, __all__)}") from None

@@ -230,10 +230,42 @@ REMEDIES = {
     **dict.fromkeys(("success", "status", "message"), ("outcome",)),
     **dict.fromkeys(("time", "times"), ("t",)),
     **dict.fromkeys(("show", "figure"), ("plot()",)),
-    "resid": ("residuals",), "heading": ("psi",), "speed": ("u",), "eigenvalues": ("poles()",),
+    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), ("verdicts",)),
+    **dict.fromkeys(("aic", "bic", "llf"), ("left_out",)),
+    **dict.fromkeys(("correlation", "correlation_matrix"), ("corr()",)),
+    **dict.fromkeys(("equations", "to_latex"), ("latex()",)),
+    **dict.fromkeys(("groupby", "tests", "iloc", "loc"), ("test(name)",)),
+    **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
+    "resid": ("residuals",), "speed": ("u",), "eigenvalues": ("poles()",),
     "L": ("length",), "Lpp": ("length",), "B": ("beam",), "T": ("draft",), "Cb": ("block_coefficient",),
 }  # fmt: skip
 """What other libraries and texts call something, and what is written here instead."""
+
+
+ELSEWHERE = {
+    "identify": ("fit", "regress", "estimate", "curve_fit"), "read_captive": ("read_csv", "read_table", "read_excel"),
+    "jacobian": ("linearize", "linearise", "linear"), "simulate": ("sail", "run", "solve", "integrate"),
+    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
+    "measured_tests": ("datasets", "load_dataset", "example_data"), "Configuration": ("Config", "Setup"),
+}  # fmt: skip
+"""What is written here for what the functions of other libraries are called."""
+
+
+def public_name(name: str, known: Iterable[str]) -> str:
+    """Return what to write for a name that the package does not have, as the end of a sentence (ours).
+
+    Parameters
+    ----------
+    name : str
+        Asked for.
+    known : iterable of str
+        The public names.
+    """
+    known = sorted(known)
+    if meant := next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), ""):
+        return f"; write {meant}"
+    longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
+    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known)
 
 
 class Described:

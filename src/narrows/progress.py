@@ -67,15 +67,17 @@ def bar(total: int, shown: bool, what: str = "voyages") -> Iterator[Callable[[in
     if not shown:
         yield lambda done: None
         return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=_stderr(), transient=True) as progress:
-        task = progress.add_task(what, total=total)
-        yield lambda done: progress.advance(task, done)
+    with _task(what, total) as (display, task):
+        yield lambda done: display.advance(task, done)
 
 
-def opened(path: Path) -> AbstractContextManager[IO[bytes]]:
+def is_shown() -> bool:
+    """Return whether somebody looks: a listener, or a bar that was asked for."""
+    return bool(LISTENERS or _DISPLAYS)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[IO[bytes]]:
     """Open a file, with a bar of the bytes that were read where it is large and somebody listens (ours).
 
     Parameters
@@ -83,14 +85,17 @@ def opened(path: Path) -> AbstractContextManager[IO[bytes]]:
     path : Path
         The file.
     """
-    if not LISTENERS or path.stat().st_size < LARGE:
-        return path.open("rb")
-    from rich.progress import open as opened_with_bar
+    with path.open("rb") as file:
+        size = path.stat().st_size
+        if not LISTENERS or size < LARGE:
+            yield file
+            return
+        with _task(f"reading {path.name}", size) as (display, task), display.wrap_file(file, task_id=task) as counted:
+            yield counted
 
-    return opened_with_bar(path, "rb", description=f"reading {path.name}", console=_stderr(), transient=True)
 
-
-def stage(what: str) -> AbstractContextManager[object]:
+@contextmanager
+def stage(what: str) -> Iterator[None]:
     """Show what is being done, where somebody listens (ours).
 
     Parameters
@@ -98,7 +103,46 @@ def stage(what: str) -> AbstractContextManager[object]:
     what : str
         In a word or two.
     """
-    return _stderr().status(f"{what} ...") if LISTENERS else nullcontext()
+    with _task(what, None) if LISTENERS else nullcontext():
+        yield
+
+
+def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
+    """Show what is being done with a file, where it is large and somebody listens (ours).
+
+    Parameters
+    ----------
+    what : str
+        In a word.
+    path : Path, optional
+        The file; without one nothing is shown.
+    """
+    large = path is not None and bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE
+    return stage(f"{what} {path.name}") if path and large else nullcontext()
+
+
+@contextmanager
+def _task(what: str, total: int | None) -> Iterator[tuple[Any, Any]]:
+    """A line of the one display that a terminal has room for; who begins the display ends it."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    if _DISPLAYS:
+        task = _DISPLAYS[0].add_task(what, total=total)
+        try:
+            yield _DISPLAYS[0], task
+        finally:
+            _DISPLAYS[0].remove_task(task)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=_stderr(), transient=True) as display:
+        _DISPLAYS.append(display)
+        try:
+            yield display, display.add_task(what, total=total)
+        finally:
+            _DISPLAYS.remove(display)
+
+
+_DISPLAYS: list[Any] = []
 
 
 def _stderr() -> Any:

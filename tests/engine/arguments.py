@@ -296,20 +296,23 @@ class Table:
                   "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
                   "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
         plan = {"configuration": paper().configuration, "runs": 6}
+        unread = under(self.wider, tests=self.captive(0), base=self.ship)
         quick = {"runs": (nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1),), "rate": 5.0}
         return {
-            "identify": Entry(own, {**fitted, "ship": under(self.wider, tests=self.captive(0), base=self.ship)}),
+            "identify": Entry(own, {**fitted, "ship": unread}),
             "concat": Entry({"tests": (short_twin(), short_twin())}, {"tests": (short_twin(), other_tests())}),
             "identify_conditions": Entry(
-                {"tests": conditions}, {"tests": short_twin(), "condition": "C0101A02", "weights": "variance"}
+                {"tests": conditions},
+                {"tests": short_twin(), "condition": "C0101A02", "weights": "variance", "ship": unread},
             ),
             "compare": Entry(
                 {**own, "tables": ("paper", "speed")},
-                {"tests": other_tests(), "tables": ("paper", "mixed"), "weights": "variance"},
+                {"tests": other_tests(), "tables": ("paper", "mixed"), "weights": "variance", "ship": unread},
             ),
             "explain": Entry(
                 {"model": nw.identify(short_twin()).model, **own, "tables": ("paper",)},
-                {"model": nw.identify(other_tests()).model, "tests": other_tests(), "tables": ("paper", "speed")},
+                {"model": nw.identify(other_tests()).model, "tests": other_tests(), "tables": ("paper", "speed"),
+                 "ship": unread},
             ),
             "plan_tests": Entry(
                 plan,

@@ -163,7 +163,7 @@ def test_friction_of_a_resistance_by_primes_is_the_same_friction() -> None:
         ({}, "does not follow Froude's law"),
         ({}, "depends on the Reynolds number"),
         ({}, "hold parts proportional to the speed of the tests, 0.5 to 1"),
-        ({}, "Beyond 9.44 m/s her depth Froude number"),
+        ({}, "Beyond 9.44 m/s its depth Froude number"),
     ],
 )
 def test_what_does_not_scale_is_said(dtc: nw.Model, changed: dict[str, float], said: str) -> None:

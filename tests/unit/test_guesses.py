@@ -1,6 +1,8 @@
 """Sixty guesses of a user of pandas, xarray, scikit-learn, statsmodels, SciPy and python-control, written down before
 the names of the package were looked at. Those that do not hold are listed with why."""
 
+import copy
+import json
 import pickle
 from collections.abc import Callable
 from functools import cache
@@ -53,6 +55,11 @@ def sailed() -> Any:
 def ship_file(folder: Path) -> Path:
     (folder / "ship.toml").write_text(DTC_SHIP)
     return folder / "ship.toml"
+
+
+def table_file(folder: Path) -> Path:
+    frame_of(short_twin()).to_csv(folder / "tests.csv", index=False)
+    return folder / "tests.csv"
 
 
 TESTS = short_twin
@@ -123,6 +130,52 @@ GUESSES: dict[str, Callable[[Path], Any]] = {
     "nw.read_ship(path).ship.beam": lambda at: nw.read_ship(ship_file(at)).ship.beam == 0.572,
     "ship.to_dict()": lambda at: nw.Ship(**DTC.ship.to_dict()) == DTC.ship,
 }
+SECTIONS = {
+    "ship": {"length": 3.984, "beam": 0.572, "draft": 0.163, "block_coefficient": 0.661}, "canal": {"width": 7.0},
+}  # fmt: skip
+FRESH: dict[str, Callable[[Path], Any]] = {
+    "nw.identify(path, ship=path)": lambda at: nw.identify(table_file(at), ship=ship_file(at)).nobs == TESTS().rows,
+    "nw.identify(df, ship={...})": lambda at: nw.identify(frame_of(TESTS()), ship=SECTIONS).nobs == TESTS().rows,
+    "nw.compare(df, ship=path)": lambda at: nw.compare(frame_of(TESTS()), "paper", ship=ship_file(at)).fits,
+    "nw.explain(model, df)": lambda at: nw.explain(DTC, frame_of(TESTS()), ["paper"]).scores,
+    'fit["b_bank"]': lambda at: fit()["b_bank"] == fit().coefficients["b_bank"],
+    "fit.bootstrap(100)": lambda at: fit().bootstrap(100),
+    "fit.corr()": lambda at: np.allclose(np.diag(fit().corr().dropna()), 1.0) and fit().corr().shape == (17, 17),
+    "json.dumps(fit.to_dict())": lambda at: json.dumps(fit().to_dict()),
+    "len(fit.terms.names)": lambda at: len(fit().terms.names) == 17,
+    "for test in tests": lambda at: sum(test.rows for test in TESTS()) == TESTS().rows,
+    'tests["yaw"]': lambda at: TESTS()["yaw"].names == ("yaw",),
+    'tests.drop("yaw")': lambda at: "yaw" not in TESTS().drop("yaw").names and len(TESTS().drop("yaw")) == 3,
+    "copy.deepcopy(model) == model": lambda at: copy.deepcopy(DTC) == DTC,
+    "model.with_canal(width=10)": lambda at: DTC.with_canal(width=10.0).configuration.canal.width == 10.0,
+    'model.forces(y=0.5, u=1.0)["Y"]': lambda at: float(DTC.forces(y=0.5, u=1.0)["Y"]) > 0,
+    "model.to_json()": lambda at: json.loads(DTC.to_json())["ship"]["beam"] == 0.572,
+    "voyage.grounded": lambda at: voyage().grounded is True,
+    "voyage.duration": lambda at: voyage().duration == voyage().t[-1],
+    'voyage.to_dataframe().plot(x="x", y="y")': lambda at: voyage().to_dataframe().plot(x="x", y="y").has_data(),
+    "fleet.distance.sel(y=0.5)": lambda at: nw.ensemble(DTC, y=[0.1, 0.5]).distance.sel(y=0.5) > 0,
+    "fleet.to_dataframe()": lambda at: len(nw.ensemble(DTC, y=[0.1, 0.5]).to_dataframe()) == 2,
+    "nw.control.linearize(model)": lambda at: nw.control.linearize(STEERED, y=0.0, u=1.0),
+    "np.linalg.eigvals(model.linearize(y=0.5).A)": lambda at: np.linalg.eigvals(DTC.linearize(y=0.5).A).size == 6,
+}
+"""Of forty more, written down before they were tried, those that hold."""
+ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
+    "fit.resid": (lambda: fit().resid, "write residuals"),  # type: ignore[attr-defined]
+    "fit.bse": (lambda: fit().bse, "write std"),  # type: ignore[attr-defined]
+    "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
+    "fit.tvalues": (lambda: fit().tvalues, "write verdicts"),  # type: ignore[attr-defined]
+    "fit.aic": (lambda: fit().aic, "write left_out"),  # type: ignore[attr-defined]
+    'tests.groupby("test")': (lambda: TESTS().groupby("test"), r"write test\(name\)"),  # type: ignore[attr-defined]
+    "model.equations()": (lambda: DTC.equations(), r"write latex\(\)"),  # type: ignore[attr-defined]
+    "voyage.heading": (lambda: voyage().heading, "write psi"),  # type: ignore[attr-defined]
+    "nw.simulate(..., t_end=20)": (lambda: nw.simulate(DTC, y=0.5, t_end=20.0), "write duration"),
+    "nw.simulate(..., psi_deg=2)": (lambda: nw.simulate(DTC, y=0.5, psi_deg=2.0), r"write psi=np.radians\(...\)"),
+    "nw.load(path)": (lambda: nw.load("m.toml"), "write load_model"),  # type: ignore[attr-defined]
+    "nw.tables()": (lambda: nw.tables(), "write PAPER"),  # type: ignore[attr-defined]
+    "nw.linearize(model)": (lambda: nw.linearize(DTC), "write jacobian"),
+}
+"""Those that do not, and what they are told. Nothing is told of ``plot(ax=...)`` of a fit or a voyage, whose figures
+have several axes, of ``pd.DataFrame(tests)`` and ``fleet.grounded``."""
 MISSED = {
     "fit.params": "coefficients",
     "fit.standard_errors": "std",
@@ -153,3 +206,22 @@ def test_a_missed_guess_is_answered(guess: str, tmp_path: Path) -> None:
         GUESSES[guess](tmp_path)
     if guess.partition(".")[0] in ("fit", "model"):
         assert str(answer.value).endswith(f"write {MISSED[guess]}")
+
+
+@pytest.mark.parametrize("guess", FRESH)
+def test_a_fresh_guess_holds(guess: str, tmp_path: Path) -> None:
+    assert FRESH[guess](tmp_path)
+
+
+@pytest.mark.parametrize("guess", ANSWERED)
+def test_a_fresh_guess_is_answered(guess: str) -> None:
+    ask, told = ANSWERED[guess]
+    with pytest.raises((AttributeError, nw.InputError), match=told):
+        ask()
+
+
+def test_a_name_that_nothing_is_near_is_said_to_be_absent() -> None:
+    with pytest.raises(AttributeError, match=r"narrows has no 'qqq'$"):
+        nw.qqq  # type: ignore[attr-defined]  # noqa: B018
+    with pytest.raises(AttributeError, match="did you mean 'read_captive'"):
+        nw.red_captive  # type: ignore[attr-defined]  # noqa: B018

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from tables import short_twin
+from tables import frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
 
@@ -12,6 +12,11 @@ DTC = nw.published("mikkelsen2025_dtc")
 @pytest.mark.parametrize(
     ("act", "said"),
     [
+        (lambda: nw.read_captive(frame_of(short_twin()), DTC.ship), "a Ship without a canal"),
+        (lambda: nw.read_captive(frame_of(short_twin()), {"ship": {"length": 4.0}}), "lacks beam, draft"),
+        (lambda: nw.read_captive(frame_of(short_twin()), 3), "is no path"),
+        (lambda: short_twin().drop("yawn"), "'yaw'"),
+        (lambda: DTC.with_canal(widht=3.0), "'width'"),
         (lambda: nw.bank_only("tcuk"), "did you mean 'tuck'"),
         (lambda: nw.equivalent_wall([], 1.0), "two points"),
         (lambda: nw.equivalent_wall([(1.0, 0.0), (2.0, -1.0)], 1.0), "below the bottom"),
@@ -48,6 +53,14 @@ def test_model_files(change: tuple[str, str], said: str, tmp_path) -> None:
     path.write_text(path.read_text().replace(*change, 1))
     with pytest.raises(nw.InputError, match=said):
         nw.load_model(path)
+
+
+def test_a_ship_file_is_no_model_and_a_model_file_no_ship_file(tmp_path, ship_file) -> None:
+    with pytest.raises(nw.InputError, match=r"this is a ship file.*give a model"):
+        nw.load_model(ship_file)
+    nw.save_model(DTC, tmp_path / "m.toml")
+    with pytest.raises(nw.InputError, match="this is a model file"):
+        nw.read_ship(tmp_path / "m.toml")
 
 
 def test_a_covariance_must_be_one(tmp_path) -> None:

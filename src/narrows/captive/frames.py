@@ -1,6 +1,7 @@
 """Files to data frames: text, Parquet, Excel and MATLAB, whole or in chunks."""
 
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ from narrows.captive.matlab import check_elements
 from narrows.captive.table_head import head_of
 from narrows.captive.text_table import FIRST_ROW, read_text, text_chunks
 from narrows.errors import InputError, needs, reason
+from narrows.progress import file_stage
 
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
 READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
@@ -51,7 +53,8 @@ def read_frame(path: Path) -> Sheet:
         **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
     }  # fmt: skip
     reader = readers[_suffix(path, READABLE)]
-    sheet: Sheet = guarded(path, lambda: reader(path))
+    with file_stage("reading", path) if reader is not _read_text else nullcontext():  # whose bytes are counted
+        sheet: Sheet = guarded(path, lambda: reader(path))
     return sheet
 
 

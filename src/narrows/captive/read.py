@@ -13,12 +13,9 @@ from narrows.captive.rows import Reading, checked, gathered, prepared
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.model.model import Source
+from narrows.progress import file_stage
 from narrows.ship.actuator import Actuator
-from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import read_ship
-
-ShipSource = str | Path | Configuration
-"""A ship file, or what was read from it."""
+from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
 
 
 def read_captive(
@@ -36,8 +33,8 @@ def read_captive(
         ``test, t, x, y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI and radians unless the header carries a
         unit, as in ``psi [deg]``. Optional: ``condition``, and ``depth``, ``draft``, ``width`` where they change
         from row to row.
-    ship : str, Path or Configuration
-        The ship file, or what was read from it.
+    ship : str, Path, Configuration or mapping
+        The ship file, what was read from it, or its sections as mappings.
     where : str, optional
         Which rows to take, as in ``"abs(y) < 0.5 and psi_deg > 2"``: on the headers of the table, or on the names
         above, SI unless they end in a unit.
@@ -58,17 +55,45 @@ def read_captive(
         In one sentence with file, row, column and remedy.
     """
     movers = tuple(actuators)
-    configuration = ship if isinstance(ship, Configuration) else read_ship(ship, movers)
+    configuration = ship_from(ship, movers)
     path = Path(table) if isinstance(table, str | os.PathLike) else None
     name = str(path) if path else name_of(table)
     sheet = read_frame(path) if path else as_sheet(table)
-    frame, notes = prepared(sheet.frame, Reading(name, where, read_mapping(mapping), movers))
-    if not len(frame):
-        raise InputError(f"{name}: no rows are left to read; give a test at least one row")
-    rows = checked(frame, configuration, name, movers, "" if isinstance(ship, Configuration) else str(ship))
-    hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
+    with file_stage("checking", path):
+        frame, notes = prepared(sheet.frame, Reading(name, where, read_mapping(mapping), movers))
+        if not len(frame):
+            raise InputError(f"{name}: no rows are left to read; give a test at least one row")
+        rows = checked(frame, configuration, name, movers, ship_file_of(ship))
+        hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
     return gathered(rows, configuration, source, sheet.notes + notes)
+
+
+def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = None) -> Any:
+    """Return tests as they are, or read a table of them (ours).
+
+    Parameters
+    ----------
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
+        The rows.
+    ship : str, Path, Configuration or mapping, optional
+        Of a table that was not read yet, as of ``read_captive``.
+    usual : str, Path, Configuration or mapping, optional
+        Of a table, where ``ship`` is not given.
+
+    Raises
+    ------
+    InputError
+        Where a table has no ship, or tests that were read are given another.
+    """
+    if hasattr(tests, "blocks"):
+        if ship is not None:
+            raise InputError("these tests have a ship already; give ship where they are a file or a table")
+        return tests
+    known = usual if ship is None else ship
+    if known is None:
+        raise InputError("a table does not say which ship it is of; give ship='ship.toml', or a Configuration")
+    return read_captive(tests, known)
 
 
 def sha256_of(path: Path) -> str:

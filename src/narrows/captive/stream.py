@@ -20,7 +20,7 @@ from narrows.errors import InputError, path_of
 from narrows.model.model import Source
 from narrows.ship.actuator import Actuator
 from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import read_ship
+from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
 
 
 def stream_captive(
-    path: str | Path, ship: str | Path | Configuration, where: str | None = None, actuators: Iterable[Actuator] = (),
+    path: str | Path, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
 ) -> StreamedTests:  # fmt: skip
     """Open a table of captive tests that is read block by block each time it is needed.
@@ -145,8 +145,8 @@ def stream_captive(
     ----------
     path : str or Path
         CSV or Parquet, in the columns of ``read_captive``.
-    ship : str, Path or Configuration
-        The ship file, or what was read from it.
+    ship : str, Path, Configuration or mapping
+        The ship file, what was read from it, or its sections as mappings.
     where : str, optional
         Which rows to take.
     actuators : iterable of Actuator
@@ -168,9 +168,8 @@ def stream_captive(
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
     movers = tuple(actuators)
-    configuration = ship if isinstance(ship, Configuration) else read_ship(ship, movers)
+    configuration = ship_from(ship, movers)
     source, named = Source("captive tests", path.name, sha256_of(path)), read_mapping(mapping)
     of_mapping = (f"columns by {named.name}",) if named else ()
     notes = ("rows streamed from disk", *notes_of(path), *of_mapping)
-    ship_file = "" if isinstance(ship, Configuration) else str(ship)
-    return StreamedTests(path, configuration, where, named, movers, source, notes, ship_file)
+    return StreamedTests(path, configuration, where, named, movers, source, notes, ship_file_of(ship))

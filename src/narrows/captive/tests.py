@@ -3,18 +3,15 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from narrows.captive.tabular import Tabular
-from narrows.errors import InputError, did_you_mean, reason, shown
+from narrows.errors import InputError, check_choice, did_you_mean, reason, shown
 from narrows.model.model import Source
 from narrows.quantities.names import Number
 from narrows.ship.particulars import Configuration, Ship
-
-if TYPE_CHECKING:
-    pass
 
 BLOCK_ROWS = 32_000
 """Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory."""
@@ -293,6 +290,23 @@ class CaptiveTests(Tabular):
             starts=np.concatenate([[0], np.cumsum(lengths)]),
             conditions=tuple(self.conditions[i] for i in kept) if self.conditions else (),
         )
+
+    def drop(self, *names: str) -> "CaptiveTests":
+        """Return all tests but some.
+
+        Parameters
+        ----------
+        *names : str
+            Of the tests to leave out.
+
+        Raises
+        ------
+        InputError
+            Where there is no such test, or none is left.
+        """
+        for name in names:
+            check_choice("test", name, self.names)
+        return self.where([name not in names for name in self.names])
 
     def by_condition(self) -> dict[str, "CaptiveTests"]:
         """Split the tests by condition, each with its own water depth."""

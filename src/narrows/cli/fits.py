@@ -1,7 +1,7 @@
 """``identify``, ``demo`` and ``explain``: tests in, models and what is known of them out."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -67,7 +67,13 @@ def identify(
     if stream and report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
     tests = (stream_captive if stream else read_captive)(table, ship, where, mapping=mapping)
-    options = {"terms": chosen, "weights": weights, "split": split, "seed": seed, "accelerations": accelerations}
+    options: dict[str, Any] = {
+        "terms": chosen,
+        "weights": weights,
+        "split": split,
+        "seed": seed,
+        "accelerations": accelerations,
+    }
     passed = tuple(filter(None, pass_over.split(",")))
     options |= {"errors": run_errors_of(run_errors), "pass_over": passed, "pool": pool}
     with stage("fitting"):

@@ -1,7 +1,6 @@
 """Generated modules on disk: written whole, named by what they were made from, shared by processes."""
 
 import hashlib
-import logging
 import os
 import platform
 import sys
@@ -144,10 +143,6 @@ def _sealed(text: str) -> str:
 
 
 def _made(path: Path, text: str) -> ModuleType:
-    if "import numba" in text or "from numba" in text:
-        logging.getLogger("narrows").info(
-            "compiling these equations, which takes some seconds and is kept for the next time ..."
-        )
     text = _sealed(text)
     # Numba says by a RuntimeError that it cannot keep compiled code beside a file.
     with suppress(OSError, RuntimeError):
@@ -168,9 +163,11 @@ def _imported(path: Path, text: str) -> ModuleType:
         del sys.modules[module.__name__]
         raise
     if "numba" in sys.modules:
+        from narrows.codegen.compilation import watch
         from narrows.codegen.numba_cache import checked
 
         checked(module)
+        watch(module, text)
     return module
 
 

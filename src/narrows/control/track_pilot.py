@@ -18,7 +18,7 @@ OFF_COURSE = math.radians(5)
 HARD = math.radians(10)
 SETTLES = 1e-6
 """Least decay of the slowest motion over the fastest that counts; rounding moves a double pole at zero by some 1e-8."""
-IN_VAIN = "no autopilot holds this ship on the centreline: her rudder turns nothing"
+IN_VAIN = "no autopilot holds this ship on the centreline: its rudder turns nothing"
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.captive.read import as_tests
 from narrows.captive.runs import HarmonicRun, Run, StraightRun
 from narrows.captive.synthetic import NOISE
-from narrows.captive.tests import Tests
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
 from narrows.experiment_design.expected_forces import expected_forces, usual_forces
@@ -25,7 +24,7 @@ from narrows.identification.regression.problem import slots
 from narrows.identification.uncertainty.run_errors import RunErrors
 from narrows.results import Shown
 from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import read_ship
+from narrows.ship.ship_file import ShipSource, ship_from
 from narrows.terms.bank_forms import with_bank
 from narrows.terms.canal_tables import PAPER
 from narrows.terms.term import TermTable
@@ -143,9 +142,9 @@ def _row(run: Run) -> dict[str, Any]:
 
 
 def plan_tests(
-    configuration: Configuration | str | Path, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
+    configuration: ShipSource, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
     targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = NOISE,
-    correlation_time: float = 0.5, after: Tests | None = None, errors: RunErrors | None = None,
+    correlation_time: float = 0.5, after: Any = None, errors: RunErrors | None = None,
 ) -> Plan:  # fmt: skip
     """Choose the runs that make some coefficients best known, all others being unknown too.
 
@@ -155,8 +154,8 @@ def plan_tests(
 
     Parameters
     ----------
-    configuration : Configuration, str or Path
-        Ship, canal and water, or the ship file.
+    configuration : str, Path, Configuration or mapping
+        Ship, canal and water: a ship file, what was read from it, or its sections as mappings.
     runs : int
         How many.
     tank : Tank, optional
@@ -172,7 +171,7 @@ def plan_tests(
         Standard deviation of each force.
     correlation_time : float [s]
         Of the noise.
-    after : CaptiveTests, optional
+    after : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
         Tests that were made already; speeds and offsets stay within theirs where the tank asks for no others.
     errors : RunErrors, optional
         By how much runs differ beyond their noise; those of ``identify`` unless given.
@@ -189,11 +188,11 @@ def plan_tests(
     """
     tank = tank or Tank()
     _check(runs, criterion, terms, noise, tank)
-    if not isinstance(configuration, Configuration):
-        configuration = read_ship(configuration, terms.actuators)
+    configuration = ship_from(configuration, terms.actuators)
     names, errors = _targets(terms, targets), errors or RunErrors()
     tables = _forms(terms)
-    made = [] if after is None else [identify(after, table, errors=errors) for table in tables]
+    done = None if after is None else as_tests(after, None, configuration)
+    made = [] if done is None else [identify(done, table, errors=errors) for table in tables]
     tank, limits = within_tested(tank, made[0].data_range if made else None)
     offered = candidates(configuration, tank)
     forces = expected_forces(configuration)

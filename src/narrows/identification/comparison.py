@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from narrows.captive.tests import Tests
+from narrows.captive.read import as_tests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.identifiability.verdict import CONFOUNDED
 from narrows.identification.regression.problem import Weights
 from narrows.results import Shown
+from narrows.ship.ship_file import ShipSource
 from narrows.terms.bank_forms import FORMS, OPEN_WATER
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
@@ -121,24 +122,28 @@ def ready_tables() -> tuple[str, ...]:
 
 
 def compare(
-    tests: Tests, tables: str | TermTable | Sequence[str | TermTable] = (), weights: Weights = "paper"
-) -> Comparison:
+    tests: Any, tables: str | TermTable | Sequence[str | TermTable] = (), weights: Weights = "paper",
+    ship: ShipSource | None = None,
+) -> Comparison:  # fmt: skip
     """Fit several tables of terms to the same tests.
 
     Parameters
     ----------
-    tests : CaptiveTests or StreamedTests
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
         Of one condition, or of several for tables that ask for the depth.
     tables : str, TermTable or a sequence of them
         Tables, or names of them; all that come with the package unless given.
     weights : str
         As in ``identify``.
+    ship : str, Path, Configuration or mapping, optional
+        Of a table that was not read yet, as of ``read_captive``.
 
     Raises
     ------
     InputError
-        Where no table could be fitted.
+        Where no table could be fitted, or a table of tests has no ship.
     """
+    tests = as_tests(tests, ship)
     fits, left_out = {}, {}
     tables = (tables,) if isinstance(tables, str | TermTable) else tables
     for table in tables or ready_tables():

@@ -2,21 +2,27 @@
 
 from typing import Any
 
+from narrows.captive.read import as_tests
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
+from narrows.ship.ship_file import ShipSource
 
 
-def identify_conditions(tests: Tests, condition: str | None = None, **options: Any) -> dict[str, Fit]:
+def identify_conditions(
+    tests: Any, condition: str | None = None, ship: ShipSource | None = None, **options: Any
+) -> dict[str, Fit]:
     """Fit each condition of a table by itself.
 
     Parameters
     ----------
-    tests : CaptiveTests or StreamedTests
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
         Of one or several conditions.
     condition : str, optional
         Take this one alone.
+    ship : str, Path, Configuration or mapping, optional
+        Of a table that was not read yet, as of ``read_captive``.
     **options : Any
         As in ``identify``.
 
@@ -28,8 +34,9 @@ def identify_conditions(tests: Tests, condition: str | None = None, **options: A
     Raises
     ------
     InputError
-        Where there is no such condition.
+        Where there is no such condition, or a table has no ship.
     """
+    tests = as_tests(tests, ship)
     if options.get("pool") is not None and condition is None:
         return {"": identify(tests, **options)}
     if condition is not None:

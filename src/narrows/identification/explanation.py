@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.captive.tests import Tests
+from narrows.captive.read import as_tests
 from narrows.identification.comparison import Comparison, compare, ready_tables
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
@@ -16,6 +16,7 @@ from narrows.identification.shapley import KINDS
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.results import Shown
+from narrows.ship.ship_file import ShipSource
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -131,17 +132,19 @@ class Explanation(Shown):
         return pd.DataFrame.from_dict(rows, orient="index", columns=columns).rename_axis("coefficient")
 
 
-def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanation:
+def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSource | None = None) -> Explanation:
     """Put a model and a table of tests beside each other.
 
     Parameters
     ----------
     model : Model
         The model; its terms are fitted to the tests too.
-    tests : CaptiveTests or StreamedTests
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
         Of one condition.
     tables : sequence of str
         Tables of terms to compare by what they say of tests left out; all that come with the package unless given.
+    ship : str, Path, Configuration or mapping, optional
+        Of a table that was not read yet, as of ``read_captive``; the model's own unless given.
 
     Returns
     -------
@@ -153,6 +156,7 @@ def explain(model: Model, tests: Tests, tables: Sequence[str] = ()) -> Explanati
     InputError
         Where the tests lack what the model's terms need, or are of several conditions.
     """
+    tests = as_tests(tests, ship, model.configuration)
     fit = identify(tests, model.terms, pass_over="rudder")
     equations = fit.normal_equations
     return Explanation(

@@ -78,6 +78,21 @@ class Fit(Prediction):
     def __repr__(self) -> str:
         return f"<Fit of {self.terms.name}: {len(self.terms.names)} coefficients, {self._size}>"
 
+    def __getitem__(self, name: str) -> float:
+        """The value of a coefficient [SI].
+
+        Parameters
+        ----------
+        name : str
+            Of the coefficient.
+
+        Raises
+        ------
+        InputError
+            Where there is no such coefficient.
+        """
+        return self.model[name]
+
     @property
     def left_out(self) -> Mapping[str, Score]:
         """R2 and RMSE of each force on rows left out, by distinct motion or at random."""

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
-from narrows.captive.read import ShipSource
+from narrows.captive.read import as_tests
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, check_choice, check_count, shown
@@ -15,12 +15,12 @@ from narrows.identification.cross_validation import Validation, left_out_coeffic
 from narrows.identification.fit import Fit
 from narrows.identification.motions import distinct_motions, numbered
 from narrows.identification.plausibility import rudder_angle
-from narrows.identification.prediction import tests_from
 from narrows.identification.regression.accumulation import accumulate
 from narrows.identification.regression.problem import Weights, reduced
 from narrows.identification.regression.scores import score
 from narrows.identification.regression.solve import solve
 from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.ship.ship_file import ShipSource
 from narrows.terms.pooled import pooled
 from narrows.terms.tables import PAPER, table_named
 from narrows.terms.term import TermTable
@@ -65,8 +65,8 @@ def identify(
     pool : str, optional
         ``depth``: tests at several depths together, with hull coefficients of their own at each and the bank's shared;
         whether these change with depth is tested, and ``notes`` say so.
-    ship : str, Path or Configuration, optional
-        The ship file of a table, or what was read from it; tests that were read have theirs.
+    ship : str, Path, Configuration or mapping, optional
+        Of a table that was not read yet, as of ``read_captive``; tests that were read have theirs.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def identify(
     check_choice("split", split, get_args(Split))
     check_count("seed", seed)
     check_choice("accelerations", accelerations, CHOICES)
-    tests = tests_from(tests, ship)
+    tests = as_tests(tests, ship)
     terms = table_named(terms) if isinstance(terms, str) else terms
     if not isinstance(terms, TermTable):
         raise InputError(f"terms = {shown(terms)} is no table of terms; give one, or the name of one")

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from narrows.captive.lacking import lacking
-from narrows.captive.read import ShipSource
+from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.accumulation import accumulate
 from narrows.identification.regression.scores import Score, score
 from narrows.results import Shown
+from narrows.ship.ship_file import ShipSource
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ class Fitted(Protocol):
         """Their values."""
 
     @property
+    def covariance(self) -> np.ndarray:
+        """Of their errors."""
+
+    @property
     def intervals(self) -> Mapping[str, tuple[float, float]]:
         """95 % confidence interval of each."""
 
@@ -54,7 +59,7 @@ class Prediction(Shown):
         ----------
         tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
             Whose rows; those of the fit unless given.
-        ship : str, Path or Configuration, optional
+        ship : str, Path, Configuration or mapping, optional
             Of a table that was not read yet; the fit's own unless given.
 
         Returns
@@ -81,7 +86,7 @@ class Prediction(Shown):
         ----------
         tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
             Whose rows; those of the fit unless given.
-        ship : str, Path or Configuration, optional
+        ship : str, Path, Configuration or mapping, optional
             Of a table that was not read yet; the fit's own unless given.
 
         Raises
@@ -117,6 +122,14 @@ class Prediction(Shown):
         frame = pd.DataFrame.from_dict(dict(self.intervals), orient="index", columns=["low", "high"])
         return frame.rename_axis("coefficient")
 
+    def corr(self: Fitted) -> "pd.DataFrame":
+        """Give how the errors of the coefficients go together, -1 to 1; NaN where one has none."""
+        import pandas as pd
+
+        std = np.sqrt(np.diag(self.covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return pd.DataFrame(self.covariance / np.outer(std, std), self.terms.names, self.terms.names)
+
     @property
     def rsquared(self: Fitted) -> dict[str, float]:
         """R2 of each force on the rows of the fit [1]."""
@@ -133,37 +146,9 @@ class Prediction(Shown):
         return sum(block.rows for block in self.tests.blocks(1))
 
 
-def tests_from(tests: Any, ship: ShipSource | None) -> Any:
-    """Return tests as they are, or read a table of them (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
-        The rows.
-    ship : str, Path or Configuration, optional
-        Of a table.
-
-    Raises
-    ------
-    InputError
-        Where a table has no ship, or tests that were read are given another.
-    """
-    if hasattr(tests, "blocks"):
-        if ship is not None:
-            raise InputError("these tests have a ship already; give ship where they are a file or a table")
-        return tests
-    if ship is None:
-        raise InputError("a table does not say which ship it is of; give ship='ship.toml', or a Configuration")
-    from narrows.captive.read import read_captive
-
-    return read_captive(tests, ship)
-
-
 def _or_own(fit: Fitted, tests: Any, ship: Any) -> Any:
     """Tests of the fit, tests that were read, or a table of the same ship."""
-    if tests is None or hasattr(tests, "blocks"):
-        return fit.tests if tests is None else tests_from(tests, ship)
-    return tests_from(tests, ship or fit.tests.configuration)
+    return fit.tests if tests is None else as_tests(tests, ship, fit.tests.configuration)
 
 
 def _rows(fit: Fitted, tests: Tests, measured: bool) -> "pd.DataFrame":

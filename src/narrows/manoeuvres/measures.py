@@ -55,7 +55,7 @@ def turning_circle(voyage: Voyage) -> Turning:
     turned = np.abs(voyage.psi - voyage.psi[0])
     if turned.max() < HALF:
         raise InputError(
-            f"she turned by {np.degrees(turned.max()):.0f} degrees of the 180 asked for; sail on for longer"
+            f"the ship turned by {np.degrees(turned.max()):.0f} degrees of the 180 asked for; sail on for longer"
         )
     x, y = (column - column[0] for column in (voyage.x, voyage.y))
     first = slice(0, int(np.argmax(turned >= HALF)) + 1)

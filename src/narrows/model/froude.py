@@ -168,7 +168,7 @@ def scale_model(
         Where a number is not positive, or the ship does not fit the canal.
     """
     if not is_finite(length) or not 0 < length < LONGEST:
-        raise InputError(f"a ship {shown(length)} m long is none; give her length in metres")
+        raise InputError(f"a ship {shown(length)} m long is none; give its length in metres")
     old = model.configuration
     ratio = length / old.ship.length
     water = Water(old.water.density if density is None else density)
@@ -256,7 +256,7 @@ def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
         )
     if _holding(model, ScaleEffect.WAKE):
         notes.append(
-            "The wake of a ship is thinner than her model's, and her propeller is loaded less; both are kept here."
+            "The wake of a ship is thinner than its model's, and its propeller is loaded less; both are kept here."
         )
     if (held := _holding(model, ScaleEffect.TEST_SPEED)) and (pair := model.data_range.speed):
         notes.append(
@@ -286,5 +286,5 @@ def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5
         most = froude * (GRAVITY * configuration.canal.depth) ** 0.5
-        notes.append(f"Beyond {most:.3g} m/s her depth Froude number leaves the tests', up to {froude:.3g}.")
+        notes.append(f"Beyond {most:.3g} m/s its depth Froude number leaves the tests', up to {froude:.3g}.")
     return tuple(notes)

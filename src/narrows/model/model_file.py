@@ -161,7 +161,12 @@ def from_tables(tables: dict[str, Any], terms: TermTable | None) -> Model:
     """
     actuators = terms.actuators if terms else ()
     parts = (*PARTS, *actuator_sections(actuators))
-    known = (*REQUIRED, *OPTIONAL, *parts)
+    known = {*REQUIRED, *OPTIONAL, *parts}
+    if "ship" in tables and not {"terms", "coefficients"} & set(tables):
+        raise InputError(
+            "this is a ship file, which has no coefficients; give a model, as narrows identify makes of tests of this "
+            "ship"
+        )
     for name, table in tables.items():
         if name not in known:
             raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")

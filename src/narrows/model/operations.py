@@ -1,11 +1,13 @@
 """What the rooms above do with a model, as its methods; each room is looked up when it is asked for."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from narrows.errors import check_choice
 from narrows.results import Shown
 
 
@@ -73,6 +75,25 @@ class Operations(Shown):
             As for ``nw.scale_model``.
         """
         return import_module("narrows.model.froude").scale_model(self, length, **given)
+
+    def with_canal(self, **changes: float) -> Any:
+        """Return the model in another canal, its coefficients as they are: ``nw.at_depth`` corrects those for depth.
+
+        Parameters
+        ----------
+        **changes : float [m]
+            ``width``, ``depth``.
+
+        Raises
+        ------
+        InputError
+            Where a canal has no such key, or cannot be so.
+        """
+        model: Any = self
+        canal = model.configuration.canal
+        for name in changes:
+            check_choice("canal", name, tuple(vars(canal)))
+        return replace(model, configuration=replace(model.configuration, canal=replace(canal, **changes)))
 
     def latex(self, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
         """Write the equations of the forces in LaTeX, a line a force.

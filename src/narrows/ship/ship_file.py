@@ -6,7 +6,7 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import InputError, did_you_mean, path_of, shown
 from narrows.files import reading
 from narrows.ship.actuator import Actuator, Part
 from narrows.ship.actuators import STANDARD
@@ -16,6 +16,43 @@ NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
 """Sections that every file is read for; made of their defaults where they are absent."""
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
 """Keys as earlier files spell them."""
+ShipSource = str | Path | Configuration | Mapping[str, Any]
+"""A ship file, its sections as mappings, or what was read from it."""
+
+
+def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configuration:
+    """Return ship, canal and water of whatever tells them (ours).
+
+    Parameters
+    ----------
+    source : str, Path, Configuration or mapping
+        A ship file, what was read from it, or the sections of one as mappings.
+    actuators : iterable of Actuator
+        Of one's own, whose sections there may be.
+
+    Raises
+    ------
+    InputError
+        Where a file is absent, a key is missing, unknown or out of range, or it is a ship without a canal.
+    """
+    if isinstance(source, Configuration):
+        return source
+    if isinstance(source, Mapping):
+        return configuration_from(source, "ship", actuators)
+    if isinstance(source, Ship):
+        raise InputError("ship is a Ship without a canal; give nw.Configuration(ship, nw.Canal(width)) [m]")
+    return read_ship(path_of("ship", source), actuators)
+
+
+def ship_file_of(source: ShipSource) -> str:
+    """Return the file that tells of a ship, for sentences; nothing where it is none (ours).
+
+    Parameters
+    ----------
+    source : str, Path, Configuration or mapping
+        As of ``ship_from``.
+    """
+    return str(source) if isinstance(source, str | Path) else ""
 
 
 def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configuration:
@@ -88,6 +125,8 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
     """
     sections = actuator_sections(actuators)
     known = {*NEEDED, *sections, "depths"}
+    if "coefficients" in tables:
+        raise InputError(f"{file}: this is a model file; put its [ship], [canal] and [water] into a ship file")
     for name, table in tables.items():
         if name not in known:
             raise InputError(f"{file}: unknown section [{name}]{did_you_mean(name, known)}")

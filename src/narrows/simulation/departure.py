@@ -36,8 +36,26 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
     known = [actuator.name for actuator in ship.actuators]
     for name in positions:
         if name not in known:
+            if meant := _meant(name, known):
+                raise InputError(f"a voyage knows no {name!r}; write {meant}")
             hint = did_you_mean(name, known) if known else "; it has none"
             raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
+
+
+ELSEWHERE = {
+    "duration": ("t_end", "tmax", "t_max", "tend", "T", "time", "t_final", "t_span"), "dt": ("step", "h", "delta_t"),
+    "y": ("y0", "offset"), "u": ("u0", "speed", "U"), "x": ("x0",), "psi": ("psi0", "heading"), "v": ("v0",),
+    "r": ("r0",), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta", "rudder_angle"),
+}  # fmt: skip
+"""What is written here for names that other simulators use."""
+
+
+def _meant(name: str, known: list[str]) -> str:
+    """What to write for a name that other libraries use, or for an angle in degrees; nothing where none is meant."""
+    stem = name.removesuffix("_deg")
+    if stem != name and stem in {*POSE, *known, "rudder"}:
+        return f"{stem}=np.radians(...)"
+    return next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), "")
 
 
 def departure(

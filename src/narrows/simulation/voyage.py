@@ -119,6 +119,16 @@ class Voyage(Shown):
         return column
 
     @property
+    def grounded(self) -> bool:
+        """Whether it ended at a bank."""
+        return self.outcome.kind == "grounded"
+
+    @property
+    def duration(self) -> float:
+        """How long it lasted [s]."""
+        return self.outcome.time
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What its outcome says beside how it ended."""
         return self.outcome.notes
