@@ -49,7 +49,9 @@ from .model.squat import choke_speed as choke_speed
 from .model.squat import squat as squat
 from .quantities.dimensions import Dimension as Dimension
 from .safety import Disturbance as Disturbance
+from .safety import OutsideRules as OutsideRules
 from .safety import SafeEnvelope as SafeEnvelope
+from .safety import outside_rules as outside_rules
 from .safety import safe_envelope as safe_envelope
 from .safety import wind_force as wind_force
 from .ship.actuators import Propeller as Propeller

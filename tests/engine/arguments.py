@@ -223,11 +223,15 @@ class Table:
             "model": replace(by_depth(), covariance=4 * by_depth().covariance), "y": np.array([0.0, 0.7]),
             "u": np.array([0.3, 0.5]), "disturbance": nw.Disturbance(gust=300.0, gust_lever=1.0),
             "reserve": 0.9, "keel": 0.13, "samples": 5, "most_revolutions": refused(1.0),
-            "seed": 1, "walls": (3.0, 2.5), "workers": refused(-1), "progress": shown(True),
+            "seed": 1, "walls": (3.0, 2.5), "bank": "sloping", "workers": refused(-1), "progress": shown(True),
         }  # fmt: skip
         course = {"model": by_depth(), "y": 0.5, "u": 1.0}
         return {
             "safe_envelope": Entry(usual, others),
+            "outside_rules": Entry(
+                {"configuration": by_depth().configuration},
+                {"configuration": mmg().configuration, "bank": "gentle", "walls": (3.0, 2.5)},
+            ),
             "steady_course": Entry(
                 course,
                 {"model": mmg(), "samples": 3, "seed": under(1, samples=3), "workers": refused(-1), "y": 0.6,

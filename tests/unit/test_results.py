@@ -48,6 +48,8 @@ def result(kind: str) -> Result:
         return nw.squat(DEEP, 4.0, "bow")
     if kind == "Voyage":
         return nw.simulate(DTC, 0.5)
+    if kind == "OutsideRules":
+        return nw.outside_rules(DEEP)
     if kind == "SafeEnvelope":
         shaped = nw.borrow_rudder(DTC, steered_kcs())
         return nw.safe_envelope(shaped, np.array([0.0, 0.2]), np.array([0.5, 0.6]), samples=4)
@@ -58,7 +60,7 @@ def result(kind: str) -> Result:
 
 ROWS = {
     "Fit": 17, "Comparison": 6, "Explanation": 17, "Plan": 2, "Scaled": 17, "DepthCorrected": 17, "Squat": 1,
-    "Voyage": None, "SafeEnvelope": 2, "Reproduction": 17, "Trials": None,
+    "Voyage": None, "OutsideRules": 9, "SafeEnvelope": 2, "Reproduction": 17, "Trials": None,
 }  # fmt: skip
 """Of the table of each kind of result, where it is always as long."""
 

@@ -26,6 +26,9 @@ def envelope(
     speed: Annotated[
         str | None, typer.Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
     ] = None,
+    bank: Annotated[
+        str, typer.Option(help="Kind of bank, for the rules of designers: gentle, sloping or steep.")
+    ] = "steep",
     rudder_of: Annotated[
         str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
     ] = None,
@@ -82,7 +85,7 @@ def envelope(
         None if y is None else numbers("--y", y),
         None if speed is None else speeds("--speed", speed),
         disturbance=disturbance, reserve=reserve, keel=keel, most_revolutions=most_revolutions,
-        samples=samples, seed=seed, walls=walls,
+        samples=samples, seed=seed, walls=walls, bank=bank,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip
     if where:

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.constants import KNOT
+from narrows.report.rules_view import draw_rudders, draw_speeds, draw_widths
 from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture
 from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
 
@@ -60,6 +61,8 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
     handles = _shade(axes, envelope, y, u)
     axes.set_ylabel("speed through the water [knots]")
     axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
+    handles += draw_widths(axes, envelope.rules)
+    draw_speeds(axes, envelope.rules)
     axes.legend(
         handles=[*_speed_legend(), *handles], loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2
     )
@@ -84,9 +87,9 @@ def _half(values: np.ndarray) -> float:
     return float(values[-1] - values[0]) / max(len(values) - 1, 1) / 2 or 0.5
 
 
-def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Patch]:
+def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Any]:
     """Hatch what blocks the ship, and what no test covered."""
-    data, handles = envelope.data.transpose("y", "u", ...), []
+    data, handles = envelope.data.transpose("y", "u", ...), list[Any]()
     for low, high in _bands(~data["clear"].to_numpy(), u):
         axes.axhspan(low, high, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
     if not data["clear"].all():
@@ -157,6 +160,7 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
         0.01, limit * (1 - reserve), " reserve begins", transform=axes.get_yaxis_transform(), va="bottom", color=GREY
     )
     axes.text(0.01, limit, " hard over", transform=axes.get_yaxis_transform(), va="bottom")
+    draw_rudders(axes, envelope.rules)
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
     axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")

@@ -5,6 +5,7 @@ import math
 from rich.console import Console
 from rich.table import Table
 
+from narrows.report.rules_view import rules_table
 from narrows.safety import SafeEnvelope
 
 
@@ -23,7 +24,9 @@ def print_envelope(envelope: SafeEnvelope) -> None:
     console.print(_by_offset(envelope))
     console.print()
     console.print(_by_speed(envelope))
-    for note in envelope.notes:
+    console.print("\nRules from outside, for comparison (* not all of its numbers were read by us):")
+    console.print(rules_table(envelope.rules))
+    for note in (*envelope.notes, *envelope.rules.notes):
         console.print(f"- {note}", style="dim")
 
 

@@ -21,10 +21,11 @@ from narrows.report.fit_figures import intervals_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
 from narrows.report.model_figures import model_figure
 from narrows.report.motion_figures import motions_figure
+from narrows.report.rules_view import rules_figure
 from narrows.report.style import BLACK, BLUE, ORANGE, panels
 from narrows.report.uncertainty_figures import comparison_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
-from narrows.safety import SafeEnvelope
+from narrows.safety import OutsideRules, SafeEnvelope
 from narrows.simulation.linear_motion import Jacobian
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
@@ -48,6 +49,7 @@ def figure_of(result: Any) -> Figure:
 
 
 figure_of.register(Fit, intervals_figure)
+figure_of.register(OutsideRules, rules_figure)
 figure_of.register(SafeEnvelope, envelope_chart)
 figure_of.register(Trials, manoeuvres_figure)
 figure_of.register(Voyage, voyage_figure)

@@ -7,3 +7,5 @@ from narrows.safety.disturbance import Disturbance as Disturbance
 from narrows.safety.disturbance import wind_force as wind_force
 from narrows.safety.envelope import RESERVE as RESERVE
 from narrows.safety.envelope import safe_envelope as safe_envelope
+from narrows.safety.outside_rules import OutsideRules as OutsideRules
+from narrows.safety.outside_rules import outside_rules as outside_rules

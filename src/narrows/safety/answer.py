@@ -11,6 +11,7 @@ from narrows.quantities.constants import KNOT
 from narrows.results import Shown
 from narrows.safety.edges import first_run
 from narrows.safety.headline import headline
+from narrows.safety.outside_rules import OutsideRules, rules_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,8 +42,8 @@ class SafeEnvelope(Shown):
         of the steady course with the engine at its most, where that is known; over u: ``clearance`` [m] under the
         keel and whether keel, canal and engine are ``clear``. Its attributes are ship and canal, the weather, the
         notes, where a keel meets the banks [m], the beam [m], the limit of the rudder [rad] and the reserve of it, the
-        number of samples, the speeds [m/s] and offsets [m] of the tests, in what the section was not tested, and what
-        the tests do not settle of the banks.
+        number of samples, the speeds [m/s] and offsets [m] of the tests, in what the section was not tested, what
+        the tests do not settle of the banks, and what the rules from outside ask for.
     """
 
     data: xr.Dataset
@@ -70,6 +71,7 @@ class SafeEnvelope(Shown):
             "samples": self.samples,
             "offsets": self.offset_rows(),
             "speeds": self.speed_rows(),
+            "rules": self.rules.rows(),
             "notes": list(self.notes),
         }
 
@@ -107,6 +109,11 @@ class SafeEnvelope(Shown):
     def walls(self) -> tuple[float, float]:
         """Where its keel meets the banks [m], to port and to starboard of the middle."""
         return float(self.data.attrs["wall_port"]), float(self.data.attrs["wall_starboard"])
+
+    @property
+    def rules(self) -> OutsideRules:
+        """What rules of designers and canals leave the same ship in the same section."""
+        return rules_of(self.data.attrs)
 
     def noting(self, note: str) -> "SafeEnvelope":
         """Return the answer with a note before its own.

@@ -1,7 +1,9 @@
 """What a safe envelope rests on and leaves out: the attributes that travel with its data into file and chart."""
 
 from narrows.model.model import Model
-from narrows.safety.answer import SafeEnvelope
+from narrows.safety.answer import SURE_SHARE, SafeEnvelope
+from narrows.safety.bolder import bolder_than
+from narrows.safety.outside_rules import outside_rules
 from narrows.safety.question import EnvelopeQuestion
 from narrows.safety.tested import beyond_tests, tested_ranges, untested_section
 from narrows.safety.underkeel import Keel
@@ -29,7 +31,12 @@ def with_caveats(found: SafeEnvelope, question: EnvelopeQuestion, under: Keel, s
         How many were tried.
     """
     model, configuration = question.model, question.model.configuration
-    notes = (*envelope_notes(question, under), *((SQUARED,) if found.speed_free else ()))
+    rules = outside_rules(configuration, question.bank, question.walls)
+    notes = (
+        *envelope_notes(question, under),
+        *((SQUARED,) if found.speed_free else ()),
+        *bolder_than(found.data, rules, SURE_SHARE),
+    )
     rests_on = {
         "setting": f"{configuration.ship.in_words}, in {configuration.canal.in_words}",
         "weather": question.disturbance.words,
@@ -43,6 +50,7 @@ def with_caveats(found: SafeEnvelope, question: EnvelopeQuestion, under: Keel, s
         "untested": untested_section(model),
         "trust": model.trust_note,
         **tested_ranges(model),
+        **rules.attributes(),
     }
     return SafeEnvelope(found.data.assign_attrs(rests_on))
 

@@ -23,7 +23,7 @@ def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = RESERVE, keel: float | None = None,
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
-    workers: int | None = None, progress: bool = False,
+    bank: str = "steep", workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
     """Find how fast and how far off the middle a ship is still in hand (ours).
 
@@ -54,6 +54,8 @@ def safe_envelope(
         Of the samples.
     walls : pair of float [m], optional
         Where its keel meets the banks, to port and to starboard of the middle; the walls of the canal unless given.
+    bank : str
+        Kind of bank, for the rules from outside that the answer stands beside: ``gentle``, ``sloping`` or ``steep``.
     workers : int, optional
         Threads; all cores unless given.
     progress : bool
@@ -62,11 +64,11 @@ def safe_envelope(
     Raises
     ------
     InputError
-        Where the model has no rudder, nothing says how fast, or a number is out of range.
+        Where the model has no rudder, nothing says how fast, a number is out of range, or there is no such bank.
     """
     check_rudder(model)
     check_workers(workers)
-    question = envelope_question(model, y, u, disturbance, reserve, keel, most_revolutions, walls)
+    question = envelope_question(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank)
     bounds = bounds_of(question)
     try_more = partial(
         trials, model, question.offsets, question.speeds, bounds.under.midship, question.disturbance,

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
+from narrows.safety.channel_rules import BANKS
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.underkeel import keel_at
 
@@ -41,6 +42,8 @@ class EnvelopeQuestion:
         Of the engine.
     walls : pair of float [m]
         Where the keel meets the banks, to port and to starboard of the middle.
+    bank : str
+        Kind of bank, for the rules from outside.
     """
 
     model: Model
@@ -51,6 +54,7 @@ class EnvelopeQuestion:
     clearance: float
     most_revolutions: float | None
     walls: Walls
+    bank: str = "steep"
 
     @property
     def rudder_limit(self) -> float:
@@ -60,7 +64,7 @@ class EnvelopeQuestion:
 
 def envelope_question(
     model: Model, y: np.ndarray | None, u: np.ndarray | None, disturbance: Disturbance | None, reserve: float,
-    keel: float | None, most_revolutions: float | None, walls: Walls | None,
+    keel: float | None, most_revolutions: float | None, walls: Walls | None, bank: str = "steep",
 ) -> EnvelopeQuestion:  # fmt: skip
     """Return what is asked, with what suits the ship and its canal where nothing is given (ours).
 
@@ -82,12 +86,15 @@ def envelope_question(
         Of the engine.
     walls : pair of float [m], optional
         The walls of the canal unless given.
+    bank : str
+        ``gentle``, ``sloping`` or ``steep``.
 
     Raises
     ------
     InputError
-        Where a number is out of range, or nothing says how fast.
+        Where a number is out of range, nothing says how fast, or there is no such kind of bank.
     """
+    check_choice("bank", bank, BANKS)
     ship, canal = model.configuration.ship, model.configuration.canal
     least = KEEL_SHARE * ship.draft if keel is None else keel
     if not 0 <= reserve < 1 or not 0 <= least < math.inf:
@@ -100,7 +107,7 @@ def envelope_question(
     speeds = _speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
     _check(offsets, speeds, room, ship.beam)
     return EnvelopeQuestion(
-        model, offsets, speeds, disturbance or Disturbance(), reserve, least, most_revolutions, room
+        model, offsets, speeds, disturbance or Disturbance(), reserve, least, most_revolutions, room, bank
     )
 
 

@@ -1,0 +1,258 @@
+"""What designers of channels and canals ask for: one table of rules, each with its source and who has read it."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from narrows.quantities.constants import KNOT
+
+BANKS = ("gentle", "sloping", "steep")
+"""Kinds of bank that rules tell apart; a wall is steep."""
+READ, REMEMBERED = "read by us", "from memory, not read by us"
+"""How sure the numbers of a rule are."""
+HOUR, FOOT = 3.6, 0.3048
+"""Kilometres an hour in one metre a second, and metres in one foot."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A ship in a section of water, as rules ask for it.
+
+    Parameters
+    ----------
+    length, beam, draft : float [m]
+        Of the ship.
+    width : float [m]
+        From bank to bank, where the keel meets them.
+    depth : float [m], optional
+        Of the water; None where it is not known.
+    bank : str
+        Gentle, sloping or steep.
+    """
+
+    length: float
+    beam: float
+    draft: float
+    width: float
+    depth: float | None
+    bank: str
+
+
+@dataclass(frozen=True)
+class Lane:
+    """What a rule for the width of a channel asks for, in beams, over a range of speeds.
+
+    Parameters
+    ----------
+    slowest, fastest : float [knots]
+        Between which it holds.
+    lane : float [1]
+        Width of the lane that the ship keeps to.
+    clearance : mapping of str to float [1]
+        From the lane to either bank, by its kind.
+    """
+
+    slowest: float
+    fastest: float
+    lane: float
+    clearance: Mapping[str, float]
+
+
+def nothing(passage: Passage) -> float:
+    """Return no addition to a lane [1].
+
+    Parameters
+    ----------
+    passage : Passage
+        Ship and section.
+    """
+    return 0.0
+
+
+def shallow_lane(passage: Passage) -> float:
+    """Return what shallow water adds to a lane [1]: 0.2 B below h/T = 1.5, 0.4 B below 1.15.
+
+    Parameters
+    ----------
+    passage : Passage
+        Ship and section; nothing where the depth is not known.
+    """
+    ratio = math.inf if passage.depth is None else round(passage.depth / passage.draft, 2)
+    return 0.4 if ratio < 1.15 else 0.2 if ratio < 1.5 else 0.0
+
+
+@dataclass(frozen=True)
+class ChannelRule:
+    """A rule from outside.
+
+    Parameters
+    ----------
+    name : str
+        As the table and the chart call it.
+    asks : str
+        What it looks at.
+    says : str
+        What it says, in words.
+    source : str
+        Where it is from.
+    standing : str
+        Whether its numbers were read by us, and which were not.
+    lanes : tuple of Lane
+        Widths that it asks for, where it is a rule of widths: of the lane, and of the water to either bank.
+    deepens : callable
+        Beams to add to a lane, by the passage.
+    speed : callable, optional
+        The highest speed [m/s] by the passage, where it is a rule of speeds; NaN where it speaks of other ships.
+    rudder_deg : float [deg], optional
+        The most rudder to be kept on, where it is a rule of rudders.
+    """
+
+    name: str
+    asks: str
+    says: str
+    source: str
+    standing: str = READ
+    lanes: tuple[Lane, ...] = ()
+    deepens: Callable[[Passage], float] = nothing
+    speed: Callable[[Passage], float] | None = None
+    rudder_deg: float | None = field(default=None)
+
+
+def asked_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
+    """Return the width of water that a rule asks for [m]: lane and both clearances.
+
+    Parameters
+    ----------
+    rule : ChannelRule
+        Of widths.
+    lane : Lane
+        One of its ranges of speeds.
+    passage : Passage
+        Ship and section.
+    """
+    return passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
+
+
+def suez_full(passage: Passage) -> float:
+    """Return the speed [m/s] of loaded tankers and bulk carriers in the Suez Canal; NaN to 44 ft of draft.
+
+    Parameters
+    ----------
+    passage : Passage
+        Ship and section.
+    """
+    return 14 / HOUR if passage.draft > 44 * FOOT else math.nan
+
+
+def suez_others(passage: Passage) -> float:
+    """Return the speed [m/s] of other ships in the Suez Canal.
+
+    Parameters
+    ----------
+    passage : Passage
+        Ship and section.
+    """
+    return 16 / HOUR
+
+
+def kiel(passage: Passage) -> float:
+    """Return the speed [m/s] in the Kiel Canal; NaN for a ship that is too large for it.
+
+    Parameters
+    ----------
+    passage : Passage
+        Ship and section.
+    """
+    if passage.length > 235.5 or passage.beam > 32.5:
+        return math.nan
+    return (12 if passage.draft > 8.5 else 15) / HOUR
+
+
+def panama(passage: Passage) -> float:
+    """Return the speed [m/s] of 1933 in the Panama Canal, by the width of the reach and, in the cut, the length.
+
+    Parameters
+    ----------
+    passage : Passage
+        Ship and section.
+    """
+    reaches = {1000: 15.0, 800: 12.0, 500: 10.0}
+    cut = 6.0 if passage.length >= 250 * FOOT else 8.0
+    return next((knots for feet, knots in reaches.items() if passage.width >= feet * FOOT), cut) * KNOT
+
+
+PIANC_CLEARANCE = {"gentle": (0.0, 0.1, 0.2), "sloping": (0.3, 0.5, 0.7), "steep": (0.5, 1.0, 1.3)}
+"""From a lane to a bank [beams], at under 8, 8 to 12 and over 12 knots."""
+PIANC = ChannelRule(
+    "PIANC 121",
+    "beam, speed, depth over draft, kind of bank",
+    "a lane of 1.5 B for a ship of moderate manoeuvrability, with 0.3, 0.2 or 0.1 B for a mild wind (slow, moderate, "
+    "fast), 0.1 B for a fast ship and 0.2 or 0.4 B for shallow water, and a clearance to either bank",
+    "PIANC (2014), Report 121, Harbour approach channels: design guidelines, as Kubla Ports' technical manual has it, "
+    "kublasoftware.com/support/documentation/kubla-ports/2018/5.1/technical-manual/channel-widths/overview.html",
+    "lane, wind and speed read by us; clearance to the banks and the addition for shallow water from memory, not read "
+    "by us",
+    tuple(
+        Lane(low, high, 1.5 + wind + fast, {bank: by_speed[place] for bank, by_speed in PIANC_CLEARANCE.items()})
+        for place, (low, high, wind, fast) in enumerate(
+            ((0.0, 8.0, 0.3, 0.0), (8.0, 12.0, 0.2, 0.0), (12.0, math.inf, 0.1, 0.1))
+        )
+    ),
+    shallow_lane,
+)
+UFC_SOURCE = "UFC 4-150-06 (2001), Military harbors and coastal facilities, 5-6.2.2.1, ufgscriteria.tpub.com/4_150_06"
+CHANNEL_RULES = (
+    PIANC,
+    ChannelRule(
+        "UFC 4-150-06",
+        "beam, slope of the bank",
+        "to 10 knots in good conditions, a lane of 1.8 B for a ship that manoeuvres well, and 1.0 B to either bank, "
+        "1.2 B where it is steeper than 1 on 3",
+        UFC_SOURCE,
+        lanes=(Lane(0.0, 10.0, 1.8, {"gentle": 1.0, "sloping": 1.0, "steep": 1.2}),),
+    ),
+    ChannelRule(
+        "USACE EM 1110-2-1613",
+        "beam",
+        "2.5 to 3.0 B from bank to bank in a canal for one ship, here 3.0",
+        "US Army Corps of Engineers, Engineer Manual 1110-2-1613, Hydraulic design of deep-draft navigation projects",
+        REMEMBERED,
+        (Lane(0.0, math.inf, 3.0, dict.fromkeys(BANKS, 0.0)),),
+    ),
+    ChannelRule(
+        "UFC 4-150-06, rudder",
+        "the rudder that holds the ship",
+        "5 degrees of rudder at most, for long",
+        UFC_SOURCE,
+        rudder_deg=5.0,
+    ),
+    ChannelRule(
+        "Suez, tanker or bulk carrier",
+        "cargo, draft",
+        "14 km/h for loaded tankers and bulk carriers of more than 44 ft, and for gas carriers",
+        "Suez Canal Authority, Rules of navigation (2020), article 54, suezcanal.gov.eg",
+        speed=suez_full,
+    ),
+    ChannelRule(
+        "Suez, other ships",
+        "cargo, draft",
+        "16 km/h",
+        "Suez Canal Authority, Rules of navigation (2020), article 54, suezcanal.gov.eg",
+        speed=suez_others,
+    ),
+    ChannelRule(
+        "Kiel",
+        "draft, traffic group",
+        "15 km/h; 12 for traffic group 6 or a draft of more than 8.5 m",
+        "Wasserstrassen- und Schifffahrtsamt Nord-Ostsee-Kanal, wsa-kiel.wsv.de",
+        speed=kiel,
+    ),
+    ChannelRule(
+        "Panama, 1933",
+        "width of the reach, length",
+        "15 knots where it is 1000 ft wide, 12 where 800, 10 where 500; in the cut 6, or 8 for a ship under 250 ft",
+        "Executive Order 6128 (1933), presidency.ucsb.edu; its present rules were not found",
+        speed=panama,
+    ),
+)
+"""The rules, those of widths first."""
