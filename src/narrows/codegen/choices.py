@@ -14,6 +14,9 @@ COLUMNS = (
 the least distance at which a hull can meet a bank; how far off a keel meets it."""
 ROW = 2 * len(COLUMNS)
 """Numbers a cell: of each column the value at its start, and the rise to the next."""
+WATER = {"water_curvature": "curvature", "water_starboard": "keel_starboard", "water_port": "keel_port"}
+"""What a control law sees of the water at a place along it, by what its tape calls it: the curvature of the line, and
+how far off it a keel meets the banks."""
 TIME, LENGTH, SHARE = "t", "step_length", "share"
 """The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
 contact is located, or where an output lies within the step."""

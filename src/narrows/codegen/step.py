@@ -6,10 +6,11 @@ waterway whose section does not change. Every engine prints these lines.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import sympy
 
-from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, Choices
+from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Choices
 from narrows.codegen.contact import bank_room, reaches
 from narrows.codegen.free_motion import INPUTS, STATE, Expr, exact_number
 from narrows.codegen.lines import FUNCTIONS, Lines, clipped, least, real
@@ -102,13 +103,22 @@ def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[
     return section
 
 
+def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
+    """Write what a control law sees of the water at a place along it: a straight canal is everywhere the same."""
+    if choices.waterway:
+        return _section(lines, lines.put("seen", x), (column,), f"{column}_seen")[column]
+    walls = {"keel_starboard": real("wall_starboard"), "keel_port": real("wall_port")}
+    return walls.get(column, sympy.Integer(0))
+
+
 def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict[str, Expr], dict[str, Expr]]:
     """Write what the law asks for: how far each actuator moves in the step, and what is kept after it."""
     if choices.law is None:
         return {}, {}
-    asked = {**z, "dt": real(LENGTH)}
+    asked = {**z, "dt": real(LENGTH)} | ({} if choices.waterway else {"current": sympy.Integer(0)})
     inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
-    results = choices.law.tape.replay(inputs, exact_number, FUNCTIONS)
+    water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
+    results = choices.law.tape.replay(inputs, exact_number, {**FUNCTIONS, **water})
     moves, out = {}, {}
     for name in (actuator.name for actuator in choices.law.ordered):
         wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))

@@ -42,7 +42,10 @@ class ControlLaw(Protocol):
         Parameters
         ----------
         at : object
-            With attributes: t, dt [s], the state, psi [rad], positions of actuators, parameters and memory.
+            With attributes: t, dt [s], the state, psi [rad], positions of actuators, the limit and rate of each
+            (``rudder_limit`` [rad], ``rudder_rate`` [rad/s]), the ``current`` along the line [m/s], parameters and
+            memory; and ``water(name, x)``, what the water is at a place along the line: its ``curvature`` [1/m], and
+            how far off it a keel meets the bank to ``starboard`` and to ``port`` [m].
         """
 
 

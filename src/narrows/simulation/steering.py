@@ -4,14 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from narrows.codegen.choices import LENGTH, TIME, Actuated, Law
+from narrows.codegen.choices import LENGTH, TIME, WATER, Actuated, Law
 from narrows.codegen.free_motion import STATE
 from narrows.codegen.tape import tape_of
-from narrows.errors import InputError
+from narrows.errors import InputError, check_choice
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named, Ordering
 
+CURRENT, SEEN = "current", "water_"
 PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
 """What the lines call a law's numbers and its memory."""
 
@@ -89,14 +90,15 @@ def _law(
     controller: ControlLaw, parameters: Sequence[str], kept: Sequence[str], actuators: tuple[Actuated, ...]
 ) -> Law:
     what = f"the controller {type(controller).__name__}"
-    quantities = {name: name for name in (*STATE, TIME, *(actuator.name for actuator in actuators))} | {"dt": LENGTH}
+    gear = [f"{actuator.name}{of}" for actuator in actuators for of in ("", "_limit", "_rate")]
+    quantities = {name: name for name in (*STATE, TIME, CURRENT, *gear)} | {"dt": LENGTH}
     ours = {name: PARAMETER(name) for name in parameters} | {name: MEMORY(name) for name in kept}
     for name in ours:
-        if name in quantities or name == "psi" or (name in parameters and name in kept):
+        if name in quantities or name in ("psi", "water") or (name in parameters and name in kept):
             raise InputError(f"{what} has a number called {name!r}, which means something else already; rename it")
 
     def results(at: Any) -> dict[str, Number]:
-        at.psi = angle(at.cos_psi, at.sin_psi)
+        at.psi, at.water = angle(at.cos_psi, at.sin_psi), water
         orders, memory = controller.orders(at)
         _check_orders(what, orders, memory, kept, actuators)
         return {**orders, **{MEMORY(name): value for name, value in memory.items()}}
@@ -104,6 +106,26 @@ def _law(
     tape = tape_of(results, {**quantities, **ours}, what)
     ordered = tuple(one for one in actuators if one.name in tape.results)
     return Law(tape, tuple(MEMORY(name) for name in kept), ordered)
+
+
+def water(name: str, x: Any) -> Any:
+    """Return what a control law sees of the water at a place along it (ours).
+
+    Parameters
+    ----------
+    name : str
+        ``curvature`` of the line [1/m], to starboard; ``starboard`` and ``port``: how far off it a keel meets the bank
+        [m].
+    x : number [m]
+        The place, of the law's own quantities.
+
+    Raises
+    ------
+    InputError
+        Where there is no such name.
+    """
+    check_choice("what is seen of the water", name, [known.removeprefix(SEEN) for known in WATER])
+    return x.apply_function(f"{SEEN}{name}", (x,))
 
 
 def _check_orders(what: str, orders: Named, memory: Named, kept: Sequence[str], actuators: Sequence[Actuated]) -> None:

@@ -1,0 +1,190 @@
+"""Make a regulator for a ship: gains of the rudder's rate by the Riccati equation of the exact linear system."""
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.control.linear_system import LinearSystem
+from narrows.control.linearization import linearize
+from narrows.control.regulator_law import FELT, HeldLine, Regulator
+from narrows.errors import InputError
+from narrows.model.model import Model
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+OFF_COURSE, HARD = math.radians(5), math.radians(10)
+"""A heading off, and a rudder off that of the course [rad], that weigh as much as half a beam off the line."""
+STROKE = 0.1
+"""Of the time of a ship length, in which ten degrees of rudder weigh as much; not less than the gear needs for them."""
+MEMORY = 1.2
+"""Times of a ship length for which half a beam off the line weighs as much."""
+LEAD = 0.3
+"""Times of a ship length that a bend is looked ahead."""
+UNWINDING = 0.15
+"""Times of a ship length in which the integral is led back where the gear cannot follow."""
+STATES = ("y", "psi", "v", "r")
+WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
+SETTLES = 1e-7
+IN_VAIN = "no regulator holds this ship {:g} m off the middle at {:g} m/s: its rudder turns nothing there"
+
+
+def regulator(
+    model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None, at: float = 0.0, **values: float
+) -> Regulator:  # fmt: skip
+    """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate (ours).
+
+    Half a beam off the line, 5 degrees off the course, 10 degrees of rudder off that of the course, these 10 degrees
+    put over in a tenth of the time of a ship length, and half a beam off for 1.2 of these times weigh alike. It is
+    told the sway velocity, as a track pilot with a good fix is.
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    y : float or pairs (time [s], offset [m])
+        To starboard of the middle of the canal, or of the line of the waterway; pairs are held each from its time on.
+    u : float [m/s]
+        Surge velocity through the water.
+    waterway : Waterway, optional
+        Where the ship is instead of the model's own canal.
+    at : float [m]
+        Along it: the section that the regulator is made for.
+    **values : float [SI]
+        As for ``linearize``.
+
+    Raises
+    ------
+    InputError
+        Where no rudder holds the ship on a line, or its rudder turns nothing.
+
+    References
+    ----------
+    Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods, for weights and integrals; Åström and Hägglund
+    (2006), Advanced PID Control, for the back-calculation.
+    """
+    about = partial(linearize, model, u=u, waterway=waterway, at=at, surge="held", **values)
+    lines = [held_line(model, about(y=offset), start) for start, offset in _pairs(y)]
+    time = model.configuration.ship.length / u
+    return Regulator(tuple(lines), u, LEAD * time, UNWINDING * time)
+
+
+def _pairs(y: Any) -> list[tuple[float, float]]:
+    if np.ndim(y) == 0:
+        return [(0.0, y)]
+    try:
+        return [(float(time), float(offset)) for time, offset in y]
+    except (TypeError, ValueError):
+        raise InputError("the line to hold is an offset [m], or pairs of time [s] and offset; mend it") from None
+
+
+def held_line(model: Model, linear: LinearSystem, start: float = 0.0) -> HeldLine:
+    """Return a line with what holds a ship on it.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    linear : LinearSystem
+        About one course, its speed held.
+    start : float [s]
+        From when.
+
+    Raises
+    ------
+    InputError
+        Where the course asks for more rudder than there is, or the rudder turns nothing.
+    """
+    course = {name: float(value) for name, value in linear.course.items()}
+    limit = model.configuration.gear.limit
+    if not abs(course["rudder"]) <= limit:
+        raise InputError(
+            f"no rudder to {math.degrees(limit):g} degrees holds this ship {course['y']:g} m off the middle at "
+            f"{course['u']:g} m/s; choose a place nearer to it"
+        )
+    straight, turning = _straight(linear, course)
+    return HeldLine(course["y"], regulator_gains(model, linear), *straight, turning, start)
+
+
+def _straight(
+    linear: LinearSystem, course: dict[str, float]
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Rudder, heading and sway velocity of the course without its bend, and what a yaw rate adds to each."""
+    A, b = linear.A, linear.B[:, linear.controls.index("rudder")]
+    rates = [linear.states.index(name) for name in ("y", "v", "r")]
+    columns = [A[rates, linear.states.index("psi")], A[rates, linear.states.index("v")], b[rates]]
+    psi, v, rudder = np.linalg.solve(np.stack(columns, axis=1), -A[rates, linear.states.index("r")])
+    straight = (
+        course["rudder"] - rudder * course["r"],
+        course["psi"] - psi * course["r"],
+        course["v"] - v * course["r"],
+    )
+    return straight, (float(psi), float(v), float(rudder))
+
+
+def regulator_gains(model: Model, linear: LinearSystem) -> tuple[Any, ...]:
+    """Return the gains of a regulator for what ``FELT`` names, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)] (ours).
+
+    They are of the ship as if a bank drew it as hard at every distance: its slope is what tests tell least of, and
+    gains that trust it lose twice as many ships whose bank is another (``benchmarks/control.py``). Where these do not
+    hold the ship, gains that know it.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    linear : LinearSystem
+        About one course, its speed held.
+
+    Raises
+    ------
+    InputError
+        Where its rudder turns nothing.
+    """
+    blind, whole = (rate_driven(linear, bank) for bank in (False, True))
+    for A, b in (blind, whole):
+        gains = _riccati(model, float(linear.course["u"]), A, b)
+        # Where nothing stabilises it, SciPy gives an error or a matrix of rounding, by its release.
+        if gains is not None:
+            poles = np.linalg.eigvals(whole[0] - np.outer(b, gains))
+            if poles.real.max() < -SETTLES * np.abs(poles).max():
+                return tuple(gains.tolist())
+    raise InputError(IN_VAIN.format(float(linear.course["y"]), float(linear.course["u"])))
+
+
+def _riccati(model: Model, speed: float, A: np.ndarray, b: np.ndarray) -> np.ndarray | None:
+    """The gains that weigh everything alike; None where nothing stabilises the ship."""
+    from scipy.linalg import LinAlgError, solve_continuous_are
+
+    ship, gear = model.configuration.ship, model.configuration.gear
+    time = ship.length / speed
+    # Each state in what weighs as much as the others, and time in ship lengths: the equation is of size 1.
+    size = np.array([ship.beam / 2, OFF_COURSE, speed, speed / ship.length, HARD, ship.beam / 2 * MEMORY * time])
+    rate = HARD / max(STROKE * time, HARD / gear.rate)
+    push = time * b * rate / size
+    try:
+        cost = solve_continuous_are(time * A * size / size[:, None], push[:, None], WEIGHTS, np.eye(1))
+    except (LinAlgError, ValueError):
+        return None
+    return np.asarray(push @ cost * rate / size)
+
+
+def rate_driven(linear: LinearSystem, bank: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Return the system of ``FELT`` whose one input is the rate of the rudder: matrices (6, 6) and (6,) (ours).
+
+    Parameters
+    ----------
+    linear : LinearSystem
+        About one course, its speed held.
+    bank : bool
+        Whether what a bank does grows as it comes nearer.
+    """
+    states = [linear.states.index(name) for name in STATES]
+    A, b = np.zeros((len(FELT), len(FELT))), np.zeros(len(FELT))
+    A[:4, :4] = linear.A[np.ix_(states, states)]
+    A[:4, 4] = linear.B[states, linear.controls.index("rudder")]
+    A[5, 0], b[4] = 1.0, 1.0
+    A[:4, 0] *= bank
+    return A, b

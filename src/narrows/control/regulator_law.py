@@ -1,0 +1,169 @@
+"""The regulator as a control law: linear-quadratic on the rate of the rudder, with an integral of the offset."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import Described, InputError
+from narrows.quantities.arithmetic import choice, clip, maximum
+from narrows.simulation.controllers import EARLY, Named
+
+FELT = ("y", "psi", "v", "r", "rudder", "integral")
+TURNED = ("psi", "v", "rudder")
+SLOWEST = 0.05
+"""Of the speed that it was made for: below it the gains are those of this speed."""
+
+
+@dataclass(frozen=True)
+class HeldLine:
+    """A line to hold, and what holds a ship on it; every number may be an array over many ships.
+
+    Parameters
+    ----------
+    y : float [m]
+        To starboard of the line that offsets count from.
+    gains : six floats [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]
+        Rate of the rudder for what is off: offset, heading, sway velocity, yaw rate, rudder, integral of the offset.
+    rudder, psi : float [rad]
+        Of the steady course there.
+    v : float [m/s]
+        Sway velocity of it.
+    turning : three floats [s, m, s]
+        What a yaw rate of the waterway adds to heading, sway velocity and rudder of the course.
+    start : float [s]
+        From when it is held; before the first line's time that line is held too.
+
+    Raises
+    ------
+    InputError
+        Where gains or turns are not as many, or a number is not finite.
+    """
+
+    y: Any
+    gains: tuple[Any, Any, Any, Any, Any, Any]
+    rudder: Any = 0.0
+    psi: Any = 0.0
+    v: Any = 0.0
+    turning: tuple[Any, Any, Any] = (0.0, 0.0, 0.0)
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        if len(self.gains) != len(FELT) or len(self.turning) != len(TURNED):
+            raise InputError(f"a regulator has gains for {', '.join(FELT)} and turns of {', '.join(TURNED)}; give each")
+        for number in (self.y, *self.gains, self.rudder, self.psi, self.v, *self.turning, self.start):
+            if not np.isfinite(number).all():
+                raise InputError(f"a regulator with {number} steers nothing; give finite numbers")
+
+    def numbers(self) -> dict[str, Any]:
+        """Return its numbers by the names of the law."""
+        held = {f"held_{name}": getattr(self, name) for name in ("y", "rudder", "psi", "v")}
+        held |= {f"by_{name}": gain for name, gain in zip(FELT, self.gains, strict=True)}
+        return held | {f"turn_{name}": slope for name, slope in zip(TURNED, self.turning, strict=True)}
+
+
+@dataclass(frozen=True, repr=False)
+class Regulator(Described):
+    """A track pilot that gives the rudder a rate, in proportion to what is off and to the integral of the offset.
+
+    The gains go with the speed as they do where every force goes with its square; the steady turn of a bend ahead is
+    added to the course; and where the gear cannot follow, the integral is led back to what it can.
+
+    Parameters
+    ----------
+    lines : sequence of HeldLine
+        The line to hold, or several, each from its own time on.
+    u : float [m/s]
+        Surge velocity that they are for.
+    lead : float [s]
+        How far ahead the bends of a waterway are looked at.
+    unwinding : float [s]
+        In which the integral is led back where the gear is at a limit.
+    integral : float [m s]
+        Of the offset, at the start.
+
+    Raises
+    ------
+    InputError
+        Where there is no line, their times do not rise, or a number is not finite or has the wrong sign.
+    """
+
+    lines: Sequence[HeldLine]
+    u: Any
+    lead: Any
+    unwinding: Any
+    integral: Any = 0.0
+
+    def __post_init__(self) -> None:
+        starts = [line.start for line in self.lines]
+        if not starts or any(after <= before for before, after in pairwise(starts)):
+            raise InputError(
+                "a regulator holds one line or more, each from a later time than the one before; give them"
+            )
+        for name in ("u", "unwinding"):
+            if not (np.isfinite(getattr(self, name)).all() and np.all(np.asarray(getattr(self, name)) > 0)):
+                raise InputError(f"a regulator needs {name} over 0; it is {getattr(self, name)}")
+        for name in ("lead", "integral"):
+            if not np.isfinite(getattr(self, name)).all():
+                raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give a number")
+
+    def summary(self) -> str:
+        """Say what it holds."""
+        line = self.lines[0]
+        more = f", {len(self.lines)} lines one after the other" if len(self.lines) > 1 else ""
+        return f"y = {line.y} at u = {self.u}{more}"
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return the numbers of its lines, the speed, and the times that it looks ahead and back."""
+        numbers = {"made_for": self.u, "lead": self.lead, "unwinding": self.unwinding}
+        for index, line in enumerate(self.lines):
+            numbers |= {f"{name}_{index}": value for name, value in line.numbers().items()}
+            numbers |= {f"start_{index}": line.start} if index else {}
+        return numbers
+
+    def memory(self, start: Named) -> Named:
+        """Return the integral of the offset, as it is at the start.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            The state at the start.
+        """
+        return {"integral": self.integral}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the rudder's angle a step ahead, and the integral.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        speed = maximum(at.u, SLOWEST * at.made_for)
+        pace, share = at.u + at.current, speed / at.made_for
+        turn = at.water("curvature", at.x + at.lead * pace) * pace
+        held = {name: self._now(at, name) for name in self.lines[0].numbers()}
+        off_y = at.y - held["held_y"]
+        off_psi = at.psi - held["held_psi"] - held["turn_psi"] * turn / share
+        off_v = at.v - held["held_v"] * share - held["turn_v"] * turn
+        off_rudder = at.rudder - held["held_rudder"] - held["turn_rudder"] * turn / share
+        by_integral = held["by_integral"] * share * share
+        wanted = -(
+            share * (held["by_y"] * off_y + held["by_psi"] * off_psi + held["by_rudder"] * off_rudder)
+            + held["by_v"] * off_v + held["by_r"] * (at.r - turn) + by_integral * at.integral
+        )  # fmt: skip
+        # The rudder's own term as it will be at the end of the step: a long step does not overshoot.
+        move = at.dt * wanted / (1 + at.dt * share * held["by_rudder"])
+        order = clip(at.rudder + clip(move, at.dt * at.rudder_rate), at.rudder_limit)
+        wound = (move - (order - at.rudder)) / (by_integral * at.unwinding)
+        return {"rudder": order}, {"integral": at.integral + at.dt * off_y + wound}
+
+    def _now(self, at: Any, name: str) -> Any:
+        """A number of the line that is held now."""
+        value = getattr(at, f"{name}_0")
+        for index in range(1, len(self.lines)):
+            begun = at.t + EARLY * at.dt - getattr(at, f"start_{index}")
+            value = choice(begun, getattr(at, f"{name}_{index}"), value)
+        return value
