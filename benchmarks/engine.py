@@ -29,12 +29,14 @@ from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
+from narrows.simulation.tangent_march import TangentMarch
 from narrows.waterway import Bank, Centreline, Waterway
 
 PAPER, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")
 VALUES = {**PAPER.configuration.values(), **PAPER.coefficients, "heave": 0.0}
 ROUNDS = 7
 STEPS = 240
+DIRECTIONS = 26
 PILOTED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 
 
@@ -206,6 +208,23 @@ def jacobians(kcs: nw.Model) -> None:
     shown("A and B at 30 points", "us", cost)
 
 
+def tangents(kcs: nw.Model) -> None:
+    """A step with the derivatives of its state along 26 directions: start, coefficients, forces."""
+    start, times = {"y": 10.0, "u": 4.5}, np.arange(0.0, 500.0, 0.5)
+    cost: dict[str, list[float]] = {}
+    for name, model, told in (("bank and rudder", kcs, {}), ("MMG", KVLCC2, {"revolutions": 10.0, "contact": "none"})):
+        names = (*START, *model.terms.names, "Y", "N")[:DIRECTIONS]
+        march = TangentMarch.of(model, names, {**start, **told, "N": 1.0})
+        march.slopes(times)
+        for _ in range(ROUNDS):
+            begun = time.process_time_ns()
+            march.slopes(times)
+            cost.setdefault(f"{name}, {len(names)} directions", []).append(
+                (time.process_time_ns() - begun) / (len(times) - 1) / 1e3
+            )
+    shown("a step with its tangent, in a voyage of 1000", "us", cost)
+
+
 START_UP = """
 import time, narrows as nw
 begun = time.perf_counter()
@@ -252,6 +271,7 @@ def main() -> None:
     calls(kcs)
     voyages(kcs)
     jacobians(kcs)
+    tangents(kcs)
     if not small:
         starts()
 

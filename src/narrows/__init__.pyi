@@ -71,6 +71,7 @@ from .simulation import Controller as Controller
 from .simulation import Jacobian as Jacobian
 from .simulation import Outcome as Outcome
 from .simulation import RudderSchedule as RudderSchedule
+from .simulation import Sensitivities as Sensitivities
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
 from .simulation import bank_stiffness as bank_stiffness
@@ -80,6 +81,7 @@ from .simulation import ensemble as ensemble
 from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
 from .simulation import jacobian as jacobian
+from .simulation import sensitivities as sensitivities
 from .simulation import simulate as simulate
 from .simulation import stability as stability
 from .terms.about import TermKind as TermKind

@@ -197,6 +197,11 @@ class Table:
                 {"model": paper(), "y": 0.6, "u": 1.1, "x": 2.0, "psi": 0.1, "v": 0.05, "r": 0.01, **FORCES, **FREE},
                 answer=lambda found: found.to_dict(),
             ),
+            "sensitivities": Entry(
+                {"model": steered(), "by": ("y", "b_bank"), "y": 0.5, "u": 1.0, "duration": 1.0, "dt": 0.1},
+                {"model": paper(), "by": ("y", "c_bank"), "y": 0.6, "u": 1.1, "duration": 1.5, "dt": 0.05},
+                answer=lambda found: found.slopes,
+            ),
             "grounding_distance": Entry({"voyages": fleet()}, {"voyages": fleet(0.05)}),
             "grounding_probability": Entry(
                 {"voyages": fleet(), "distance": 8.0, "over": "sample"},

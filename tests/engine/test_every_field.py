@@ -13,7 +13,7 @@ import narrows as nw
 
 MADE = {
     "CaptiveTests", "Comparison", "DepthCorrected", "Explanation", "Fit", "InputError", "Jacobian", "Model", "Outcome",
-    "OutsideRules", "Plan", "SafeEnvelope", "Scaled", "Squat", "Trials", "Turning", "Voyage",
+    "OutsideRules", "Plan", "SafeEnvelope", "Scaled", "Sensitivities", "Squat", "Trials", "Turning", "Voyage",
 }  # fmt: skip
 """What functions return."""
 VOCABULARY = {

@@ -18,7 +18,7 @@ from narrows.quantities.names import MOTION, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
 VOCABULARY = {**REGRESSOR_INPUTS, **{word: said for own in STANDARD for word, said in own.quantities.items()}}
-NEVER_IMPORTED = ("narrows.codegen.kernels.queue", "narrows.codegen.kernels.newton")
+NEVER_IMPORTED = tuple(f"narrows.codegen.kernels.{name}" for name in ("queue", "newton", "sensitivity"))
 """Source text that goes into compiled programs."""
 SPOKEN_OF_ELSEWHERE = ("narrows.cli", "narrows.codegen")
 """Options of the command line say what they are in --help; the compiler's inner parts speak to each other."""

@@ -180,6 +180,53 @@ class System:
 
         return generated("kernel", (*self.key, vessel_inputs, precision), text)
 
+    def tangent(self, moving: tuple[str, ...]) -> ModuleType:
+        """Return the module that sails a voyage with its slopes; its ``march`` compiles when first called.
+
+        Parameters
+        ----------
+        moving : tuple of str
+            Inputs of the step that have slopes, beside what is kept from step to step.
+        """
+
+        def text() -> str:
+            from narrows.codegen.tangent import tangent_text
+
+            return tangent_text(self.step, self.choices.kept, moving, version("narrows"))
+
+        return generated("tangent", (*self.key, moving), text)
+
+    def constants_slopes(
+        self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]
+    ) -> dict[str, np.ndarray | float]:
+        """Differentiate what stays the same through a voyage along some directions, by the names of the lines.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            As for ``constants``.
+        slopes : mapping of str to array (directions,)
+            Of those values that move.
+        """
+        functions = self._constants_slopes
+        known = DEFAULTS | dict(values)
+        numbers = [float(np.ravel(known[name])[0]) for name in functions.PARAMETERS]
+        along = [slopes.get(name, 0.0) for name in functions.PARAMETERS]
+        return dict(zip(self.scalar.CONSTANTS, functions.constants_slopes(*numbers, *along), strict=True))
+
+    @cached_property
+    def _constants_slopes(self) -> SimpleNamespace:
+        from narrows.codegen.functions import column_functions
+
+        def text() -> str:
+            from narrows.codegen.tangent import constants_text
+
+            return constants_text(self.rates)
+
+        scope: dict[str, Any] = dict(column_functions())
+        exec(compile(source("constants", self.key, text), "<constants>", "exec"), scope)
+        return SimpleNamespace(**scope)
+
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.
         return System, (self.table, self.surge, self.coriolis, self.choices)

@@ -27,8 +27,11 @@ from narrows.report.uncertainty_figures import comparison_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
 from narrows.safety import OutsideRules, SafeEnvelope
 from narrows.simulation.linear_motion import Jacobian
+from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
+
+MOST_CURVES = 5
 
 
 @singledispatch
@@ -73,6 +76,18 @@ def _eigenvalues(poles: np.ndarray) -> Figure:
     axes[0, 0].axvline(0, color=BLACK, linewidth=0.7)
     axes[0, 0].set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
     axes[0, 0].grid(alpha=0.3)
+    return figure
+
+
+@figure_of.register
+def _(result: Sensitivities) -> Figure:
+    """How far one percent more of each number moves the offset, those that move it most."""
+    figure, axes = panels(1, 1, 3.2)
+    for name in list(result.for_one_percent())[:MOST_CURVES]:
+        axes[0, 0].plot(result.voyage.t, 0.01 * result.values[name] * result.of("y", name), label=name)
+    axes[0, 0].set(xlabel="time [s]", ylabel="offset moved by one percent more [m]")
+    axes[0, 0].grid(alpha=0.3)
+    axes[0, 0].legend(frameon=False)
     return figure
 
 

@@ -14,6 +14,8 @@ from .maps import grounding_distance as grounding_distance
 from .maps import grounding_probability as grounding_probability
 from .outcome import Outcome as Outcome
 from .reference import accelerations as accelerations
+from .sensitivities import Sensitivities as Sensitivities
+from .sensitivities import sensitivities as sensitivities
 from .stability import bank_stiffness as bank_stiffness
 from .stability import eigenvalues as eigenvalues
 from .stability import stability as stability
