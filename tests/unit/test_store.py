@@ -119,13 +119,17 @@ def code(child):
 
 start = time.perf_counter()
 assert code(sailing(folder / "whole")) == 0
-whole, killed = time.perf_counter() - start, 0
-for number in range(int(sys.argv[2])):
-    child = sailing(folder / str(number))
-    time.sleep(whole * (number + 0.5) / int(sys.argv[2]))
+whole, killed, tried, wanted = time.perf_counter() - start, 0, 0, int(sys.argv[2])
+while killed < wanted and tried < 5 * wanted:
+    child = sailing(folder / str(tried))
+    time.sleep(whole * (killed + 0.5) / wanted)
     os.kill(child, signal.SIGKILL)
-    killed += code(child) == -signal.SIGKILL
-    assert code(sailing(folder / str(number))) == 0, number
+    if code(child) == -signal.SIGKILL:
+        killed += 1
+    else:
+        whole *= 0.8  # it was done before: this machine has grown quicker
+    assert code(sailing(folder / str(tried))) == 0, tried
+    tried += 1
 print(killed)
 """
 
@@ -136,7 +140,7 @@ def test_killed_at_any_moment_it_goes_on(tmp_path: Path) -> None:
         [sys.executable, "-W", "ignore", "-c", KILLED, tmp_path, "12"], capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert int(done.stdout) > 6
+    assert int(done.stdout) == 12
 
 
 @pytest.fixture(scope="module")
