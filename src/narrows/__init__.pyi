@@ -1,4 +1,5 @@
 from . import control as control
+from . import estimation as estimation
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
 from .captive import StraightRun as StraightRun

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
 from narrows.errors import InputError
+from narrows.estimation import Consistency, EstimatedTrack
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.manoeuvres import Trials
@@ -17,6 +18,7 @@ from narrows.model.model import Model
 from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
 from narrows.report.envelope_chart import envelope_chart
+from narrows.report.estimation_figures import consistency_figure, track_figure
 from narrows.report.fit_figures import intervals_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
 from narrows.report.model_figures import model_figure
@@ -54,6 +56,8 @@ def figure_of(result: Any) -> Figure:
 figure_of.register(Fit, intervals_figure)
 figure_of.register(OutsideRules, rules_figure)
 figure_of.register(SafeEnvelope, envelope_chart)
+figure_of.register(EstimatedTrack, track_figure)
+figure_of.register(Consistency, consistency_figure)
 figure_of.register(Trials, manoeuvres_figure)
 figure_of.register(Voyage, voyage_figure)
 figure_of.register(CaptiveTests, motions_figure)

@@ -10,7 +10,7 @@ import numpy as np
 from narrows.identification.motions import EDGE, DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.error_model import pseudo_inverse, whitened
-from narrows.identification.uncertainty.estimator import estimator
+from narrows.identification.uncertainty.linear_estimator import estimator
 from narrows.identification.uncertainty.second_level import SecondLevel
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 

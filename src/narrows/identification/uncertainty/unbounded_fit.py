@@ -17,7 +17,7 @@ from narrows.identification.uncertainty.error_model import (
     pseudo_inverse,
     repeatability,
 )
-from narrows.identification.uncertainty.estimator import Estimator, estimator
+from narrows.identification.uncertainty.linear_estimator import LinearEstimator, estimator
 from narrows.identification.uncertainty.run_errors import RunErrors
 from narrows.identification.uncertainty.second_level import SecondLevel, second_level
 
@@ -47,7 +47,7 @@ class ErrorModel:
         The fit without bounds, but for those that the data reject.
     held : array (p,) of bool
         Parameters held at a bound.
-    best : Estimator
+    best : LinearEstimator
         That fit.
     covariance : array (blocks, q, q)
         Of the motions' errors, widened by lack of fit.
@@ -61,7 +61,7 @@ class ErrorModel:
     fit: tuple[LackOfFit, ...]
     theta: np.ndarray
     held: np.ndarray
-    best: Estimator
+    best: LinearEstimator
     covariance: np.ndarray
     shown: np.ndarray
 
@@ -76,7 +76,7 @@ class ErrorModel:
         return np.array([own.freedom if own.scatter > 1 else MANY for own in self.fit])
 
     @cached_property
-    def left_out(self) -> list[Estimator]:
+    def left_out(self) -> list[LinearEstimator]:
         """The fit without each motion."""
         level = self.level
         count = int(level.motion.max()) + 1
@@ -84,7 +84,7 @@ class ErrorModel:
         grams = (np.swapaxes(flat, 2, 3) @ flat).sum(axis=0)
         inverses, known = pseudo_inverse(grams.sum(axis=0) - grams)
         masks = (level.motion[None] != np.arange(count)[:, None])[:, :, None, None]
-        return [Estimator(level.d * m, p, k) for m, p, k in zip(masks, inverses, known, strict=True)]
+        return [LinearEstimator(level.d * m, p, k) for m, p, k in zip(masks, inverses, known, strict=True)]
 
     @cached_property
     def jackknife(self) -> tuple[np.ndarray, np.ndarray]:

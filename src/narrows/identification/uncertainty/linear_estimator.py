@@ -8,7 +8,7 @@ from narrows.identification.uncertainty.error_model import pseudo_inverse
 
 
 @dataclass(frozen=True)
-class Estimator:
+class LinearEstimator:
     """``theta = P Z'y``, with P the inverse of Z'D.
 
     Parameters
@@ -35,14 +35,14 @@ class Estimator:
         """
         return np.asarray(self.inverse @ np.tensordot(self.z, y, axes=((0, 1), (0, 1))))
 
-    def covariance(self, v: np.ndarray, other: "Estimator | None" = None) -> np.ndarray:
+    def covariance(self, v: np.ndarray, other: "LinearEstimator | None" = None) -> np.ndarray:
         """Return the covariance (p, p) of its estimates, or that with another's.
 
         Parameters
         ----------
         v : array (blocks, q, q)
             Of the second level.
-        other : Estimator, optional
+        other : LinearEstimator, optional
             The other.
         """
         second = other or self
@@ -51,7 +51,7 @@ class Estimator:
         return np.asarray(self.inverse @ middle @ second.inverse.T)
 
 
-def estimator(z: np.ndarray, d: np.ndarray | None = None) -> Estimator:
+def estimator(z: np.ndarray, d: np.ndarray | None = None) -> LinearEstimator:
     """Make an estimator of its instruments (ours).
 
     Parameters
@@ -63,4 +63,4 @@ def estimator(z: np.ndarray, d: np.ndarray | None = None) -> Estimator:
     """
     flat = z.reshape(-1, z.shape[2])
     inverse, known = pseudo_inverse(flat.T @ (flat if d is None else d.reshape(flat.shape)))
-    return Estimator(z, inverse, known)
+    return LinearEstimator(z, inverse, known)

@@ -1,0 +1,16 @@
+"""Estimation: where a ship is, how it moves and what acts on it, from its sensors and its model."""
+
+from narrows.estimation.consistency import Consistency as Consistency
+from narrows.estimation.consistency import consistency as consistency
+from narrows.estimation.estimate import Estimate as Estimate
+from narrows.estimation.estimated_track import EstimatedTrack as EstimatedTrack
+from narrows.estimation.estimator import Estimator as Estimator
+from narrows.estimation.process_noise import Prior as Prior
+from narrows.estimation.process_noise import ProcessNoise as ProcessNoise
+from narrows.estimation.satellite_sensors import CourseOverGround as CourseOverGround
+from narrows.estimation.satellite_sensors import Gnss as Gnss
+from narrows.estimation.sensor import Sensor as Sensor
+from narrows.estimation.ship_sensors import Gyro as Gyro
+from narrows.estimation.ship_sensors import Log as Log
+from narrows.estimation.ship_sensors import RateOfTurn as RateOfTurn
+from narrows.estimation.ship_sensors import RudderIndicator as RudderIndicator

@@ -1,0 +1,294 @@
+"""Consistency: whether errors are as large as the estimate says they are, on twins whose truth is known.
+
+References
+----------
+Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications to tracking and navigation, section 5.4.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.codegen.free_motion import Surge
+from narrows.errors import InputError, check_count
+from narrows.estimation.estimator import Estimator
+from narrows.estimation.process_noise import Prior, ProcessNoise
+from narrows.estimation.ship_filter import Coefficients
+from narrows.estimation.states import STATES
+from narrows.estimation.twins import Twins, check_law, sail_twins
+from narrows.model.model import Model
+from narrows.results import Shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
+    from narrows.simulation.controllers import ControlLaw
+    from narrows.waterway.waterway import Waterway
+
+Readings = dict[str, Any]
+Fault = Callable[[float, Readings], Readings]
+"""Takes the time and the readings, and returns what is told instead."""
+CHANCE = 0.95
+SETTLING = 60.0
+"""Of a ship of 230 m [s], which are left out at the start."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Consistency(Shown):
+    """Errors of an estimate on twins, over what it says of itself.
+
+    Parameters
+    ----------
+    t : array (times,) [s]
+        Time.
+    error : array (twins, times, states)
+        Estimate less truth; NaN where there was no estimate.
+    std : array (twins, times, states)
+        Standard deviations that the estimate says.
+    nees : array (twins, times) [1]
+        Error squared over its covariance, of all states together.
+    nis : dict of str to array (twins, times) [1]
+        Normalised innovation squared of each sensor; NaN where it told nothing.
+    refused, suspected : dict of str to array (twins, times) of bool
+        Where a gate refused a reading, and where a sensor's readings lean to one side.
+    numbers : dict of str to int
+        Numbers that each sensor measures.
+    states : tuple of str
+        What is estimated.
+    settled : float [s]
+        From when on it counts.
+    aground : int
+        Twins that met a bank, which are left out.
+    notes : tuple of str
+        What to know of it.
+    """
+
+    t: np.ndarray
+    error: np.ndarray
+    std: np.ndarray
+    nees: np.ndarray
+    nis: dict[str, np.ndarray]
+    refused: dict[str, np.ndarray]
+    suspected: dict[str, np.ndarray]
+    numbers: dict[str, int]
+    states: tuple[str, ...]
+    settled: float
+    aground: int
+    notes: tuple[str, ...]
+
+    @property
+    def counted(self) -> np.ndarray:
+        """Which times count."""
+        return np.asarray(self.t >= self.settled)
+
+    @property
+    def mean_nees(self) -> float:
+        """Mean NEES over the number of states [1]: 1 where the estimate is as sure as it should be."""
+        return float(np.nanmean(self.nees[:, self.counted]) / len(self.states))
+
+    @property
+    def median_nees(self) -> float:
+        """Median NEES over the median of chi-squared [1]."""
+        from scipy.stats import chi2
+
+        return float(np.nanmedian(self.nees[:, self.counted]) / chi2.median(len(self.states)))
+
+    def bounds(self, count: int | None = None) -> tuple[float, float]:
+        """Return between what the mean NEES of all twins at one time lies by chance, over the number of states [1].
+
+        Parameters
+        ----------
+        count : int, optional
+            Numbers of the squared error; the states unless given.
+        """
+        from scipy.stats import chi2
+
+        freedom = len(self.nees) * (count or len(self.states))
+        tail = (1 - CHANCE) / 2
+        return float(chi2.ppf(tail, freedom) / freedom), float(chi2.isf(tail, freedom) / freedom)
+
+    @property
+    def within(self) -> float:
+        """Share of the times at which the mean NEES of all twins lies within its bounds [1]; 0.95 by chance."""
+        low, high = self.bounds()
+        mean = np.nanmean(self.nees[:, self.counted], axis=0) / len(self.states)
+        return float(np.mean((low <= mean) & (mean <= high)))
+
+    @property
+    def mean_nis(self) -> dict[str, float]:
+        """Mean NIS of each sensor over its numbers [1]."""
+        return {name: float(np.nanmean(nis[:, self.counted]) / self.numbers[name]) for name, nis in self.nis.items()}
+
+    @property
+    def rmse(self) -> dict[str, float]:
+        """Root of the mean squared error of each state."""
+        squared = np.nanmean(self.error[:, self.counted] ** 2, axis=(0, 1))
+        return dict(zip(self.states, np.sqrt(squared).tolist(), strict=True))
+
+    @property
+    def covered(self) -> dict[str, float]:
+        """Share of the errors of each state within the band of 95 % [1]."""
+        inside = np.abs(self.error) <= 1.959964 * self.std
+        known = np.isfinite(self.error)
+        shares = (inside & known)[:, self.counted].sum(axis=(0, 1)) / known[:, self.counted].sum(axis=(0, 1))
+        return dict(zip(self.states, shares.tolist(), strict=True))
+
+    def summary(self) -> str:
+        """Say how large the errors are over what the estimate says."""
+        low, high = self.bounds()
+        count, n = len(self.nees), len(self.states)
+        nis = ", ".join(f"{name} {value:.2f}" for name, value in self.mean_nis.items())
+        rmse = ", ".join(f"{name} {value:.2g} {STATES[name][0]}" for name, value in self.rmse.items())
+        told = [
+            f"NEES of {n} states over {n} on {count} twins: mean {self.mean_nees:.2f}, median over that of chi-squared "
+            f"{self.median_nees:.2f}.",
+            f"At {self.within:.0%} of the times its mean lies within {low:.2f} to {high:.2f}; by chance it is 95 %.",
+            f"NIS over its numbers: {nis}.",
+            f"Root mean square errors: {rmse}.",
+        ]
+        if self.aground:
+            told.append(f"{self.aground} twins met a bank and are left out.")
+        return "\n".join(told)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the measures by name."""
+        names = ("mean_nees", "median_nees", "within", "mean_nis", "rmse", "covered", "aground", "states")
+        measures = {name: getattr(self, name) for name in names}
+        bounds = {"bounds": self.bounds(), "twins": len(self.nees), "settled": self.settled}
+        return {**measures, **bounds, "summary": self.summary(), "notes": list(self.notes)}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give a row a state: unit, root mean square error, share within the band of 95 %."""
+        import pandas as pd
+
+        columns = {"unit": {name: STATES[name][0] for name in self.states}, "rmse": self.rmse, "covered": self.covered}
+        return pd.DataFrame(columns, index=pd.Index(self.states, name="state"))
+
+    def dataset(self) -> "xarray.Dataset":
+        """Return errors, standard deviations, NEES and NIS of every twin at every time."""
+        import xarray
+
+        over = ("twin", "t")
+        data: dict[str, Any] = {"nees": (over, self.nees, {"units": "1"})}
+        for place, name in enumerate(self.states):
+            units = {"units": STATES[name][0], "long_name": STATES[name][1]}
+            data |= {
+                f"{name}_error": (over, self.error[..., place], units),
+                f"{name}_std": (over, self.std[..., place], units),
+            }
+        data |= {f"{name}_nis": (over, nis, {"units": "1"}) for name, nis in self.nis.items()}
+        return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s"})}, attrs={"summary": self.summary()})
+
+
+def consistency(
+    model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
+    drawn: bool = False, seed: int = 0, x: float = 0.0, controller: "ControlLaw | None" = None,
+    excitation: float = math.radians(3.0), fault: Fault | None = None, waterway: "Waterway | None" = None,
+    noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "considered",
+    refusing: float = 1e-5, step: float | None = None, surge: Surge = "held", surge_inertia: float | None = None,
+    coriolis: bool = False,
+) -> Consistency:  # fmt: skip
+    """Try an estimator on twins: ships that sail by the model, whose truth is known (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder, unless a controller is given that needs none.
+    sensors : sequence of Sensor and RudderIndicator
+        As for ``Estimator``.
+    y : float [m]
+        Offset that the twins hold.
+    u : float [m/s]
+        Their speed.
+    twins : int
+        How many.
+    duration : float [s]
+        How long each sails.
+    drawn : bool
+        Give each twin coefficients of its own, from the covariance of the fit: does the estimate say how wrong the
+        model may be?
+    seed : int
+        Of all that is drawn.
+    x : float [m]
+        Where they start along the waterway.
+    controller : ControlLaw, optional
+        What steers them; the track pilot of this offset and speed unless given.
+    excitation : float [rad]
+        Rudder that is put over and back beside it, so that the motion tells something.
+    fault : callable, optional
+        Takes time and readings and returns what is told instead: a jump, a silence, a spoof.
+    waterway, noise, prior, coefficients, refusing, step, surge, surge_inertia, coriolis : optional
+        As for ``Estimator``.
+
+    Returns
+    -------
+    Consistency
+        NEES, NIS and errors, with the bounds of chance.
+
+    Raises
+    ------
+    InputError
+        Where a value does not fit, no pilot holds the ship there, or all twins run aground.
+    """
+    check_count("twins", twins, 1)
+    check_count("seed", seed)
+    check_law(controller)
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise InputError(f"duration = {duration} is no time to sail; give seconds over 0")
+
+    def estimator() -> Estimator:
+        return Estimator(
+            model, sensors, waterway=waterway, noise=noise, prior=prior, coefficients=coefficients, refusing=refusing,
+            step=step, surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
+        )  # fmt: skip
+
+    first = estimator()
+    psi = 0.0
+    if controller is None:
+        from narrows.control.track_pilot import track_pilot
+
+        controller = track_pilot(model, y, u)
+        psi = float(controller.psi)
+    truth = sail_twins(first.filter, controller, (x, y, u, psi), twins, duration, drawn, excitation, seed)
+    afloat = np.flatnonzero(~truth.aground)
+    if not len(afloat):
+        raise InputError("every twin ran aground; choose an offset and a speed at which the controller holds the ship")
+    settled = min(SETTLING * math.sqrt(model.configuration.ship.length / 230.0), duration / 2)
+    return _told(first, truth, afloat, fault, settled)
+
+
+def _told(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | None, settled: float) -> Consistency:
+    filter = first.filter
+    shape = (len(afloat), len(truth.t))
+    error, std = np.full((2, *shape, len(filter.states)), np.nan)
+    nees = np.full(shape, np.nan)
+    nis = {name: np.full(shape, np.nan) for name in filter.sensors}
+    refused, suspected = ({name: np.zeros(shape, bool) for name in filter.sensors} for _ in range(2))
+    for row, twin in enumerate(afloat):
+        first.forget()
+        for number, t in enumerate(truth.t):
+            readings: Readings = {name: told[number, twin] for name, told in truth.readings.items()}
+            readings = {name: told for name, told in readings.items() if np.isfinite(told).all()}
+            readings |= dict(zip(filter.actuators, truth.indicated[number, twin], strict=True))
+            estimate = first.update(float(t), fault(float(t), readings) if fault else readings)
+            if estimate.normal is None or not estimate.ready:
+                continue
+            off = estimate.normal.mean - truth.states[number, twin]
+            off[2] = math.remainder(off[2], 2 * math.pi)
+            error[row, number], std[row, number] = off, np.sqrt(estimate.covariance.diagonal())
+            nees[row, number] = off @ np.linalg.solve(estimate.covariance, off)
+            for name, value in estimate.nis.items():
+                nis[name][row, number] = value
+            for name in estimate.refused:
+                refused[name][row, number] = True
+            for name in estimate.suspects:
+                suspected[name][row, number] = True
+    numbers = {name: len(sensor.fields) for name, sensor in filter.sensors.items()}
+    return Consistency(
+        truth.t, error, std, nees, nis, refused, suspected, numbers, filter.states.names, settled,
+        int(truth.aground.sum()), first.notes,
+    )  # fmt: skip

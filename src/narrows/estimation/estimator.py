@@ -1,0 +1,400 @@
+"""The estimator: where a ship is, how it moves, and what banks, current and gear do to it, from readings."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+import numpy as np
+
+from narrows.codegen.free_motion import Surge
+from narrows.errors import Described, InputError, check_choice
+from narrows.estimation.drift_monitor import DriftMonitor
+from narrows.estimation.estimate import Estimate
+from narrows.estimation.estimated_track import EstimatedTrack
+from narrows.estimation.process_noise import Prior, ProcessNoise
+from narrows.estimation.readings import Reading, checked_readings
+from narrows.estimation.records import records_of
+from narrows.estimation.recursion import Believed
+from narrows.estimation.ship_filter import Coefficients, ShipFilter, parted, usual_step
+from narrows.estimation.smoothing_pass import smooth
+from narrows.estimation.unscented import Normal
+from narrows.model.model import Model
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+LONGEST_GAP = 600.0
+"""Without any call [s], after which an estimate is begun anew."""
+SILENT = 5.0
+"""Periods without a reading, after which that is told."""
+SAME = 1e-9
+"""Times [s] that are one."""
+
+
+class Moment(NamedTuple):
+    """What is known at a time, to go on from or to go back to.
+
+    Parameters
+    ----------
+    t : float [s]
+        When.
+    normal : Normal
+        The state.
+    positions : array (actuators,)
+        Indicated positions.
+    readings : dict of str to tuple of float
+        What was measured then.
+    monitor : DriftMonitor
+        After them.
+    """
+
+    t: float
+    normal: Normal
+    positions: np.ndarray
+    readings: dict[str, tuple[float, ...]]
+    monitor: DriftMonitor
+
+
+class Estimator(Described):
+    """A square-root unscented filter of a ship in a canal or a waterway, in real time.
+
+    Usually it carries the uncertainty of the model's coefficients and never corrects them from readings (Schmidt's
+    consider form): a filter that trusts its coefficients looks right by its innovations where its state is wrong.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    sensors : sequence of Sensor and RudderIndicator
+        What measures: ``Gnss``, ``Gyro``, ``RateOfTurn``, ``Log``, ``CourseOverGround``, ``RudderIndicator``, or
+        objects of your own that keep to ``Sensor``.
+    waterway : Waterway, optional
+        Where it sails instead of the model's own canal.
+    noise : ProcessNoise, optional
+        How fast the motion wanders from the model; by the ship's length unless given.
+    prior : Prior, optional
+        What is believed before any reading; by the ship's length unless given.
+    coefficients : {"considered", "certain", "estimated"}
+        Whether the uncertainty of the coefficients, where the model has their covariance, is carried, left out, or
+        corrected by the readings, which takes several times as long.
+    refusing : float [1]
+        Probability with which a gate refuses a sound reading; 0 for no gates.
+    step : float [s], optional
+        Longest step of the motion; a quarter of the root of length over gravity unless given.
+    surge : {"held", "free"}
+        ``held``: the speed wanders as a random walk; ``free``: by the model too.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+    coriolis : bool
+        Add the rigid body's Coriolis force.
+
+    Raises
+    ------
+    InputError
+        Where a sensor is none, two share a name, or a number is none.
+
+    References
+    ----------
+    van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
+    Schmidt (1966), Application of state-space methods to navigation problems.
+    """
+
+    def __init__(
+        self, model: Model, sensors: Sequence[Any], *, waterway: "Waterway | None" = None,
+        noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "considered",
+        refusing: float = 1e-5, step: float | None = None,
+        surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
+    ) -> None:  # fmt: skip
+        check_choice("coefficients", coefficients, get_args(Coefficients))
+        length = model.configuration.ship.length
+        by_name, indicator = parted(sensors)
+        self.filter = ShipFilter(
+            model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
+            prior or Prior.of_length(length), coefficients, refusing,
+            usual_step(model) if step is None else float(step), surge, surge_inertia, coriolis,
+        )  # fmt: skip
+        self._horizon = max(sensor.late for sensor in by_name.values())
+        self._last: Normal | None = None
+        self._at_rest = self._positions_at_rest()
+        self._begin_anew()
+
+    def _positions_at_rest(self) -> np.ndarray:
+        values = self.filter.ship.values()
+        return np.array([float(values.get(name) or 0.0) for name in self.filter.actuators])
+
+    def _begin_anew(self) -> None:
+        """From here on nothing is known but the last state."""
+        self._start = self.filter.start()
+        self._history: list[Moment] = []
+        self._heard: dict[str, float] = {}
+
+    def forget(self) -> None:
+        """Begin anew, as if nothing had come in yet."""
+        self._last = None
+        self._begin_anew()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What to know before the estimates are used."""
+        model = self.filter.model
+        why = "The model has no covariance of its coefficients, so the estimate takes them for certain."
+        return (*model.bank_notes, *((why,) if model.covariance is None else ()))
+
+    def summary(self) -> str:
+        """Say what is estimated from what."""
+        filter = self.filter
+        return (
+            f"{', '.join(filter.states.names)} of {filter.model.configuration.ship.name} by {', '.join(filter.sensors)}"
+        )
+
+    def update(self, t: float, readings: Mapping[str, Any] | None = None, **named: Reading) -> Estimate:
+        """Take what came in at a time, and return the estimate at that time.
+
+        A reading is as old as its sensor is late; one that is older than what is known already is put where it belongs
+        and what came after it is done again. NaN is a reading that did not come. The rudder's angle and the propeller's
+        revolutions stay what they were until they are told anew.
+
+        Parameters
+        ----------
+        t : float [s]
+            Now.
+        readings : mapping of str to float or sequence of float, optional
+            By the names of sensors and actuators: ``{"gnss": (x, y), "gyro": psi, "rudder": angle}``, SI and rad.
+        **named : float or sequence of float
+            The same by keyword.
+
+        Returns
+        -------
+        Estimate
+            Finite numbers whatever came in; what was wrong with it is in its ``notes``.
+
+        Raises
+        ------
+        InputError
+            Where the time is no number, or a reading is of no sensor, or not of as many numbers as the sensor's.
+        """
+        if not math.isfinite(t):
+            raise InputError(f"t = {t} is no time; give seconds")
+        told = checked_readings({**(readings or {}), **named}, self.filter.sensors, self.filter.actuators)
+        notes = list(told.notes)
+        if self._history and t - self._history[-1].t > LONGEST_GAP:
+            notes.append(f"Nothing came for {t - self._history[-1].t:.0f} s: the estimate begins anew.")
+            self._begin_anew()
+        if not self._history:
+            return self._waited(float(t), told.measured, told.positions, notes)
+        return self._went_on(float(t), told.measured, told.positions, notes)
+
+    def run(self, records: Any) -> EstimatedTrack:
+        """Estimate a whole record as it would have been in real time; it begins anew.
+
+        Parameters
+        ----------
+        records : DataFrame, Dataset or mapping of str to array
+            A row a time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...) and positions of
+            actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN where nothing came in.
+
+        Returns
+        -------
+        EstimatedTrack
+            From the first time at which there was enough to start from.
+
+        Raises
+        ------
+        InputError
+            Where a column belongs to nothing, times do not rise, or there is never enough to start from.
+        """
+        told = records_of(records, self.filter.sensors, self.filter.actuators)
+        self.forget()
+        found = [self.update(t, {**readings, **positions}) for t, readings, positions in told.rows()]
+        known = [estimate for estimate in found if estimate.normal is not None]
+        if not known:
+            raise InputError(
+                f"no row of these records tells {self._start.lacking}; an estimate starts from all of them"
+            )
+        flags = [
+            {name: np.array([name in said(estimate) for estimate in known]) for name in self.filter.sensors}
+            for said in (attrgetter("refused"), attrgetter("suspects"))
+        ]
+        mean = np.array([list(estimate.values.values()) for estimate in known])
+        covariance = np.array([estimate.covariance for estimate in known])
+        begun = dict.fromkeys(note for estimate in known for note in estimate.notes if note.endswith("begins anew."))
+        return EstimatedTrack(
+            np.array([estimate.t for estimate in known]), mean, covariance, self.filter.states.names,
+            np.array([estimate.ready for estimate in known]), flags[0], flags[1], False, (*self.notes, *begun),
+        )  # fmt: skip
+
+    def smooth(self, records: Any) -> EstimatedTrack:
+        """Estimate a whole record after the fact: each state by all readings, before and after it.
+
+        The uncertain coefficients are estimated along with the states, with the fit's covariance before.
+
+        Parameters
+        ----------
+        records : DataFrame, Dataset or mapping of str to array
+            As for ``run``.
+
+        Returns
+        -------
+        EstimatedTrack
+            At the times of the record from the first at which there was enough to start from.
+
+        Raises
+        ------
+        InputError
+            As for ``run``.
+        """
+        told = records_of(records, self.filter.sensors, self.filter.actuators)
+        found = smooth(self.filter, told)
+        known = np.isfinite(found.mean[:, 0])
+        mean = found.mean[known]
+        mean[:, 2] = (mean[:, 2] + np.pi) % (2 * np.pi) - np.pi
+        flags = [{name: flag[known] for name, flag in by.items()} for by in (found.refused, found.suspected)]
+        resets = [
+            f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew." for t in found.resets
+        ]
+        return EstimatedTrack(
+            told.t[known], mean, found.covariance[known], self.filter.states.names, np.ones(int(known.sum()), bool),
+            flags[0], flags[1], True, (*self.notes, *resets),
+        )  # fmt: skip
+
+    def _waited(
+        self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
+    ) -> Estimate:
+        start = self._start
+        start.readings.update(measured)
+        self._heard.update(dict.fromkeys(measured, t))
+        if start.lacking:
+            notes.append(f"No sensor has told {start.lacking} yet, so there is nothing to start from.")
+            return self._estimate(t, self._last, False, notes)
+        late = max((self.filter.sensors[name].late for name in measured), default=0.0)
+        at = self._at_rest.copy()
+        for number, name in enumerate(self.filter.actuators):
+            at[number] = positions.get(name, at[number])
+        first = self.filter.begun(start)
+        self._history = [Moment(t - late, first, at, {}, self.filter.monitor())]
+        return self._went_on(t, {}, positions, notes)
+
+    def _went_on(
+        self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
+    ) -> Estimate:
+        last = self._history[-1]
+        if t < last.t - SAME:
+            notes.append(f"The time went back from {last.t:g} to {t:g} s: what came is taken for late.")
+        now = max(t, last.t)
+        at = last.positions.copy()
+        for number, name in enumerate(self.filter.actuators):
+            at[number] = positions.get(name, at[number]) if t >= last.t - SAME else at[number]
+        heard: list[Believed] = []
+        self._heard.update(dict.fromkeys(measured, now))
+        if t > last.t + SAME and not self._horizon:
+            afloat = self._advanced(t, at, measured, heard)
+            del self._history[:-1]
+        else:
+            afloat = self._put(t, now, measured, at, heard, notes)
+        if not afloat:
+            return self._reset(t, measured, positions, notes)
+        self._last = self._history[-1].normal
+        return self._estimate(now, self._last, True, [*notes, *self._silences(now)], heard)
+
+    def _put(
+        self, t: float, now: float, measured: dict[str, tuple[float, ...]], at: np.ndarray, heard: list[Believed],
+        notes: list[str],
+    ) -> bool:  # fmt: skip
+        """Take readings in the order in which they were measured; False where the mean of the state met a bank."""
+        groups: dict[float, dict[str, tuple[float, ...]]] = {}
+        for name, reading in measured.items():
+            groups.setdefault(t - self.filter.sensors[name].late, {})[name] = reading
+        groups.setdefault(now, {})
+        for time in sorted(groups):
+            if not self._taken(time, groups[time], at, now, heard, notes):
+                return False
+        self._forget_before(now - self._horizon)
+        return True
+
+    def _taken(
+        self, time: float, readings: dict[str, tuple[float, ...]], at: np.ndarray, now: float, heard: list[Believed],
+        notes: list[str],
+    ) -> bool:  # fmt: skip
+        """Take readings of one time where they belong; False where the mean of the state met a bank."""
+        history = self._history
+        place = bisect_right(history, time + SAME, key=lambda moment: moment.t)
+        if place == 0:
+            late = ", ".join(readings)
+            notes.append(f"What {late} told is from t = {time:g} s, before anything that is kept: it is passed over.")
+            return True
+        later, base = history[place:], history[place - 1]
+        del history[place:]
+        ahead_t, ahead = (later[0].t, later[0].positions) if later else (now, at)
+        share = 1.0 if ahead_t - base.t <= SAME else min(1.0, (time - base.t) / (ahead_t - base.t))
+        positions = base.positions + share * (ahead - base.positions)
+        if not self._advanced(time, positions, readings, heard):
+            return False
+        return all(self._advanced(moment.t, moment.positions, moment.readings) for moment in later)
+
+    def _advanced(
+        self,
+        time: float,
+        positions: np.ndarray,
+        readings: dict[str, tuple[float, ...]],
+        heard: list[Believed] | None = None,
+    ) -> bool:
+        """Go on from the last moment to a time and take readings there; False where the mean met a bank."""
+        last = self._history[-1]
+        normal, monitor, known = last.normal, last.monitor, last.readings
+        if time - last.t > SAME:
+            taken = self.filter.steps(normal, time - last.t, last.positions, positions)
+            if taken[-1].aground:
+                return False
+            normal, known = taken[-1].normal, {}
+        else:
+            self._history.pop()
+            time = last.t
+        if readings:
+            monitor = monitor.copy() if self._horizon else monitor
+            believed = self.filter.believed(normal, readings, monitor)
+            normal = believed.normal
+            if heard is not None:
+                heard.append(believed)
+        self._history.append(Moment(time, normal, positions, {**known, **readings}, monitor))
+        return True
+
+    def _reset(
+        self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
+    ) -> Estimate:
+        notes.append(f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew.")
+        self._begin_anew()
+        return self._waited(t, measured, positions, notes)
+
+    def _forget_before(self, time: float) -> None:
+        """Drop moments that no reading can be older than."""
+        history = self._history
+        while len(history) > 1 and history[1].t <= time + SAME:
+            del history[0]
+
+    def _silences(self, now: float) -> list[str]:
+        """Say which sensors have told nothing for long."""
+        silent = []
+        for name, sensor in self.filter.sensors.items():
+            quiet = now - self._heard.setdefault(name, now)
+            if quiet > SILENT * sensor.period:
+                silent.append(f"{name} has told nothing for {quiet:.0f} s.")
+        return silent
+
+    def _estimate(
+        self, t: float, normal: Normal | None, ready: bool, notes: list[str], heard: Sequence[Believed] = ()
+    ) -> Estimate:
+        nis: dict[str, float] = {}
+        for believed in heard:
+            nis |= believed.nis
+        refused = tuple(name for believed in heard for name in believed.refused)
+        suspects = tuple(name for believed in heard for name in believed.suspects)
+        if refused:
+            notes.append(f"What {' and '.join(refused)} told is too far from what was expected: it is refused.")
+        if suspects:
+            notes.append(f"What {' and '.join(suspects)} tells leans to one side: it drifts, or is led astray.")
+        if normal is not None:
+            size = len(self.filter.states)
+            normal = Normal(normal.mean[:size], normal.root[:size])
+        return Estimate(t, self.filter.states, normal, ready, nis, refused, suspects, tuple(notes))

@@ -1,0 +1,94 @@
+"""Records of a voyage: a table of what came in, a row a time, to estimate from after the fact."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean
+from narrows.estimation.sensor import Sensor
+
+TIME = "t"
+
+
+@dataclass(frozen=True)
+class Records:
+    """What came in, by columns; NaN where nothing did.
+
+    Parameters
+    ----------
+    t : array (rows,) [s]
+        When, rising.
+    readings : dict of str to array (rows, numbers)
+        By sensor.
+    positions : dict of str to array (rows,)
+        Of actuators, by name.
+    """
+
+    t: np.ndarray
+    readings: dict[str, np.ndarray]
+    positions: dict[str, np.ndarray]
+
+    def rows(self) -> Iterator[tuple[float, dict[str, np.ndarray], dict[str, float]]]:
+        """Give each time, what each sensor told, and where the actuators were, without what is NaN."""
+        for number, t in enumerate(self.t.tolist()):
+            told = {name: column[number] for name, column in self.readings.items() if np.isfinite(column[number]).all()}
+            known = {n: float(column[number]) for n, column in self.positions.items() if np.isfinite(column[number])}
+            yield t, told, known
+
+
+def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Records:
+    """Read a table of records (ours).
+
+    Parameters
+    ----------
+    table : DataFrame, Dataset or mapping of str to array
+        Columns ``t`` [s], those of the sensors' fields and of the actuators; SI and rad.
+    sensors : mapping of str to Sensor
+        By name.
+    actuators : sequence of str
+        Names of those that the model has.
+
+    Raises
+    ------
+    InputError
+        Where there is no time, it does not rise, or a column belongs to nothing.
+    """
+    columns = _columns(table)
+    fields = {field for sensor in sensors.values() for field in sensor.fields}
+    if TIME not in columns:
+        raise InputError("records need their times; give a column t [s]")
+    for name in columns:
+        if name not in fields and name not in actuators and name != TIME:
+            known = (TIME, *sorted(fields), *actuators)
+            hint = did_you_mean(name, known) or f"; there are {', '.join(known)}"
+            raise InputError(f"no sensor of this estimator tells a column {name!r}{hint}")
+    t = columns[TIME]
+    if len(t) == 0 or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any():
+        raise InputError("times of records are finite and rise; sort them, and merge rows of one time")
+    nothing = np.full(len(t), np.nan)
+    readings = {
+        name: np.stack([columns.get(field, nothing) for field in sensor.fields], axis=1)
+        for name, sensor in sensors.items()
+    }
+    return Records(t, readings, {name: columns[name] for name in actuators if name in columns})
+
+
+def _columns(table: Any) -> dict[str, np.ndarray]:
+    """A table as arrays of one length, by name."""
+    if hasattr(table, "coords") and hasattr(table, "data_vars"):
+        table = {str(name): table[name].to_numpy() for name in (*table.coords, *table.data_vars)}
+    elif hasattr(table, "reset_index"):
+        frame = table.reset_index() if table.index.name == TIME else table
+        table = {str(name): frame[name].to_numpy() for name in frame.columns}
+    if not isinstance(table, Mapping):
+        raise InputError("records are a DataFrame, a Dataset or a mapping of columns; give one")
+    try:
+        columns = {str(name): np.asarray(column, float) for name, column in table.items()}
+    except (TypeError, ValueError):
+        raise InputError("records hold what is no number; leave blanks empty (NaN), and nothing but numbers") from None
+    sizes = {column.shape for column in columns.values()}
+    if len(sizes) > 1 or any(len(size) != 1 for size in sizes):
+        raise InputError("columns of records are of one length; give a value a row, NaN where nothing came in")
+    return columns

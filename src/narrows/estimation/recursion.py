@@ -1,0 +1,244 @@
+"""The filter's two steps for a ship: its motion by lanes of the kernel, and readings of its sensors behind gates."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from narrows.estimation.drift_monitor import THRESHOLD, DriftMonitor
+from narrows.estimation.innovation_gate import gate, normalised_square
+from narrows.estimation.sensor import Sensor
+from narrows.estimation.ship_lanes import ShipLanes
+from narrows.estimation.sigma_points import Spread, sigma_points
+from narrows.estimation.states import Columns, StateNames
+from narrows.estimation.unscented import (
+    Normal,
+    Transformed,
+    corrected,
+    innovation_covariance,
+    linear,
+    predicted,
+    transformed,
+)
+
+TURN = 2.0 * math.pi
+RUDDER = "rudder"
+
+
+class Believed(NamedTuple):
+    """What became of readings.
+
+    Parameters
+    ----------
+    normal : Normal
+        The state after them.
+    nis : dict of str to float
+        Normalised innovation squared, by sensor [1].
+    refused : tuple of str
+        Sensors whose reading the gate refused.
+    suspects : tuple of str
+        Sensors whose innovations lean to one side.
+    """
+
+    normal: Normal
+    nis: dict[str, float]
+    refused: tuple[str, ...]
+    suspects: tuple[str, ...]
+
+
+class NumberLayout(NamedTuple):
+    """Numbers of some sensors side by side.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the sensors.
+    parts : tuple of slice
+        Of the numbers, those of each sensor.
+    places : array of int or slice
+        Of the numbers among those of all sensors.
+    gates : tuple of float
+        Largest normalised innovation squared of each sensor [1].
+    sigma : array
+        Standard deviations.
+    angles : array of int
+        Which are angles.
+    straight : bool
+        Whether all are linear in the state.
+    """
+
+    names: tuple[str, ...]
+    parts: tuple[slice, ...]
+    places: np.ndarray | slice
+    gates: tuple[float, ...]
+    sigma: np.ndarray
+    angles: np.ndarray
+    straight: bool
+
+
+class Recursion:
+    """Motion and measurement of one ship.
+
+    Parameters
+    ----------
+    lanes : ShipLanes
+        As many as there are sigma points.
+    states : StateNames
+        What is estimated; states after these are directions of the coefficients.
+    sensors : mapping of str to Sensor
+        By the names of their readings.
+    walks : array (n,)
+        Process noise of each state [its unit per root s].
+    moving, measuring : Spread
+        Of the points for the motion, with one pair for the rudder's noise, and for measurements.
+    rudder_noise : float [rad]
+        Standard deviation of the indicated rudder angle.
+    refusing : float [1]
+        Probability with which a gate refuses a sound reading.
+    coefficients : array (coefficients,)
+        Of the model.
+    root : array (coefficients, k)
+        Of their covariance, where they are estimated; without columns else.
+    """
+
+    def __init__(
+        self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], walks: np.ndarray, moving: Spread,
+        measuring: Spread, rudder_noise: float, refusing: float, coefficients: np.ndarray, root: np.ndarray,
+    ) -> None:  # fmt: skip
+        self.lanes, self.states, self.sensors, self.refusing = lanes, states, sensors, refusing
+        self.moving, self.measuring, self.coefficients, self.root = moving, measuring, coefficients, root
+        self._walk = np.diag(walks)[walks > 0.0]
+        self._no_disturbance = np.zeros((len(walks), 1))
+        self._displaced = rudder_noise * moving.distance[-1]
+        ends = np.cumsum([len(sensor.fields) for sensor in sensors.values()])
+        self.size = int(ends[-1])
+        self._places = dict(zip(sensors, np.split(np.arange(self.size), ends[:-1]), strict=True))
+        self._layouts: dict[tuple[str, ...], NumberLayout] = {}
+
+    def moved(
+        self, now: Normal, duration: float, start: np.ndarray, end: np.ndarray
+    ) -> tuple[Normal, Transformed, bool]:
+        """Return the state a step later, how its root was moved, and whether the mean met a bank.
+
+        Parameters
+        ----------
+        now : Normal
+            The state.
+        duration : float [s]
+            Of the step.
+        start, end : array (actuators,)
+            Indicated positions.
+        """
+        lanes, pairs = self.lanes, len(self.moving.distance)
+        starts, ends = (np.repeat(position[None], lanes.lanes, axis=0) for position in (start, end))
+        if self._displaced:
+            rudder = lanes.actuators.index(RUDDER)
+            ends[pairs, rudder] += self._displaced
+            ends[2 * pairs, rudder] -= self._displaced
+            now = Normal(now.mean, np.concatenate([now.root, self._no_disturbance], axis=1))
+        after, how = predicted(
+            now, lambda points: self._lanes_moved(points, duration, starts, ends), math.sqrt(duration) * self._walk,
+            self.moving,
+        )  # fmt: skip
+        return after, how, bool(lanes.prepared.codes[0, 0])
+
+    def _lanes_moved(self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        size = len(self.states)
+        if not self.root.shape[1]:
+            return self.lanes.moved(points, duration, start, end)
+        bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
+        columns = self.lanes.columns_of(self.coefficients + points[:, size:] @ self.root.T, bank)
+        states = self.lanes.moved(points[:, :size], duration, start, end, columns)
+        return np.concatenate([states, points[:, size:]], axis=1)
+
+    def believed(self, now: Normal, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor) -> Believed:
+        """Return the state by readings of one moment, those that no gate refuses.
+
+        Parameters
+        ----------
+        now : Normal
+            The state.
+        readings : mapping of str to sequence of float
+            By sensor, all finite.
+        monitor : DriftMonitor
+            Takes the innovations.
+        """
+        layout = self._layout(tuple(readings))
+        expected = self._expected(now, layout)
+        covariance = innovation_covariance(expected, layout.sigma, self.measuring)
+        innovation = self._innovation(layout, readings, expected.mean)
+        nis = self._squares(layout, innovation, covariance)
+        refused = tuple(name for name, most in zip(layout.names, layout.gates, strict=True) if not nis[name] <= most)
+        spread = np.sqrt(covariance.diagonal())
+        whitened, shared = innovation / spread, expected.slopes[: self.measuring.considered] / spread
+        for name, part in zip(layout.names, layout.parts, strict=True) if refused else ():
+            whitened[part] *= name not in refused  # The gate has dealt with it.
+        leans = monitor.lean(whitened, layout.places, shared)
+        after = self._corrected(now, layout, expected, innovation, covariance, refused)
+        suspects: tuple[str, ...] = ()
+        if leans.max() > THRESHOLD:
+            parts = zip(layout.names, layout.parts, strict=True)
+            suspects = tuple(name for name, part in parts if leans[part].max() > THRESHOLD)
+        return Believed(after, nis, refused, suspects)
+
+    def _squares(self, layout: NumberLayout, innovation: np.ndarray, covariance: np.ndarray) -> dict[str, float]:
+        """Normalised innovations squared, by sensor; those of one number all at once."""
+        single = (innovation * innovation / covariance.diagonal()).tolist()
+        return {
+            name: single[part.start]
+            if part.stop - part.start == 1
+            else normalised_square(innovation[part], covariance[part, part])
+            for name, part in zip(layout.names, layout.parts, strict=True)
+        }
+
+    def _layout(self, names: tuple[str, ...]) -> NumberLayout:
+        if names not in self._layouts:
+            sensors = [self.sensors[name] for name in names]
+            ends = np.cumsum([len(sensor.fields) for sensor in sensors]).tolist()
+            parts = tuple(slice(a, b) for a, b in zip([0, *ends], ends, strict=False))
+            places: Any = np.concatenate([self._places[name] for name in names])
+            places = slice(None) if names == tuple(self.sensors) else places
+            gates = tuple(gate(self.refusing, len(sensor.fields)) for sensor in sensors)
+            sigma = np.concatenate([np.array(sensor.sigma, float) for sensor in sensors])
+            angles = np.concatenate([np.array(sensor.angles, bool) for sensor in sensors])
+            straight = all(sensor.straight for sensor in sensors)
+            self._layouts[names] = NumberLayout(names, parts, places, gates, sigma, np.flatnonzero(angles), straight)
+        return self._layouts[names]
+
+    def _expected(self, now: Normal, layout: NumberLayout) -> Transformed:
+        """What is measured by the sigma points; by the root itself where that is the same."""
+        if layout.straight:
+            points = np.concatenate([now.mean[None], now.root.T])
+        else:
+            points = sigma_points(now.mean, now.root, self.measuring)
+        at = Columns(points, self.states, self.lanes.bend(float(now.mean[0])))
+        values = np.empty((len(points), len(layout.sigma)))
+        columns = (column for name in layout.names for column in self.sensors[name].measured(at))
+        for number, column in enumerate(columns):
+            values[:, number] = column
+        return linear(values) if layout.straight else transformed(values, self.measuring)
+
+    def _corrected(
+        self, now: Normal, layout: NumberLayout, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray,
+        refused: tuple[str, ...],
+    ) -> Normal:  # fmt: skip
+        sigma = layout.sigma
+        if refused:
+            kept = np.ones(len(sigma), bool)
+            for name, part in zip(layout.names, layout.parts, strict=True):
+                kept[part] = name not in refused
+            if not kept.any():
+                return now
+            expected = Transformed(*(part[..., kept] for part in expected))
+            innovation, sigma, covariance = innovation[kept], sigma[kept], covariance[np.ix_(kept, kept)]
+        return corrected(now, expected, innovation, covariance, sigma, self.measuring)
+
+    def _innovation(
+        self, layout: NumberLayout, readings: Mapping[str, Sequence[float]], expected: np.ndarray
+    ) -> np.ndarray:
+        numbers = [number for name in layout.names for number in self.sensors[name].numbers(readings[name])]
+        innovation = np.array(numbers, float) - expected
+        for angle in layout.angles:
+            innovation[angle] = math.remainder(innovation[angle], TURN)
+        return np.asarray(innovation)

@@ -1,0 +1,146 @@
+"""What a sensor is: what it measures of the state, how well, how often and how late.
+
+Places are those of the canal: x along its line, y to starboard of it; headings and courses are to its direction.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+from narrows.errors import InputError
+from narrows.estimation.states import Columns
+
+Values = tuple[Any, ...]
+
+
+@runtime_checkable
+class Sensor(Protocol):
+    """What measures: any object with these attributes is one.
+
+    ``name`` is what its readings are called, ``fields`` what its numbers are called in a table of records, ``sigma``
+    their standard deviations, ``angles`` which of them are angles [rad], ``straight`` whether they are linear in the
+    state; ``period`` [s] is how often it measures, ``late`` [s] how old a reading is when it comes.
+    """
+
+    name: str
+    period: float
+    late: float
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of its numbers."""
+
+    @property
+    def sigma(self) -> tuple[float, ...]:
+        """Standard deviations of its numbers."""
+
+    @property
+    def angles(self) -> tuple[bool, ...]:
+        """Which are angles."""
+
+    @property
+    def straight(self) -> bool:
+        """Whether its numbers are sums of states times constants."""
+
+    def measured(self, at: Columns) -> Values:
+        """Return what it measures in states.
+
+        Parameters
+        ----------
+        at : Columns
+            The states.
+        """
+
+    def numbers(self, reading: Sequence[float]) -> Values:
+        """Return a reading as the numbers that ``measured`` gives.
+
+        Parameters
+        ----------
+        reading : sequence of float
+            One for each field.
+        """
+
+    def reading(self, numbers: Values) -> Values:
+        """Return the reading of numbers as ``measured`` gives them: ``numbers`` backwards.
+
+        Parameters
+        ----------
+        numbers : tuple of float or array
+            One for each field.
+        """
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        """Return the states that a reading tells, with their standard deviations, to start from.
+
+        Parameters
+        ----------
+        reading : sequence of float
+            One for each field.
+        """
+
+
+class Measuring:
+    """Checks and defaults of the package's own sensors."""
+
+    name: str
+    period: float
+    late: float
+    fields: ClassVar[tuple[str, ...]]
+    angles: ClassVar[tuple[bool, ...]]
+    straight: ClassVar[bool] = True
+
+    def check(self, **sizes: float) -> None:
+        """Raise where a number is none.
+
+        Parameters
+        ----------
+        **sizes : float
+            Numbers that are over 0, by name.
+
+        Raises
+        ------
+        InputError
+            Names the first.
+        """
+        for name, value in {"period": self.period, **sizes}.items():
+            if not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"a sensor's {name} is a finite number over 0, and this one is {value}; give it in SI")
+        if not (math.isfinite(self.late) and self.late >= 0.0):
+            raise InputError(f"a sensor's readings cannot come {self.late} s late; give 0 or more")
+
+    def numbers(self, reading: Sequence[float]) -> Values:
+        """Return a reading as it is.
+
+        Parameters
+        ----------
+        reading : sequence of float
+            One for each field.
+        """
+        return tuple(reading)
+
+    def reading(self, numbers: Values) -> Values:
+        """Return the numbers as they are.
+
+        Parameters
+        ----------
+        numbers : tuple of float or array
+            One for each field.
+        """
+        return numbers
+
+
+def check_bias(size: float) -> None:
+    """Raise where a standard deviation is none (ours).
+
+    Parameters
+    ----------
+    size : float
+        Of a bias or a noise that may be 0.
+
+    Raises
+    ------
+    InputError
+        Where it is negative or not finite.
+    """
+    if not (math.isfinite(size) and size >= 0.0):
+        raise InputError(f"a standard deviation of {size} is none; give 0 or more")

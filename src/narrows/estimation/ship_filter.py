@@ -1,0 +1,290 @@
+"""A ship with its sensors as a filter asks for them: which states there are, how they move, what corrects them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from narrows.codegen.free_motion import Surge
+from narrows.errors import InputError
+from narrows.estimation.drift_monitor import DriftMonitor
+from narrows.estimation.process_noise import Prior, ProcessNoise
+from narrows.estimation.recursion import Believed, Recursion
+from narrows.estimation.sensor import Sensor
+from narrows.estimation.ship_lanes import RUDDER, ShipLanes, directions, lanes_of_directions
+from narrows.estimation.ship_sensors import Gyro, RudderIndicator
+from narrows.estimation.sigma_points import spread_of
+from narrows.estimation.starting import Start
+from narrows.estimation.states import MOTION_STATES, STATES, StateNames
+from narrows.estimation.unscented import Normal, Transformed
+from narrows.model.model import Model
+from narrows.quantities.constants import GRAVITY
+from narrows.simulation.inputs import Contact
+from narrows.simulation.ship import SimulatedShip
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+STEPS_A_PERIOD = 4.0
+"""Of the root of length over gravity, the time that a ship's motion takes."""
+Coefficients = Literal["considered", "certain", "estimated"]
+
+
+class MotionStep(NamedTuple):
+    """A step of the motion.
+
+    Parameters
+    ----------
+    normal : Normal
+        After it.
+    how : Transformed
+        How the root was moved.
+    aground : bool
+        Whether the mean met a bank, or is no number.
+    """
+
+    normal: Normal
+    how: Transformed
+    aground: bool
+
+
+@dataclass(frozen=True)
+class ShipFilter:
+    """What an estimator and a smoother share.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    sensors : mapping of str to Sensor
+        By the names of their readings.
+    indicator : RudderIndicator
+        What is known of the rudder.
+    waterway : Waterway, optional
+        Where it sails instead of the model's own canal.
+    noise : ProcessNoise
+        How fast the motion wanders from the model.
+    prior : Prior
+        What is believed before any reading.
+    coefficients : {"considered", "certain", "estimated"}
+        Whether their uncertainty is carried, left out, or corrected by the readings.
+    refusing : float [1]
+        Probability with which a gate refuses a sound reading.
+    step : float [s]
+        Longest step of the motion.
+    surge : {"held", "free"}
+        Whether the model moves the speed.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass.
+    coriolis : bool
+        Add the rigid body's Coriolis force.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    model: Model
+    sensors: Mapping[str, Sensor]
+    indicator: RudderIndicator
+    waterway: "Waterway | None"
+    noise: ProcessNoise
+    prior: Prior
+    coefficients: Coefficients
+    refusing: float
+    step: float
+    surge: Surge = "held"
+    surge_inertia: float | None = None
+    coriolis: bool = False
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.step) and self.step > 0.0):
+            raise InputError(f"step = {self.step} is no length of a step; give seconds over 0")
+        if not 0.0 <= self.refusing < 1.0:
+            raise InputError(f"refusing = {self.refusing} is no probability; give 0 to 1, and 0 for no gates")
+
+    @cached_property
+    def ship(self) -> SimulatedShip:
+        """The model as it is simulated."""
+        open_water = self.waterway is None and not self.model.terms.feels_bank
+        contact: Contact = "none" if open_water else "corners"
+        return SimulatedShip(self.model, self.surge, self.surge_inertia, self.coriolis, contact)
+
+    @cached_property
+    def actuators(self) -> tuple[str, ...]:
+        """What is moved on the ship, by name."""
+        return tuple(actuator.name for actuator in self.ship.actuators)
+
+    @cached_property
+    def biases(self) -> dict[str, float]:
+        """Standard deviations of the biases, by the names of states."""
+        compasses = [sensor.bias for sensor in self.sensors.values() if isinstance(sensor, Gyro)]
+        rudder = self.indicator.bias if RUDDER in self.actuators else 0.0
+        return {"rudder_bias": rudder, "heading_bias": max(compasses, default=0.0)}
+
+    @cached_property
+    def states(self) -> StateNames:
+        """What is estimated: what can be other than it is at rest."""
+        can = dict.fromkeys(MOTION_STATES, True) | {name: size > 0.0 for name, size in self.biases.items()}
+        for name in ("bank", "current", "current_across"):
+            can[name] = getattr(self.prior, name) > 0.0 or getattr(self.noise, name) > 0.0
+        can["bank"] &= self.model.terms.feels_bank
+        return StateNames(tuple(name for name in STATES if can[name]))
+
+    @cached_property
+    def root(self) -> np.ndarray:
+        """A root of the covariance of the coefficients that move the ship, (coefficients, k)."""
+        terms, covariance = self.model.terms, self.model.covariance
+        if self.coefficients == "certain" or covariance is None:
+            return np.zeros((len(terms.names), 0))
+        solved = [force for force in terms.forces if force != "X" or self.surge == "free"]
+        felt = {term.name for force in solved for term in terms.forces[force]}
+        counts = np.array([name in felt for name in terms.names])
+        return directions(np.where(np.outer(counts, counts), covariance, 0.0))
+
+    @property
+    def considered(self) -> int:
+        """Directions of the coefficients that are carried."""
+        return self.root.shape[1] if self.coefficients == "considered" else 0
+
+    @property
+    def estimated(self) -> int:
+        """Directions of the coefficients that are corrected: states after the others, standard normal before."""
+        return self.root.shape[1] if self.coefficients == "estimated" else 0
+
+    @cached_property
+    def recursion(self) -> Recursion:
+        """Motion and measurement."""
+        noise = self.indicator.noise if RUDDER in self.actuators else 0.0
+        walks = [*(self.noise.by_state()[name] for name in self.states.names), *(0.0,) * self.estimated]
+        size = len(self.states) + self.estimated
+        moving = spread_of(size + (noise > 0.0), self.considered)
+        measuring = spread_of(size, self.considered)
+        return Recursion(
+            self._lanes(moving.distance), self.states, self.sensors, np.array(walks), moving, measuring, noise,
+            self.refusing, self._middle, self.root[:, : self.estimated],
+        )  # fmt: skip
+
+    @property
+    def _middle(self) -> np.ndarray:
+        return np.array([self.model.coefficients[name] for name in self.model.terms.names])
+
+    def _lanes(self, distance: np.ndarray) -> ShipLanes:
+        p = self.considered
+        coefficients = lanes_of_directions(self._middle, self.root[:, :p], distance[:p], len(distance) - p)
+        return ShipLanes(self.ship, self.states, len(coefficients), self.waterway, coefficients)
+
+    def start(self) -> Start:
+        """Return what gathers the first readings."""
+        current = self.waterway.current if self.waterway else 0.0
+        return Start(self.states, self.sensors, self.prior, self.biases, current)
+
+    def begun(self, start: Start) -> Normal:
+        """Return the first state.
+
+        Parameters
+        ----------
+        start : Start
+            With enough readings.
+        """
+        bend = self.recursion.lanes.bend(start.told()["x"][0])
+        first = start.normal(self.considered, bend)
+        if not self.estimated:
+            return first
+        size, more = len(self.states), self.estimated
+        root = np.zeros((size + more, size + more))
+        root[:size, :size], root[size:, size:] = first.root, np.eye(more)
+        return Normal(np.concatenate([first.mean, np.zeros(more)]), root)
+
+    def steps(self, now: Normal, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
+        """Move a state on, and return every step until the last or until it is aground.
+
+        Parameters
+        ----------
+        now : Normal
+            The state.
+        duration : float [s]
+            How long.
+        start, end : array (actuators,)
+            Indicated positions, straight between them.
+        """
+        count = max(1, math.ceil(duration / self.step - 1e-9))
+        taken: list[MotionStep] = []
+        for number in range(count):
+            here, there = start, end
+            if count > 1:
+                here, there = (start + share * (end - start) for share in (number / count, (number + 1) / count))
+            after, how, met = self.recursion.moved(now, duration / count, here, there)
+            aground = met or not math.isfinite(after.mean.sum())
+            taken.append(MotionStep(after, how, aground))
+            if aground:
+                break
+            now = after
+        return taken
+
+    def believed(self, now: Normal, readings: Mapping[str, Any], monitor: DriftMonitor) -> Believed:
+        """Return the state by readings of one moment.
+
+        Parameters
+        ----------
+        now : Normal
+            The state.
+        readings : mapping of str to sequence of float
+            By sensor.
+        monitor : DriftMonitor
+            Takes the innovations.
+        """
+        return self.recursion.believed(now, readings, monitor)
+
+    def monitor(self) -> DriftMonitor:
+        """Return a monitor that has heard nothing."""
+        return DriftMonitor(self.recursion.size, self.considered)
+
+
+def usual_step(model: Model) -> float:
+    """Return the longest step of a motion that is followed [s] (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    """
+    return math.sqrt(model.configuration.ship.length / GRAVITY) / STEPS_A_PERIOD
+
+
+def parted(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
+    """Return sensors by the names of their readings, and what is known of the rudder (ours).
+
+    Parameters
+    ----------
+    sensors : sequence of Sensor and RudderIndicator
+        As a caller gave them.
+
+    Raises
+    ------
+    InputError
+        Where one is no sensor, none tells anything, or two share a name.
+    """
+    if isinstance(sensors, str) or not isinstance(sensors, Sequence):
+        raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
+    indicators = [sensor for sensor in sensors if isinstance(sensor, RudderIndicator)]
+    measuring = [sensor for sensor in sensors if not isinstance(sensor, RudderIndicator)]
+    if len(indicators) > 1:
+        raise InputError("a ship has one rudder here, and these are several RudderIndicators; leave one")
+    for sensor in measuring:
+        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
+            what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
+            raise InputError(
+                f"{what} is no sensor; give objects such as Gnss(noise=1.5), or of your own that keep to Sensor"
+            )
+    names = [sensor.name for sensor in measuring]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two sensors are called {name!r}; give one another name, as Gnss(name='gnss_aft')")
+    if not names:
+        raise InputError("an estimator without a sensor knows nothing; give Gnss, Gyro and Log at least")
+    return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)

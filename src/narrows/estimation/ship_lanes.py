@@ -1,0 +1,276 @@
+"""The ship between measurements: many states of it moved at once, as lanes of the package's compiled kernel."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.codegen.choices import COLUMNS, ROW
+from narrows.codegen.run import PreparedRun
+from narrows.errors import InputError
+from narrows.estimation.states import StateNames
+from narrows.quantities.names import Number
+from narrows.simulation.inputs import INPUTS, START
+from narrows.simulation.kernel_run import KernelRun
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import PARAMETER, steering_of
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+NO_LIMIT = 1e9
+"""Of an actuator whose position is known: it is where it was indicated to be."""
+RUDDER = "rudder"
+AFFINE = 1e-9
+
+
+@dataclass(frozen=True)
+class Follower:
+    """The law of actuators whose positions are told (ours).
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the actuators.
+    """
+
+    names: tuple[str, ...]
+
+    def parameters(self) -> dict[str, float]:
+        """Return where each is at the end of a step."""
+        return {f"next_{name}": 0.0 for name in self.names}
+
+    def memory(self, start: Any) -> dict[str, Number]:
+        """Return nothing.
+
+        Parameters
+        ----------
+        start : mapping of str to number
+            The state at the start.
+        """
+        return {}
+
+    def orders(self, at: Any) -> tuple[dict[str, Number], dict[str, Number]]:
+        """Return where each is told to be.
+
+        Parameters
+        ----------
+        at : object
+            Quantities by name.
+        """
+        return {name: getattr(at, f"next_{name}") for name in self.names}, {}
+
+
+@dataclass
+class ShipLanes:
+    """States of one ship, a lane each, with the strength of the bank and the coefficients of each lane's own.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The ship.
+    states : StateNames
+        What a lane's row holds.
+    lanes : int
+        How many.
+    waterway : Waterway, optional
+        Where it sails instead of the model's own canal.
+    coefficients : array (lanes, coefficients), optional
+        Of each lane; the model's unless given.
+
+    Raises
+    ------
+    InputError
+        Where the model's terms make the bank's strength more than a factor.
+    """
+
+    ship: SimulatedShip
+    states: StateNames
+    lanes: int
+    waterway: "Waterway | None" = None
+    coefficients: np.ndarray | None = None
+    prepared: PreparedRun = field(init=False)
+
+    def __post_init__(self) -> None:
+        terms = self.ship.model.terms
+        self.actuators = tuple(actuator.name for actuator in self.ship.actuators)
+        self.silent = {term.name: 0.0 for term in terms.terms if term.from_bank}
+        steering = steering_of(Follower(self.actuators), self.ship.actuators) if self.actuators else None
+        self._run = KernelRun(self.ship, 1.0, 1.0, steering=steering, waterway=self.waterway)
+        self.prepared = self._laid_out(1.0)
+        kernel = self.prepared.kernel
+        self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
+        self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
+        self._told = [self._inputs[PARAMETER(f"next_{name}")] for name in self.actuators]
+        self._base, self._slope = self._by_bank()
+        self._water = self.prepared.water.table.reshape(-1, ROW) if self.waterway else None
+        self._known_current = self.waterway.current if self.waterway else 0.0
+        self._velocities = slice(self.states.places["u"], self.states.places["r"] + 1)
+
+    def _values(self, bank: float) -> dict[str, Any]:
+        model = self.ship.model
+        numbers = {name: np.full(self.lanes, value) for name, value in model.coefficients.items()}
+        if self.coefficients is not None:
+            numbers = dict(zip(model.terms.names, self.coefficients.T, strict=True))
+        numbers |= {name: bank * numbers[name] for name in self.silent}
+        limits = {f"{name}_{of}": NO_LIMIT for name in self.actuators for of in ("limit", "rate")}
+        law = {PARAMETER(f"next_{name}"): np.zeros(self.lanes) for name in self.actuators}
+        start: dict[str, Any] = dict.fromkeys((*START, *INPUTS), 0.0)
+        return {**start, "u": 1.0, **numbers, **limits, **law}
+
+    def _laid_out(self, bank: float) -> PreparedRun:
+        return self._run.prepared(self._values(bank), self.lanes, workers=1)
+
+    def _by_bank(self) -> tuple[np.ndarray, np.ndarray]:
+        """The inputs of each lane without a bank, and what a bank of strength 1 adds."""
+        full = self.prepared.vessel_inputs.copy()
+        if not self.silent:
+            return full, np.zeros_like(full)
+        none, double = self._laid_out(0.0).vessel_inputs, self._laid_out(2.0).vessel_inputs
+        size = np.abs(full) + np.abs(none)
+        if not (np.abs(double - 2 * full + none) <= AFFINE * size).all():
+            raise InputError("the bank's terms of this model hold accelerations, so its strength cannot be estimated")
+        return none, full - none
+
+    def bend(self, x: float) -> float:
+        """Return the curvature of the line at a place [1/m].
+
+        Parameters
+        ----------
+        x : float [m]
+            Along it.
+        """
+        if self._water is None or self.waterway is None:
+            return 0.0
+        cells = len(self._water)
+        place = min(max(x / self.waterway.line.length * cells, 0.0), cells - 1e-9)
+        first, rise = self._water[int(place), 2 * COLUMNS.index("curvature") :][:2]
+        return float(first + (place - int(place)) * rise)
+
+    def moved(
+        self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray, columns: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Return the states a while later, (lanes, states).
+
+        A current that differs from the waterway's carries the ship half before and half after the water's motion.
+
+        Parameters
+        ----------
+        points : array (lanes, states)
+            Now.
+        duration : float [s]
+            How long; one step of the kernel.
+        start, end : array (lanes, actuators)
+            Indicated positions of the actuators, at the start and at the end.
+        columns : array (lanes, inputs), optional
+            Inputs of each lane; those of its coefficients and the state's bank unless given.
+        """
+        after = points.copy()
+        self._drift(after, duration / 2)
+        self._load(after, duration, start, end, columns)
+        self.prepared()
+        self._unload(after)
+        self._drift(after, duration / 2)
+        return after
+
+    def _drift(self, points: np.ndarray, duration: float) -> None:
+        places = self.states.places
+        if "current" in places:
+            gone = duration * (points[:, places["current"]] - self._known_current)
+            bend = self.bend(float(points[0, 0])) if self._water is not None else 0.0
+            if bend:
+                gone = gone / (1.0 - bend * points[:, 1])
+                points[:, 2] -= bend * gone
+            points[:, 0] += gone
+        if "current_across" in places:
+            points[:, 1] += duration * points[:, places["current_across"]]
+
+    def _load(
+        self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray, columns: np.ndarray | None
+    ) -> None:
+        rows, kept, places = self.prepared.start, self._kept, self.states.places
+        rows[:, :2] = points[:, :2]
+        np.cos(points[:, 2], out=rows[:, 2])
+        np.sin(points[:, 2], out=rows[:, 3])
+        rows[:, 4:7] = points[:, self._velocities]
+        self.prepared.times[:] = (duration, 1.0, 0.0)
+        inputs = self.prepared.vessel_inputs
+        if columns is not None:
+            inputs[:] = columns
+        elif "bank" in places:
+            np.multiply(points[:, places["bank"], None], self._slope, out=inputs)
+            inputs += self._base
+        for number, name in enumerate(self.actuators):
+            bias = points[:, places["rudder_bias"]] if name == RUDDER and "rudder_bias" in places else 0.0
+            rows[:, kept[name]] = start[:, number] + bias
+            inputs[:, self._told[number]] = end[:, number] + bias
+
+    def _unload(self, after: np.ndarray) -> None:
+        """Write where the lanes are; the heading by how far it turned, so that whole turns are kept."""
+        rows, ended = self.prepared.start, self.prepared.end
+        cosine, sine = rows[:, 2], rows[:, 3]
+        turned = np.arctan2(ended[:, 3] * cosine - ended[:, 2] * sine, ended[:, 2] * cosine + ended[:, 3] * sine)
+        after[:, :2] = ended[:, :2]
+        after[:, 2] += turned
+        after[:, self._velocities] = ended[:, 4:7]
+
+    @property
+    def aground(self) -> np.ndarray:
+        """Which lanes met a bank, an end of the waterway or the limit of heading in the last motion."""
+        return np.asarray(self.prepared.codes[:, 0] != 0)
+
+    def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
+        """Return the inputs of lanes of other coefficients, (lanes, inputs).
+
+        Parameters
+        ----------
+        coefficients : array (lanes, coefficients)
+            In the order of the table.
+        bank : array (lanes,)
+            Strength of the bank.
+        """
+        model = self.ship.model
+        numbers = dict(zip(model.terms.names, coefficients.T, strict=True))
+        numbers |= {name: bank * numbers[name] for name in self.silent}
+        system = self._run._system(self._values(1.0))
+        constants = system.constants({**self.ship.values(), **numbers})
+        columns = self._base.copy()
+        for name, place in self._inputs.items():
+            if name in constants:
+                columns[:, place] = constants[name]
+        return columns
+
+
+def directions(covariance: np.ndarray | None) -> np.ndarray:
+    """Return a root of the coefficients' covariance, (coefficients, k), without what is certain (ours).
+
+    Parameters
+    ----------
+    covariance : array (n, n), optional
+        Of the coefficients; none where it is not known.
+    """
+    if covariance is None:
+        return np.zeros((0, 0))
+    size = np.sqrt(np.diag(covariance))
+    scale = np.where(size > 0.0, size, 1.0)
+    share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    counts = share > 1e-9 * max(float(share.max()), 0.0)
+    return np.asarray(scale[:, None] * axes[:, counts] * np.sqrt(share[counts]))
+
+
+def lanes_of_directions(middle: np.ndarray, root: np.ndarray, distance: np.ndarray, others: int) -> np.ndarray:
+    """Return coefficients of the lanes of sigma points, (1 + 2 (k + others), coefficients) (ours).
+
+    Parameters
+    ----------
+    middle : array (coefficients,)
+        The coefficients.
+    root : array (coefficients, k)
+        Of their covariance.
+    distance : array (k,)
+        Of the points, in standard deviations.
+    others : int
+        Pairs of points after those of the coefficients.
+    """
+    steps = np.concatenate([root.T * distance[:, None], np.zeros((others, len(middle)))])
+    return np.concatenate([middle[None], middle + steps, middle - steps])

@@ -1,0 +1,215 @@
+"""Twins: ships whose truth is known, sailed by the same lanes as the estimate, with what its sensors tell of them."""
+
+import math
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.estimation.sensor import Sensor
+from narrows.estimation.ship_filter import STEPS_A_PERIOD, ShipFilter, usual_step
+from narrows.estimation.ship_lanes import RUDDER, ShipLanes
+from narrows.estimation.states import Columns
+from narrows.simulation.controllers import ControlLaw
+from narrows.simulation.samples import sampled
+
+SPREAD_OF_START = (3.0, math.radians(1.0))
+"""Standard deviations of the start's place [m of a ship of 230 m] and heading [rad]."""
+SIDE_TIME = 8.0
+"""Of the root of length over gravity, for which the rudder is put over to one side."""
+
+LEAST_LANES = 2
+"""That lanes have inputs of their own."""
+
+
+@dataclass(frozen=True)
+class Twins:
+    """Ships as they truly sailed, and what was told of them.
+
+    Parameters
+    ----------
+    t : array (times,) [s]
+        Time.
+    states : array (times, twins, states)
+        The truth.
+    indicated : array (times, twins, actuators)
+        Positions of the actuators as they were told.
+    readings : dict of str to array (times, twins, numbers)
+        Of each sensor; NaN where none was due.
+    aground : array (twins,)
+        Whether a twin met a bank.
+    """
+
+    t: np.ndarray
+    states: np.ndarray
+    indicated: np.ndarray
+    readings: dict[str, np.ndarray]
+    aground: np.ndarray
+
+
+@dataclass
+class _Fleet:
+    """Twins on their way."""
+
+    filter: ShipFilter
+    law: ControlLaw | None
+    count: int
+    excitation: float
+    random: np.random.Generator
+    coefficients: np.ndarray
+
+    def __post_init__(self) -> None:
+        filter = self.filter
+        self.lanes = ShipLanes(filter.ship, filter.states, self.count, filter.waterway, self.coefficients)
+        self.walks = np.array([filter.noise.by_state()[name] for name in filter.states.names])
+        gear = filter.model.configuration.gear
+        self.limit, self.rate = gear.limit, gear.rate
+        self.side = SIDE_TIME * STEPS_A_PERIOD * usual_step(filter.model)
+
+    def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
+        """Draw where the twins begin."""
+        filter, draw = self.filter, self.random.standard_normal
+        prior, scale = filter.prior, math.sqrt(filter.model.configuration.ship.length / 230.0)
+        means = {"x": x, "y": y, "psi": psi, "u": u, "bank": 1.0}
+        means |= {"current": filter.waterway.current if filter.waterway else 0.0}
+        spreads = {"y": SPREAD_OF_START[0] * scale**2, "psi": SPREAD_OF_START[1], "v": prior.sway, "r": prior.yaw_rate}
+        spreads |= {
+            "bank": prior.bank,
+            "current": prior.current,
+            "current_across": prior.current_across,
+            **filter.biases,
+        }
+        names = filter.states.names
+        middle = filter.states.vector(means)
+        return np.array(middle + np.array([spreads.get(name, 0.0) for name in names]) * draw((self.count, len(names))))
+
+    def steered(self, states: np.ndarray, positions: np.ndarray, t: float, dt: float, memory: Any) -> tuple[Any, Any]:
+        """Return where the actuators are a step later."""
+        after, names = positions.copy(), self.filter.actuators
+        if self.law is None or RUDDER not in names:
+            return after, memory
+        place = names.index(RUDDER)
+        columns = dict(zip(self.filter.states.names, states.T, strict=True))
+        at = {**columns, "cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), "t": t, "dt": dt}
+        at |= {**dict(zip(names, positions.T, strict=True)), **self.law.parameters()}
+        at |= {"rudder_limit": self.limit, "rudder_rate": self.rate}
+        if memory is None:
+            memory = self.law.memory(at)
+        try:
+            orders, memory = self.law.orders(SimpleNamespace(**{**at, **memory}))
+        except AttributeError as lacking:
+            raise InputError(
+                f"the {type(self.law).__name__} asks for more than twins have ({lacking}); take another"
+            ) from None
+        turn = int(t / self.side)
+        swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
+        order = np.clip(orders[RUDDER] + swing, -self.limit, self.limit)
+        after[:, place] += np.clip(order - positions[:, place], -self.rate * dt, self.rate * dt)
+        return after, memory
+
+
+def sail_twins(
+    filter: ShipFilter, law: ControlLaw | None, start: tuple[float, float, float, float], count: int, duration: float,
+    drawn: bool, excitation: float, seed: int,
+) -> Twins:  # fmt: skip
+    """Sail ships by the model with the noise that the estimate expects (ours).
+
+    Parameters
+    ----------
+    filter : ShipFilter
+        Model, noise, sensors.
+    law : ControlLaw, optional
+        What steers; nothing moves the rudder without.
+    start : four floats
+        x, y [m], u [m/s] and psi [rad] about which they begin.
+    count : int
+        How many.
+    duration : float [s]
+        How long.
+    drawn : bool
+        Whether each has coefficients of its own, drawn from their covariance.
+    excitation : float [rad]
+        Of the rudder, put over and back.
+    seed : int
+        Of all that is drawn.
+    """
+    many = max(count, LEAST_LANES)
+    random = np.random.default_rng(seed)
+    fleet = _Fleet(filter, law, many, excitation, random, _coefficients(filter, many, drawn, seed))
+    dt = min(sensor.period for sensor in filter.sensors.values())
+    times = dt * np.arange(math.floor(duration / dt + 1e-9) + 1)
+    states, indicated, aground = _sailed(fleet, start, times, dt)
+    noisy = indicated.copy()
+    if RUDDER in filter.actuators and filter.indicator.noise:
+        place = filter.actuators.index(RUDDER)
+        noisy[..., place] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
+    readings = {name: _told(fleet, sensor, times, states)[:, :count] for name, sensor in filter.sensors.items()}
+    return Twins(times, states[:, :count], noisy[:, :count], readings, aground[:count])
+
+
+def _coefficients(filter: ShipFilter, count: int, drawn: bool, seed: int) -> np.ndarray:
+    model = filter.model
+    if not drawn:
+        return np.tile([model.coefficients[name] for name in model.terms.names], (count, 1))
+    columns = sampled(model, count, seed)
+    return np.stack([columns[name].to_numpy() for name in model.terms.names], axis=1)
+
+
+def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray, dt: float) -> tuple[np.ndarray, ...]:
+    filter, lanes, count = fleet.filter, fleet.lanes, fleet.count
+    x, y, u, psi = start
+    now = fleet.started(x, y, u, psi)
+    values = filter.ship.values()
+    positions = np.tile([float(values.get(name) or 0.0) for name in filter.actuators], (count, 1))
+    parts = max(1, math.ceil(dt / filter.step - 1e-9))
+    states, indicated = [now], [positions]
+    aground, memory = np.zeros(count, bool), None
+    for t in times[:-1]:
+        after, memory = fleet.steered(now, positions, float(t), dt, memory)
+        for part in range(parts):
+            here, there = (positions + share * (after - positions) for share in (part / parts, (part + 1) / parts))
+            now = lanes.moved(now, dt / parts, here, there)
+            aground |= lanes.aground
+            now = now + math.sqrt(dt / parts) * fleet.walks * fleet.random.standard_normal(now.shape)
+        positions = after
+        states.append(now)
+        indicated.append(positions)
+    return np.array(states), np.array(indicated), aground
+
+
+def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Readings of a sensor as they come: of the state when it was measured, straight between the times."""
+    dt = times[1] - times[0]
+    every = max(1, round(sensor.period / dt))
+    told = np.full((len(times), fleet.count, len(sensor.fields)), np.nan)
+    for number in range(0, len(times), every):
+        measured = max(0.0, times[number] - sensor.late) / dt
+        before = min(int(measured), len(times) - 2)
+        share = measured - before
+        if times[number] < sensor.late:
+            continue
+        then = (1.0 - share) * states[before] + share * states[before + 1]
+        at = Columns(then, fleet.filter.states, fleet.lanes.bend(float(then[0, 0])))
+        noise = np.array(sensor.sigma) * fleet.random.standard_normal((fleet.count, len(sensor.fields)))
+        numbers = [np.asarray(value) for value in sensor.measured(at)]
+        told[number] = np.stack(sensor.reading(tuple(np.stack(numbers) + noise.T)), axis=1)
+    return told
+
+
+def check_law(law: Any) -> None:
+    """Raise where what steers twins is no law (ours).
+
+    Parameters
+    ----------
+    law : ControlLaw or None
+        As a caller gave it.
+
+    Raises
+    ------
+    InputError
+        Where it does not keep to ``ControlLaw``.
+    """
+    if law is not None and not isinstance(law, ControlLaw):
+        raise InputError(f"a {type(law).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot")

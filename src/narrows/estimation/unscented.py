@@ -1,0 +1,176 @@
+"""The unscented transform, and the filter's two steps by it; nothing of a ship is known here.
+
+A distribution is its mean and a root of its covariance. The first columns of the root may belong to errors that are
+carried and never corrected, those of coefficients (Schmidt's form); the others are lower triangular.
+
+References
+----------
+Schmidt (1966), Application of state-space methods to navigation problems.
+van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import lapack
+
+from narrows.estimation.sigma_points import Spread, sigma_points
+from narrows.estimation.square_root import downdated_root, triangular_root
+
+
+class Normal(NamedTuple):
+    """A normal distribution.
+
+    Parameters
+    ----------
+    mean : array (n,)
+        Its mean.
+    root : array (n, k)
+        Root of its covariance.
+    """
+
+    mean: np.ndarray
+    root: np.ndarray
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """The covariance, (n, n)."""
+        return np.asarray(self.root @ self.root.T)
+
+
+class Transformed(NamedTuple):
+    """What a function makes of a distribution.
+
+    Parameters
+    ----------
+    mean : array (m,)
+        Of the values.
+    slopes : array (k, m)
+        Change along each column of the root.
+    bends : array (j, m)
+        What lies off the straight, along each corrected column.
+    centre : array (m,)
+        Of the central point, off the mean.
+    """
+
+    mean: np.ndarray
+    slopes: np.ndarray
+    bends: np.ndarray
+    centre: np.ndarray
+
+
+def transformed(values: np.ndarray, spread: Spread) -> Transformed:
+    """Return mean and deviations of the values at sigma points.
+
+    Parameters
+    ----------
+    values : array (1 + 2 k, m)
+        At the points in their order.
+    spread : Spread
+        Of the points.
+    """
+    k = len(spread.distance)
+    first, ahead, behind = values[0], values[1 : k + 1], values[k + 1 :]
+    off = ahead + behind - 2.0 * first
+    shift = spread.mean @ off
+    bends = (off[spread.considered :] - 2.0 * shift) * spread.slope[spread.considered :]
+    return Transformed(first + shift, (ahead - behind) * spread.slope, bends, -shift)
+
+
+def linear(values: np.ndarray) -> Transformed:
+    """Return the same of a function without bends and offset, which needs no points on both sides.
+
+    Parameters
+    ----------
+    values : array (1 + k, m)
+        At the mean, and of each column of the root.
+    """
+    none = np.zeros((0, values.shape[1]))
+    return Transformed(values[0], values[1:], none, np.zeros(values.shape[1]))
+
+
+def predicted(
+    now: Normal, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: Spread
+) -> tuple[Normal, Transformed]:
+    """Return the distribution after a motion, and how each column of the root was moved.
+
+    Parameters
+    ----------
+    now : Normal
+        Before it; columns after those of the state may stand for disturbances of the motion.
+    move : callable
+        Takes the points (1 + 2 k, n) and returns them moved.
+    noise : array (j, n)
+        Rows whose outer products are the covariance of the process noise.
+    spread : Spread
+        Of the columns of the root.
+    """
+    after = transformed(move(sigma_points(now.mean, now.root, spread)), spread)
+    p, centre = spread.considered, spread.centre
+    parts = [after.slopes[p:], after.bends, noise]
+    if centre > 0.0:
+        parts.append(np.sqrt(centre) * after.centre[None])
+    root = triangular_root(np.concatenate(parts))
+    if centre < 0.0:
+        root = downdated_root(root, np.sqrt(-centre) * after.centre)
+    return Normal(after.mean, np.concatenate([after.slopes[:p].T, root], axis=1)), after
+
+
+def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: Spread) -> np.ndarray:
+    """Return the covariance of what is measured about what is expected, (m, m).
+
+    Parameters
+    ----------
+    expected : Transformed
+        The measurement's values at the points.
+    sigma : array (m,)
+        Standard deviations of its noise.
+    spread : Spread
+        Of the points.
+    """
+    s, b, c = expected.slopes, expected.bends, expected.centre
+    covariance = s.T @ s
+    if len(b):
+        covariance += b.T @ b + spread.centre * np.outer(c, c)
+    covariance.flat[:: len(sigma) + 1] += sigma * sigma
+    return np.asarray(covariance)
+
+
+def corrected(
+    now: Normal, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray, sigma: np.ndarray,
+    spread: Spread,
+) -> Normal:  # fmt: skip
+    """Return the distribution after a measurement; columns that are carried only are not corrected.
+
+    In Joseph's form, of which every part is a square: it stays a covariance whatever the gain.
+
+    Parameters
+    ----------
+    now : Normal
+        Before it.
+    expected : Transformed
+        The measurement's values at the points.
+    innovation : array (m,)
+        What was measured less what was expected.
+    covariance : array (m, m)
+        As ``innovation_covariance`` gives it.
+    sigma : array (m,)
+        Standard deviations of the measurement's noise.
+    spread : Spread
+        Of the points.
+    """
+    p, s = spread.considered, expected.slopes
+    shared = now.root @ s
+    gain = lapack.dposv(covariance, shared.T)[1].T
+    rest = now.root - gain @ s.T
+    parts = [rest[:, p:].T, gain.T * sigma[:, None]]
+    curved = len(expected.bends) > 0
+    if curved:
+        parts.append(expected.bends @ gain.T)
+        if spread.centre > 0.0:
+            parts.append(np.sqrt(spread.centre) * (gain @ expected.centre)[None])
+    root = triangular_root(np.concatenate(parts))
+    if curved and spread.centre < 0.0:
+        root = downdated_root(root, np.sqrt(-spread.centre) * (gain @ expected.centre))
+    return Normal(now.mean + gain @ innovation, np.concatenate([rest[:, :p], root], axis=1))

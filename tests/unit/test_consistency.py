@@ -1,0 +1,150 @@
+"""Consistency on twins: chi-squared where the filter is told the truth, and far from it where it is told a lie."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+from test_estimator import SENSORS, steered
+
+import narrows as nw
+from narrows.estimation import Consistency, Gnss, ProcessNoise, RudderIndicator, consistency
+from narrows.results import Result, to_json
+
+ALL = (*SENSORS, RudderIndicator())
+
+
+@cache
+def tried(**options: Any) -> Consistency:
+    told = {"y": 0.4, "u": 1.0, "twins": 12, "duration": 40.0, "excitation": 0.05, "seed": 4, **options}
+    return consistency(steered(), ALL, **told)
+
+
+def test_a_filter_that_knows_its_ship_is_as_sure_as_it_should_be() -> None:
+    """Twelve twins, whose errors hang together over time: the mean of each is one number."""
+    found = tried(coefficients="certain")
+    each = np.nanmean(found.nees[:, found.counted], axis=1) / len(found.states)
+    assert abs(each.mean() - 1.0) < 4 * each.std() / np.sqrt(len(each))
+    for name, nis in found.nis.items():
+        told = nis[:, found.counted]
+        count = np.isfinite(told).sum() * found.numbers[name]
+        assert chi2.ppf(1e-4, count) < np.nansum(told) < chi2.isf(1e-4, count), name
+    assert all(0.8 < share for share in found.covered.values())
+
+
+def test_bounds_are_those_of_chi_squared() -> None:
+    found = tried(coefficients="certain")
+    draws = np.random.default_rng(0).chisquare(len(found.states), (20_000, 12)).mean(axis=1) / len(found.states)
+    low, high = found.bounds()
+    assert np.mean((low <= draws) & (draws <= high)) == pytest.approx(0.95, abs=0.01)
+
+
+def test_coefficients_that_are_wrong_show_in_the_state_and_not_in_the_innovations() -> None:
+    """Coefficients known to 50 %: the innovations of a filter that trusts them are as good as its errors are bad."""
+    vague = replace(steered(), covariance=100.0 * np.asarray(steered().covariance))
+    told = {"y": 0.2, "u": 1.0, "twins": 12, "duration": 40.0, "excitation": 0.05, "seed": 4, "drawn": True}
+    trusting, honest = (consistency(vague, ALL, coefficients=how, **told) for how in ("certain", "considered"))
+    assert trusting.mean_nees > 2.0 * honest.mean_nees
+    assert abs(trusting.mean_nis["gnss"] - 1.0) < 0.1
+    each = np.nanmean(honest.nees[:, honest.counted], axis=1) / len(honest.states)
+    assert each.mean() - 4 * each.std() / np.sqrt(len(each)) < 1.0
+
+
+def test_a_fault_is_told_to_the_estimator_alone() -> None:
+    def jump(t: float, readings: dict[str, Any]) -> dict[str, Any]:
+        return {**readings, "gnss": readings["gnss"] + np.array([0.0, 1.0 * (t >= 30.0)])}
+
+    found = tried(fault=jump)
+    np.testing.assert_array_equal(found.refused["gnss"][:, found.t >= 30.0].mean() > 0.9, True)
+    assert not found.refused["gnss"][:, found.t < 30.0].any()
+    before = found.t < 30.0
+    np.testing.assert_array_equal(found.error[:, before], tried().error[:, before])
+
+
+OTHERS: dict[str, Any] = {
+    "y": 0.2, "u": 0.9, "twins": 11, "duration": 30.0, "drawn": True, "seed": 5, "x": 2.0, "excitation": 0.0,
+    "controller": nw.ConstantRudder(0.0), "fault": lambda t, readings: {},
+    "waterway": nw.straight_waterway(nw.Canal(7.5), 500.0), "noise": ProcessNoise(sway=0.01), "coefficients": "certain",
+    "refusing": 0.3, "step": 0.05, "coriolis": True,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_every_argument_changes_the_answer(name: str) -> None:
+    short = {"y": 0.4, "u": 1.0, "twins": 3, "duration": 4.0}
+    model = steered()
+    if name == "coriolis":
+        ship = replace(model.configuration.ship, mass=260.0)
+        model = replace(model, configuration=replace(model.configuration, ship=ship))
+    first = consistency(model, ALL, **short)
+    other = consistency(model, ALL, **{**short, name: OTHERS[name]})
+    assert first.std.tobytes() != other.std.tobytes() or first.error.tobytes() != other.error.tobytes()
+
+
+REFUSED = {
+    "no twins": lambda: consistency(steered(), ALL, twins=0),
+    "no time": lambda: consistency(steered(), ALL, duration=-1.0),
+    "a helm that is none": lambda: consistency(steered(), ALL, controller=3.0),
+    "a place in the bank": lambda: consistency(steered(), ALL, 3.4),
+    "all aground": lambda: consistency(steered(), ALL, 0.4, 1.0, twins=2, controller=nw.ConstantRudder(0.4)),
+    "no sensors": lambda: consistency(steered(), [], 0.4, 1.0),
+}
+
+
+@pytest.mark.parametrize("call", REFUSED.values(), ids=REFUSED)
+def test_what_is_wrong_is_refused(call: Any) -> None:
+    with pytest.raises(nw.InputError):
+        call()
+
+
+def test_a_sensor_of_ones_own_is_a_sensor() -> None:
+    """A receiver that tells but the offset, written by a user."""
+
+    class Across:
+        name, period, late, fields, sigma, angles, straight = "laser", 0.2, 0.0, ("laser",), (0.05,), (False,), True
+
+        def measured(self, at: Any) -> Any:
+            return (at.y,)
+
+        def numbers(self, reading: Any) -> Any:
+            return tuple(reading)
+
+        def reading(self, numbers: Any) -> Any:
+            return numbers
+
+        def start(self, reading: Any) -> Any:
+            return {}
+
+    with_it = consistency(steered(), [*ALL, Across()], 0.4, 1.0, twins=4, duration=20.0)
+    without = consistency(steered(), ALL, 0.4, 1.0, twins=4, duration=20.0)
+    assert 0.8 < with_it.mean_nis["laser"] < 1.2
+    y = with_it.states.index("y")
+    assert np.nanmean(with_it.std[..., y]) < np.nanmean(without.std[..., y])
+    assert with_it.rmse["y"] < 0.05
+
+
+def test_results_speak_and_draw() -> None:
+    found = tried()
+    assert isinstance(found, Result)
+    assert json.loads(to_json(found.to_dict()))["twins"] == len(found.nees)
+    assert found.plot().axes[0].has_data()
+    assert found.dataset()["y_error"].attrs["units"] == "m"
+    assert list(found.to_dataframe().index) == list(found.states)
+    assert found.summary().splitlines()[0].startswith("NEES of ")
+
+
+def test_late_and_seldom_sensors_come_when_they_are_due() -> None:
+    from narrows.estimation import Estimator
+    from narrows.estimation.twins import sail_twins
+
+    one = Estimator(steered(), [*SENSORS[1:], Gnss(0.02, period=0.6, late=0.4), RudderIndicator()])
+    pilot = nw.track_pilot(steered(), 0.4, 1.0)
+    twins = sail_twins(one.filter, pilot, (0.0, 0.4, 1.0, 0.0), 40, 6.0, False, 0.0, 1)
+    told = twins.readings["gnss"]
+    due = np.isfinite(told[:, 0, 0])
+    np.testing.assert_allclose(twins.t[due], np.arange(0.6, 6.01, 0.6))
+    off = told[due] - twins.states[np.flatnonzero(due) - 2][..., :2]
+    assert off.std() == pytest.approx(0.02, rel=0.1)

@@ -1,0 +1,179 @@
+"""The filter's algebra beside the linear Kalman filter, filterpy's, Schmidt's formulas and batch least squares."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from narrows.estimation.innovation_gate import gate, normalised_square
+from narrows.estimation.interval_smoother import Stage, smoothed
+from narrows.estimation.sigma_points import sigma_points, spread_of
+from narrows.estimation.square_root import downdated_root, triangular_root
+from narrows.estimation.unscented import (
+    Normal,
+    corrected,
+    innovation_covariance,
+    linear,
+    predicted,
+    transformed,
+)
+
+SIZE, MEASURED = 4, 2
+RANDOM = np.random.default_rng(5)
+MOTION = np.eye(SIZE) + 0.1 * RANDOM.standard_normal((SIZE, SIZE))
+NOISE = 0.3 * RANDOM.standard_normal((SIZE, SIZE))
+SEEN = RANDOM.standard_normal((MEASURED, SIZE))
+SIGMA = np.array([0.4, 0.7])
+
+
+def first() -> Normal:
+    root = np.tril(RANDOM.standard_normal((SIZE, SIZE)))
+    return Normal(RANDOM.standard_normal(SIZE), root)
+
+
+def moved(points: np.ndarray) -> np.ndarray:
+    return points @ MOTION.T
+
+
+def measured_by(now: Normal, told: np.ndarray, seen: np.ndarray = SEEN, spread=None) -> Normal:
+    """The unscented step, for a measurement that is linear."""
+    spread = spread or spread_of(SIZE)
+    expected = transformed(sigma_points(now.mean, now.root, spread) @ seen.T, spread)
+    covariance = innovation_covariance(expected, SIGMA, spread)
+    return corrected(now, expected, told - expected.mean, covariance, SIGMA, spread)
+
+
+def kalman(mean: np.ndarray, covariance: np.ndarray, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The textbook's step: predict, then correct."""
+    mean, covariance = MOTION @ mean, MOTION @ covariance @ MOTION.T + NOISE.T @ NOISE
+    gain = covariance @ SEEN.T @ np.linalg.inv(SEEN @ covariance @ SEEN.T + np.diag(SIGMA**2))
+    return mean + gain @ (told - SEEN @ mean), (np.eye(SIZE) - gain @ SEEN) @ covariance
+
+
+def test_a_linear_system_has_the_kalman_filter() -> None:
+    now = first()
+    mean, covariance = now.mean, now.covariance
+    for told in RANDOM.standard_normal((50, MEASURED)):
+        now = measured_by(predicted(now, moved, NOISE, spread_of(SIZE))[0], told)
+        mean, covariance = kalman(mean, covariance, told)
+    np.testing.assert_allclose(now.mean, mean, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(now.covariance, covariance, rtol=1e-10, atol=1e-12)
+
+
+def test_straight_measurements_need_no_points() -> None:
+    now, told = first(), np.array([0.3, -0.2])
+    expected = linear(np.concatenate([now.mean[None], now.root.T]) @ SEEN.T)
+    covariance = innovation_covariance(expected, SIGMA, spread_of(SIZE))
+    short = corrected(now, expected, told - expected.mean, covariance, SIGMA, spread_of(SIZE))
+    long = measured_by(now, told)
+    np.testing.assert_allclose(short.mean, long.mean, rtol=1e-10)
+    np.testing.assert_allclose(short.covariance, long.covariance, rtol=1e-10, atol=1e-13)
+
+
+@pytest.mark.parametrize(("alpha", "beta", "kappa"), [(0.5, 2.0, 1.0), (1.0, 0.0, 0.0), (0.1, 2.0, 3.0)])
+def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kappa: float) -> None:
+    from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
+
+    def bent(x: np.ndarray) -> np.ndarray:
+        turned = np.stack([x[..., 0] + 0.1 * np.sin(x[..., 1]), 0.9 * x[..., 1] + 0.05 * x[..., 0] * x[..., 2]], -1)
+        return np.concatenate([turned, 0.95 * x[..., 2:] + 0.02 * x[..., :2] ** 2], -1)
+
+    def seen(x: np.ndarray) -> np.ndarray:
+        return np.stack([np.hypot(x[..., 0] - 9.0, x[..., 1]), x[..., 2] + 0.1 * x[..., 3] ** 2], -1)
+
+    noise = 0.1 * np.eye(SIZE)
+    peer = UnscentedKalmanFilter(
+        SIZE, MEASURED, 1.0, seen, lambda x, dt: bent(x), MerweScaledSigmaPoints(SIZE, alpha, beta, kappa)
+    )
+    peer.x, peer.P, peer.Q, peer.R = np.ones(SIZE), 0.2 * np.eye(SIZE), noise.T @ noise, np.diag(SIGMA**2)
+    now, spread = Normal(peer.x.copy(), np.linalg.cholesky(peer.P)), spread_of(SIZE, 0, alpha, beta, kappa)
+    for told in np.array([8.0, 1.0]) + 0.3 * RANDOM.standard_normal((20, MEASURED)):
+        peer.predict()
+        peer.update(told)
+        now = predicted(now, bent, noise, spread)[0]
+        expected = transformed(seen(sigma_points(now.mean, now.root, spread)), spread)
+        covariance = innovation_covariance(expected, SIGMA, spread)
+        now = corrected(now, expected, told - expected.mean, covariance, SIGMA, spread)
+    np.testing.assert_allclose(now.mean, peer.x, rtol=1e-7)
+    np.testing.assert_allclose(now.covariance, peer.P, rtol=1e-6, atol=1e-9)
+
+
+def test_carried_errors_follow_schmidt() -> None:
+    """A linear system driven by two unknown constants, which are carried: covariances by formula."""
+    driven = RANDOM.standard_normal((SIZE, 2))
+    now, spread = first(), spread_of(SIZE, 2)
+    mean, covariance, cross = now.mean, now.covariance, np.zeros((SIZE, 2))
+    now = Normal(now.mean, np.hstack([np.zeros((SIZE, 2)), now.root]))
+    constants = np.zeros((1 + 2 * (SIZE + 2), 2))
+    constants[[1, 2], [0, 1]], constants[[SIZE + 3, SIZE + 4], [0, 1]] = spread.distance[0], -spread.distance[0]
+    for told in RANDOM.standard_normal((30, MEASURED)):
+        now = predicted(now, lambda points: moved(points) + constants @ driven.T, NOISE, spread)[0]
+        now = measured_by(now, told, spread=spread)
+        covariance = (
+            MOTION @ covariance @ MOTION.T + MOTION @ cross @ driven.T + driven @ cross.T @ MOTION.T
+            + driven @ driven.T + NOISE.T @ NOISE
+        )  # fmt: skip
+        cross = MOTION @ cross + driven
+        mean = MOTION @ mean
+        gain = covariance @ SEEN.T @ np.linalg.inv(SEEN @ covariance @ SEEN.T + np.diag(SIGMA**2))
+        mean, left = mean + gain @ (told - SEEN @ mean), np.eye(SIZE) - gain @ SEEN
+        covariance, cross = left @ covariance @ left.T + gain @ np.diag(SIGMA**2) @ gain.T, left @ cross
+    np.testing.assert_allclose(now.mean, mean, rtol=1e-9)
+    np.testing.assert_allclose(now.root[:, :2], cross, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(now.covariance, covariance, rtol=1e-9, atol=1e-11)
+
+
+def test_the_smoother_is_batch_least_squares() -> None:
+    """All states of a record at once, by one least-squares problem with everything weighted."""
+    steps, start = 12, first()
+    told = RANDOM.standard_normal((steps, MEASURED))
+    noise = np.diag([0.3, 0.2, 0.5, 0.4])
+    now, stages = start, []
+    for row in told:
+        after, how = predicted(now, moved, noise, spread_of(SIZE))
+        stages.append(Stage(now, how, after))
+        now = measured_by(after, row)
+    back = smoothed(stages, now)
+    unknowns = SIZE * (steps + 1)
+    rows, values = [np.linalg.inv(start.root) @ np.eye(SIZE, unknowns)], [np.linalg.inv(start.root) @ start.mean]
+    for k in range(steps):
+        link, look = np.zeros((SIZE, unknowns)), np.zeros((MEASURED, unknowns))
+        link[:, SIZE * k : SIZE * (k + 1)], link[:, SIZE * (k + 1) : SIZE * (k + 2)] = -MOTION, np.eye(SIZE)
+        look[:, SIZE * (k + 1) : SIZE * (k + 2)] = SEEN
+        rows += [np.linalg.inv(noise) @ link, look / SIGMA[:, None]]
+        values += [np.zeros(SIZE), told[k] / SIGMA]
+    matrix = np.vstack(rows)
+    solution = np.linalg.lstsq(matrix, np.concatenate(values), rcond=None)[0].reshape(steps + 1, SIZE)
+    covariance = np.linalg.inv(matrix.T @ matrix)
+    for k, (mean, spread) in enumerate(back):
+        part = slice(SIZE * k, SIZE * (k + 1))
+        np.testing.assert_allclose(mean, solution[k], rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(spread, covariance[part, part], rtol=1e-7, atol=1e-9)
+
+
+@given(st.integers(0, 10**6), st.floats(0.0, 0.99))
+@settings(max_examples=50, deadline=None)
+def test_a_downdate_is_taken_away_or_nothing_is(seed: int, share: float) -> None:
+    random = np.random.default_rng(seed)
+    root = np.tril(random.standard_normal((3, 3))) + 2.0 * np.eye(3)
+    direction = random.standard_normal(3)
+    column = share * root @ direction / np.linalg.norm(direction)
+    less = downdated_root(root, column)
+    np.testing.assert_allclose(less @ less.T, root @ root.T - np.outer(column, column), atol=1e-9)
+    assert downdated_root(root, 3.0 * root @ direction / np.linalg.norm(direction)) is root
+
+
+def test_a_root_of_too_few_rows_is_still_square() -> None:
+    rows = RANDOM.standard_normal((2, 3))
+    root = triangular_root(rows)
+    np.testing.assert_allclose(root @ root.T, rows.T @ rows, atol=1e-14)
+    assert root[0, 1] == root[0, 2] == root[1, 2] == 0.0
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_gates_refuse_as_often_as_they_say(size: int) -> None:
+    root = np.tril(RANDOM.standard_normal((size, size))) + 2 * np.eye(size)
+    squares = [normalised_square(root @ e, root @ root.T) for e in RANDOM.standard_normal((20_000, size))]
+    share = np.mean(np.array(squares) > gate(0.05, size))
+    assert abs(share - 0.05) < 5 * np.sqrt(0.05 * 0.95 / 20_000)
+    assert gate(0.0, size) == np.inf
