@@ -31,6 +31,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "axes-section.svg": axes.section,
     "bank-forms.svg": from_decision("bank_forms"),
     "suez.png": from_decision("suez"),
+    "estimation.png": from_decision("estimation"),
 }
 
 

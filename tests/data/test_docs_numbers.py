@@ -20,6 +20,7 @@ PAGES = {
     "rudder": "rudder.md",
     "manoeuvres": "manoeuvres.md",
     "suez": "suez.md",
+    "estimation": "estimation.md",
     "channel_rules": "safe-envelope.md",
 }
 
