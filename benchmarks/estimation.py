@@ -2,9 +2,9 @@
 
     python benchmarks/estimation.py [UPDATES] [--small]
 
-Five sensors once a second: fixes, heading, rate of turn, log and rudder, ten states. filterpy's filter moves its sigma points
-one by one by the package's plain step, and takes the fixes, heading, rate and log as one linear measurement; it carries no
-coefficients, gates nothing and watches no drift. The figures of merit on twins are in docs/estimation.md.
+Five sensors once a second: fixes, heading, rate of turn, log and rudder, ten states. filterpy's filter moves its sigma
+points one by one by the package's plain step, and takes the fixes, heading, rate and log as one linear measurement; it
+carries no coefficients, gates nothing and watches no drift. The figures of merit on twins are in docs/estimation.md.
 """
 
 import time

@@ -1,7 +1,7 @@
-"""An estimator on twins of a container ship, three ways with its coefficients: the table and figure of docs/estimation.md.
+"""An estimator on twins, three ways with its coefficients: the table and figure of docs/estimation.md.
 
-Particle filters are left out. They were tried with nine states, 2000 particles, and with the strength of the bank by a Kalman
-filter of its own in each particle: beside sensors this good they degenerate, a few particles carry all the weight.
+Particle filters are left out. They were tried with nine states, 2000 particles, and with the strength of the bank by a
+Kalman filter of its own in each particle: beside sensors this good they degenerate: a few carry all the weight.
 
 python decisions/estimation.py [--write]
 """
