@@ -298,6 +298,24 @@ def test_silence_is_told() -> None:
     assert any("begins anew" in note for note in one.update(4000.0, gyro=0.0).notes)
 
 
+def test_a_clock_that_strays_far_blocks_nothing() -> None:
+    """Once far ahead and back again: both are said, and the estimate begins anew with what comes next."""
+    one = begun()
+    assert any("begins anew" in note for note in one.update(1e9, gnss=(0.0, 0.4), gyro=0.0, log=1.0).notes)
+    back = one.update(1.0, gnss=(1.0, 0.3), gyro=0.0, log=1.0)
+    assert any(note.startswith("The time went back by") for note in back.notes)
+    assert back.ready
+    assert back["y"] == pytest.approx(0.3)
+
+
+def test_what_was_told_long_ago_starts_nothing() -> None:
+    one = estimator()
+    one.update(0.0, gyro=0.1, log=1.0)
+    later = one.update(30.0, gnss=(0.0, 0.4))
+    assert not later.ready
+    assert any("a heading and a speed through the water" in note for note in later.notes)
+
+
 NUMBER = st.floats(allow_nan=True, allow_infinity=True, width=32)
 READING = st.fixed_dictionaries(
     {},
@@ -311,7 +329,10 @@ READING = st.fixed_dictionaries(
 )
 
 
-@given(st.lists(st.tuples(st.floats(-20.0, 20.0), READING), max_size=12), st.sampled_from([0.0, 1e-5]))
+@given(
+    st.lists(st.tuples(st.floats(-20.0, 20.0) | st.sampled_from([1e3, -1e12, 1e12]), READING), max_size=12),
+    st.sampled_from([0.0, 1e-5]),
+)
 @settings(max_examples=60, deadline=None)
 def test_whatever_comes_in_finite_numbers_come_out(events: list[tuple[float, dict[str, Any]]], refusing: float) -> None:
     one = begun(refusing=refusing)

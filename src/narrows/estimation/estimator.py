@@ -4,15 +4,15 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import Described, InputError, check_choice
-from narrows.estimation.drift_monitor import DriftMonitor
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimated_track import EstimatedTrack
+from narrows.estimation.moment import Moment
 from narrows.estimation.process_noise import Prior, ProcessNoise
 from narrows.estimation.readings import Reading, checked_readings
 from narrows.estimation.records import records_of
@@ -31,30 +31,6 @@ SILENT = 5.0
 """Periods without a reading, after which that is told."""
 SAME = 1e-9
 """Times [s] that are one."""
-
-
-class Moment(NamedTuple):
-    """What is known at a time, to go on from or to go back to.
-
-    Parameters
-    ----------
-    t : float [s]
-        When.
-    normal : Normal
-        The state.
-    positions : array (actuators,)
-        Indicated positions.
-    readings : dict of str to tuple of float
-        What was measured then.
-    monitor : DriftMonitor
-        After them.
-    """
-
-    t: float
-    normal: Normal
-    positions: np.ndarray
-    readings: dict[str, tuple[float, ...]]
-    monitor: DriftMonitor
 
 
 class Estimator(Described):
@@ -179,8 +155,10 @@ class Estimator(Described):
             raise InputError(f"t = {t} is no time; give seconds")
         told = checked_readings({**(readings or {}), **named}, self.filter.sensors, self.filter.actuators)
         notes = list(told.notes)
-        if self._history and t - self._history[-1].t > LONGEST_GAP:
-            notes.append(f"Nothing came for {t - self._history[-1].t:.0f} s: the estimate begins anew.")
+        gap = t - self._history[-1].t if self._history else 0.0
+        if abs(gap) > LONGEST_GAP:
+            what = f"Nothing came for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
+            notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew()
         if not self._history:
             return self._waited(float(t), told.measured, told.positions, notes)
@@ -263,6 +241,8 @@ class Estimator(Described):
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         start = self._start
+        for name in [name for name, heard in self._heard.items() if self._quiet(name, t - heard)]:
+            start.readings.pop(name, None)  # Too old to start from.
         start.readings.update(measured)
         self._heard.update(dict.fromkeys(measured, t))
         if start.lacking:
@@ -376,11 +356,14 @@ class Estimator(Described):
     def _silences(self, now: float) -> list[str]:
         """Say which sensors have told nothing for long."""
         silent = []
-        for name, sensor in self.filter.sensors.items():
+        for name in self.filter.sensors:
             quiet = now - self._heard.setdefault(name, now)
-            if quiet > SILENT * sensor.period:
+            if self._quiet(name, quiet):
                 silent.append(f"{name} has told nothing for {quiet:.0f} s.")
         return silent
+
+    def _quiet(self, name: str, time: float) -> bool:
+        return not 0.0 <= time <= SILENT * self.filter.sensors[name].period
 
     def _estimate(
         self, t: float, normal: Normal | None, ready: bool, notes: list[str], heard: Sequence[Believed] = ()
