@@ -18,7 +18,9 @@ from narrows.quantities.names import FORCES
 ANGLES = ("cos_{}", "sin_{}")
 
 
-def jacobian_text(motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated]) -> str:
+def jacobian_text(
+    motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str] = ()
+) -> str:
     """Write the module of derivatives.
 
     Parameters
@@ -29,11 +31,13 @@ def jacobian_text(motion: FreeMotion, names: Sequence[str], actuators: Sequence[
         Every coefficient of the table, in order.
     actuators : sequence of Actuated
         Of the model.
+    section : sequence of str
+        Particulars of the water that change from point to point.
     """
-    rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
+    rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     linear, by_coefficient = _linear(rates, actuators), _by_coefficient(rates, names)
     constants = rates.constants
-    inputs = (*arguments(actuators), *constants.names)
+    inputs = (*arguments(actuators, section), *constants.names)
     assignments, results = straight_lines(list(constants.table))
     used = set().union(*(expression.free_symbols for expression in constants.table))
     asked = {name: parameter for name, parameter in motion.names.items() if parameter in used}
@@ -62,7 +66,7 @@ def batch(values, constants, out):
 """
 
 
-def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str) -> str:
+def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, section: Sequence[str] = ()) -> str:
     """Write the module of derivatives by state and control, to be compiled.
 
     Parameters
@@ -73,10 +77,12 @@ def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str) 
         Of the model.
     version : str
         Of narrows.
+    section : sequence of str
+        Particulars of the water that change from point to point.
     """
-    rates = Rates(motion, arguments(actuators)[len(STATE) :], pushed=True)
+    rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     (lines, results), printer = _linear(rates, actuators), Arithmetic("real({})".format)
-    body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators))]
+    body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
     body += [f"{name} = constants[{index}]" for index, name in enumerate(rates.constants.names)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
     body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")

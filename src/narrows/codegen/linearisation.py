@@ -26,15 +26,17 @@ def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
     return (*INPUTS.values(), *(actuator.name for actuator in actuators))
 
 
-def arguments(actuators: Sequence[Actuated]) -> tuple[str, ...]:
+def arguments(actuators: Sequence[Actuated], section: Sequence[str] = ()) -> tuple[str, ...]:
     """Return what the generated functions are given before the constants: state, forces from outside, controls.
 
     Parameters
     ----------
     actuators : sequence of Actuated
         Of the model.
+    section : sequence of str
+        Particulars of the water that change from point to point: width, depth.
     """
-    return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)))
+    return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)), *section)
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,8 @@ class Linearisation:
         Of the model.
     compiled : callable
         Gives the module of the same functions, compiled.
+    section : tuple of str
+        Particulars of the water that ``at`` gives, point by point.
     """
 
     functions: Mapping[str, Any]
@@ -60,6 +64,7 @@ class Linearisation:
     names: tuple[str, ...]
     actuators: tuple[Actuated, ...]
     compiled: Callable[[], ModuleType]
+    section: tuple[str, ...] = ()
 
     @property
     def controlled(self) -> tuple[str, ...]:
@@ -84,11 +89,11 @@ class Linearisation:
         points : int
             How many.
         """
-        columns = len(arguments(self.actuators))
+        columns = len(arguments(self.actuators, self.section))
         size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
         constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
         values, out = np.zeros((points, columns)), np.zeros((points, size))
-        return JacobianBatch(self.compiled(), constants, values, out, self.actuators)
+        return JacobianBatch(self.compiled(), constants, values, out, self.actuators, self.section)
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6).
@@ -97,7 +102,8 @@ class Linearisation:
         ----------
         at : mapping of str to number
             State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in,
-            Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given.
+            Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given. Of the
+            water what ``section`` names.
         """
         return self.linear(at)[..., : len(LINEARISED)]
 
@@ -123,14 +129,16 @@ class Linearisation:
         return np.concatenate([np.zeros_like(slopes), slopes], axis=-2)
 
     def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
-        values = [*argument_values(at, self.actuators), *self.constants]
+        values = [*argument_values(at, self.actuators, self.section), *self.constants]
         entries = self.functions[name](*values)
         shape = np.broadcast_shapes(*(np.shape(value) for value in values))
         stacked = np.stack([np.broadcast_to(entry, shape) for entry in entries], axis=-1)
         return stacked.reshape(*shape, rows, -1)
 
 
-def argument_values(at: Mapping[str, Number], actuators: Sequence[Actuated]) -> list[Number]:
+def argument_values(
+    at: Mapping[str, Number], actuators: Sequence[Actuated], section: Sequence[str] = ()
+) -> list[Number]:
     """Return what the generated functions are given before the constants.
 
     Parameters
@@ -139,13 +147,15 @@ def argument_values(at: Mapping[str, Number], actuators: Sequence[Actuated]) -> 
         As for ``Linearisation.state``.
     actuators : sequence of Actuated
         Of the model.
+    section : sequence of str
+        Particulars of the water that ``at`` gives.
     """
     values = dict(at)
     for name in ("psi", *(actuator.name for actuator in actuators if actuator.angle)):
         if f"cos_{name}" not in values:
             position = values.get(name, 0.0)
             values |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
-    return [values.get(name, 0.0) for name in arguments(actuators)]
+    return [values[name] if name in section else values.get(name, 0.0) for name in arguments(actuators, section)]
 
 
 @dataclass(frozen=True)
@@ -164,6 +174,8 @@ class JacobianBatch:
         The derivatives, row by row.
     actuators : tuple of Actuated
         Of the model.
+    section : tuple of str
+        Particulars of the water that points give.
     """
 
     module: ModuleType
@@ -171,6 +183,7 @@ class JacobianBatch:
     values: np.ndarray
     out: np.ndarray
     actuators: tuple[Actuated, ...]
+    section: tuple[str, ...] = ()
 
     def points(self, at: Mapping[str, Number]) -> np.ndarray:
         """Return what the functions are given at points, (points, arguments).
@@ -180,7 +193,7 @@ class JacobianBatch:
         at : mapping of str to number or array (points,)
             As for ``Linearisation.state``.
         """
-        for column, value in enumerate(argument_values(at, self.actuators)):
+        for column, value in enumerate(argument_values(at, self.actuators, self.section)):
             self.values[:, column] = value
         return self.values
 

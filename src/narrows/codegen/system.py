@@ -129,7 +129,9 @@ class System:
         functions = self.scalar if scalar else self.columns
         return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
 
-    def linearisation(self, values: Mapping[str, Number], actuators: Sequence["Actuated"]) -> "Linearisation":
+    def linearisation(
+        self, values: Mapping[str, Number], actuators: Sequence["Actuated"], section: tuple[str, ...] = ()
+    ) -> "Linearisation":
         """Return the exact derivatives of the motion.
 
         Parameters
@@ -138,6 +140,8 @@ class System:
             As for ``constants``.
         actuators : sequence of Actuated
             Of the model, whose positions are to be differentiated by.
+        section : tuple of str
+            Particulars of the water, width or depth, that change from point to point.
 
         Raises
         ------
@@ -146,17 +150,18 @@ class System:
         """
         from narrows.codegen.linearisation import Linearisation
 
-        scope = _derivatives(self, tuple(actuators))
+        scope = _derivatives(self, tuple(actuators), section)
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
-        return Linearisation(scope, constants, self.table.names, tuple(actuators), self._batch(tuple(actuators)))
+        batch = self._batch(tuple(actuators), section)
+        return Linearisation(scope, constants, self.table.names, tuple(actuators), batch, section)
 
-    def _batch(self, actuators: tuple["Actuated", ...]) -> Callable[[], ModuleType]:
+    def _batch(self, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Callable[[], ModuleType]:
         def text() -> str:
             from narrows.codegen.jacobian import batch_text
 
-            return batch_text(self.rates.motion, actuators, version("narrows"))
+            return batch_text(self.rates.motion, actuators, version("narrows"), section)
 
-        return lambda: generated("jacobian_batch", (*self.key, actuators), text)
+        return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
 
     def kernel(self, vessel_inputs: tuple[str, ...], precision: str) -> ModuleType:
         """Return the module that sails a fleet; its ``sail`` compiles when first called.
@@ -233,17 +238,17 @@ class System:
 
 
 @lru_cache(maxsize=64)
-def _derivatives(system: System, actuators: tuple["Actuated", ...]) -> Mapping[str, Any]:
+def _derivatives(system: System, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Mapping[str, Any]:
     """The generated functions of derivatives, for floats and columns."""
     from narrows.codegen.functions import column_functions
 
     def text() -> str:
         from narrows.codegen.jacobian import jacobian_text
 
-        return jacobian_text(system.rates.motion, system.table.names, actuators)
+        return jacobian_text(system.rates.motion, system.table.names, actuators, section)
 
     scope: dict[str, Any] = dict(column_functions())
-    exec(compile(source("jacobian", (*system.key, actuators), text), "<jacobian>", "exec"), scope)
+    exec(compile(source("jacobian", (*system.key, actuators, section), text), "<jacobian>", "exec"), scope)
     return scope
 
 

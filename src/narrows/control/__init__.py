@@ -2,6 +2,7 @@
 
 from narrows.control.linear_system import LinearSystem as LinearSystem
 from narrows.control.linearization import linearize as linearize
+from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import regulator as regulator
 from narrows.control.regulator_law import HeldLine as HeldLine
 from narrows.control.regulator_law import Regulator as Regulator

@@ -1,0 +1,150 @@
+"""The push that a model does not explain: a force and a moment of any kind, and a bank stronger or weaker than thought.
+
+Two filters, one of the force and one of the moment, part what is missing between the two: what a bank may well be off
+by, as the covariance of the coefficients has it, grows and turns its side with the offset; the rest stays as it is.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+Variances = tuple[float, float, float]
+
+LENGTHS = 0.3
+"""Ship lengths sailed in which the estimate of a force of any kind comes two thirds of the way."""
+
+
+@dataclass(frozen=True)
+class BankSpread:
+    """How far the bank's force and moment may be off, by the place between the banks.
+
+    Parameters
+    ----------
+    furthest : float
+        Towards a bank, of the way from the middle, 0, to the wall, 1; beyond it they stay as they are there.
+    forces : array (n, 2) [N, N m]
+        One standard deviation, with the sign of a stronger suction, at equal steps from port to starboard.
+    """
+
+    furthest: float
+    forces: np.ndarray
+
+    def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return force and moment at places between the banks, and their derivatives, (places, 2) each.
+
+        Parameters
+        ----------
+        share : array (places,)
+            From the port wall, -1, to the starboard one, 1.
+        """
+        last, step = len(self.forces) - 1, 2 * self.furthest / (len(self.forces) - 1)
+        position = np.minimum(np.maximum((share + self.furthest) / step, 0.0), last)
+        cell = np.minimum(position.astype(int), last - 1)
+        start = self.forces[cell]
+        rise = self.forces[cell + 1] - start
+        within = (np.abs(share) < self.furthest)[:, None]
+        return start + (position - cell)[:, None] * rise, rise * within / step
+
+
+@dataclass(frozen=True)
+class Push:
+    """What pushes the ship beside what the model knows.
+
+    Parameters
+    ----------
+    steady : array (2,) [N, N m]
+        Sway force and yaw moment of any kind.
+    strength : array (2,) [1]
+        Of the bank's force and moment beyond the model's, in standard deviations.
+    spread : BankSpread
+        What a standard deviation is.
+    uncertainty : pair of tuples of three floats
+        Of force and of moment: the variance of the steady part, that of the strength, and their covariance.
+    noise : pair of float [N2, N2 m2]
+        Variance of what is missing from one moment to the next.
+    """
+
+    steady: np.ndarray
+    strength: np.ndarray
+    spread: BankSpread
+    uncertainty: tuple[Variances, Variances]
+    noise: tuple[float, float]
+
+    def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the push at places between the banks, and its derivative, (places, 2) each [N, N m].
+
+        Parameters
+        ----------
+        share : array (places,)
+            From the port wall, -1, to the starboard one, 1.
+        """
+        forces, slopes = self.spread.at(share)
+        return self.steady + self.strength * forces, self.strength * slopes
+
+
+def no_push(spread: BankSpread) -> Push:
+    """Return the push before anything is seen (ours).
+
+    Parameters
+    ----------
+    spread : BankSpread
+        Of the bank's force and moment.
+    """
+    unseen = (0.0, 1.0, 0.0)
+    return Push(np.zeros(2), np.zeros(2), spread, (unseen, unseen), (0.0, 0.0))
+
+
+def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, time: float) -> Push:
+    """Return the push that explains better what was seen (ours).
+
+    Parameters
+    ----------
+    push : Push
+        As it was taken to be.
+    missing : array (2,) [N, N m]
+        What more it would have taken, over the time that has passed.
+    share : float
+        Place between the walls, from -1 to 1.
+    elapsed : float [s]
+        Time that has passed.
+    time : float [s]
+        In which the estimate of the steady part comes two thirds of the way.
+
+    References
+    ----------
+    Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of Process
+    Control 12(5), 617-632.
+    """
+    if not np.isfinite(missing).all():
+        return push
+    gain = 1.0 - math.exp(-elapsed / time)
+    felt = push.spread.at(np.array([share]))[0][0]
+    parts = [
+        _filtered(*push.uncertainty[axis], push.noise[axis], float(missing[axis]), float(felt[axis]), gain)
+        for axis in (0, 1)
+    ]
+    (force, of_force, noise), (moment, of_moment, moment_noise) = parts
+    steady, strength = np.array([force, moment]).T
+    return Push(
+        push.steady + steady, push.strength + strength, push.spread, (of_force, of_moment), (noise, moment_noise)
+    )
+
+
+def _filtered(
+    walk: float, constant: float, both: float, noise: float, missing: float, felt: float, gain: float
+) -> tuple[tuple[float, float], Variances, float]:
+    """Return changes of the steady part and of the strength, their variances, and the noise.
+
+    A Kalman filter of a random walk and a constant. The noise is taken from what is missing itself; the walk is such
+    that the filter of it alone has the gain that is asked for, q = R gain^2 / (1 - gain).
+    """
+    noise = noise + gain * (missing**2 - noise) if noise else missing**2
+    if not noise:
+        return (0.0, 0.0), (walk, constant, both), noise
+    walk += noise * gain**2 / (1.0 - gain)
+    seen = walk + felt * both, both + felt * constant
+    total = seen[0] + felt * seen[1] + noise
+    weights = seen[0] / total, seen[1] / total
+    left = (walk - weights[0] * seen[0], constant - weights[1] * seen[1], both - weights[0] * seen[1])
+    return (weights[0] * missing, weights[1] * missing), left, noise

@@ -1,0 +1,104 @@
+"""The water ahead of a ship, place by place: the section as the terms ask for it, the room for the keel."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from narrows.model.model import Model
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
+SECTION = ("width", "depth")
+"""What the terms are told of it."""
+
+
+@dataclass(frozen=True)
+class WaterAhead:
+    """Equal cells along the line, straight between their nodes; beyond the ends the water goes on as it is there.
+
+    Parameters
+    ----------
+    nodes : array (nodes, 6)
+        ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m].
+    step : float [m]
+        Length of a cell.
+    current : float [m/s]
+        Along the line.
+    straight : bool
+        Whether this is the model's own canal.
+    """
+
+    nodes: np.ndarray
+    step: float
+    current: float = 0.0
+    straight: bool = False
+
+    @property
+    def length(self) -> float:
+        """From end to end [m]; the model's own canal has none."""
+        return 0.0 if self.straight else self.step * (len(self.nodes) - 1)
+
+    def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
+        """Return every column at places.
+
+        Parameters
+        ----------
+        x : array (places,) [m]
+            Along the line.
+        """
+        if self.straight:
+            return dict(zip(COLUMNS, np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x))), strict=True))
+        last = len(self.nodes) - 1
+        position = np.minimum(np.maximum(x / self.step, 0.0), last)
+        cell = np.minimum(position.astype(int), last - 1)
+        start = self.nodes[cell]
+        rows = start + (position - cell)[:, None] * (self.nodes[cell + 1] - start)
+        return dict(zip(COLUMNS, rows.T, strict=True))
+
+
+def share_of(y: np.ndarray, there: dict[str, np.ndarray]) -> np.ndarray:
+    """Return places between the walls: -1 at the port one, 1 at the starboard one (ours).
+
+    Parameters
+    ----------
+    y : array [m]
+        To starboard of the line.
+    there : dict of str to array
+        As ``WaterAhead.at`` gives it.
+    """
+    return np.asarray((y - there["middle"]) / (there["width"] / 2))
+
+
+def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
+    """Return the water of a waterway, or of the model's own canal (ours).
+
+    Parameters
+    ----------
+    model : Model
+        Its canal gives the depth where the waterway has none.
+    waterway : Waterway, optional
+        Where the ship sails instead of that canal.
+
+    Raises
+    ------
+    InputError
+        Where the ship does not fit the waterway.
+    """
+    ship, canal = model.configuration.ship, model.configuration.canal
+    own_depth = np.nan if canal.depth is None else canal.depth
+    if waterway is None:
+        values = model.configuration.values()
+        walls = [float(values.get(name, canal.width / 2)) for name in ("wall_starboard", "wall_port")]
+        row = np.array([canal.width, 0.0, own_depth, 0.0, *walls])
+        return WaterAhead(np.stack([row, row]), canal.width, straight=True)
+    from narrows.waterway.table import tabulate
+
+    waterway.check_fits(ship)
+    table = tabulate(waterway, ship.draft, waterway.step or ship.beam)
+    depth = np.full_like(table.s, own_depth) if np.isnan(table.depth).all() else table.depth
+    width, middle = table.starboard + table.port, (table.starboard - table.port) / 2
+    columns = [width, middle, depth, table.curvature, table.keel_starboard, table.keel_port]
+    return WaterAhead(np.stack(columns, axis=1), table.step, waterway.current)
