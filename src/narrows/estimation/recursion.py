@@ -131,14 +131,14 @@ class Recursion:
             Indicated positions.
         """
         lanes, pairs = self.lanes, len(self.moving.distance)
-        starts, ends = (np.repeat(position[None], lanes.lanes, axis=0) for position in (start, end))
         if self._displaced:
             rudder = lanes.actuators.index(RUDDER)
+            ends = np.repeat(end[None], lanes.lanes, axis=0)
             ends[pairs, rudder] += self._displaced
             ends[2 * pairs, rudder] -= self._displaced
-            now = Normal(now.mean, np.concatenate([now.root, self._no_disturbance], axis=1))
+            now, end = Normal(now.mean, np.concatenate([now.root, self._no_disturbance], axis=1)), ends
         after, how = predicted(
-            now, lambda points: self._lanes_moved(points, duration, starts, ends), math.sqrt(duration) * self._walk,
+            now, lambda points: self._lanes_moved(points, duration, start, end), math.sqrt(duration) * self._walk,
             self.moving,
         )  # fmt: skip
         return after, how, bool(lanes.prepared.codes[0, 0])

@@ -160,7 +160,7 @@ class ShipLanes:
             Now.
         duration : float [s]
             How long; one step of the kernel.
-        start, end : array (lanes, actuators)
+        start, end : array (actuators,) or (lanes, actuators)
             Indicated positions of the actuators, at the start and at the end.
         columns : array (lanes, inputs), optional
             Inputs of each lane; those of its coefficients and the state's bank unless given.
@@ -175,12 +175,12 @@ class ShipLanes:
 
     def _drift(self, points: np.ndarray, duration: float) -> None:
         places = self.states.places
-        if "current" in places:
-            gone = duration * (points[:, places["current"]] - self._known_current)
-            bend = self.bend(float(points[0, 0])) if self._water is not None else 0.0
-            if bend:
-                gone = gone / (1.0 - bend * points[:, 1])
-                points[:, 2] -= bend * gone
+        if "current" in places and self._water is None:
+            points[:, 0] += duration * points[:, places["current"]]
+        elif "current" in places:
+            bend = self.bend(float(points[0, 0]))
+            gone = duration * (points[:, places["current"]] - self._known_current) / (1.0 - bend * points[:, 1])
+            points[:, 2] -= bend * gone
             points[:, 0] += gone
         if "current_across" in places:
             points[:, 1] += duration * points[:, places["current_across"]]
@@ -202,8 +202,8 @@ class ShipLanes:
             inputs += self._base
         for number, name in enumerate(self.actuators):
             bias = points[:, places["rudder_bias"]] if name == RUDDER and "rudder_bias" in places else 0.0
-            rows[:, kept[name]] = start[:, number] + bias
-            inputs[:, self._told[number]] = end[:, number] + bias
+            rows[:, kept[name]] = start[..., number] + bias
+            inputs[:, self._told[number]] = end[..., number] + bias
 
     def _unload(self, after: np.ndarray) -> None:
         """Write where the lanes are; the heading by how far it turned, so that whole turns are kept."""

@@ -76,5 +76,10 @@ def sigma_points(mean: np.ndarray, root: np.ndarray, spread: Spread) -> np.ndarr
     spread : Spread
         Of k directions.
     """
+    pairs = len(spread.distance)
+    points = np.empty((1 + 2 * pairs, len(mean)))
     steps = root.T * spread.distance[:, None]
-    return np.concatenate([mean[None], mean + steps, mean - steps])
+    points[0] = mean
+    np.add(mean, steps, out=points[1 : pairs + 1])
+    np.subtract(mean, steps, out=points[pairs + 1 :])
+    return points

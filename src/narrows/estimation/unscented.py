@@ -114,7 +114,8 @@ def predicted(
     root = triangular_root(np.concatenate(parts))
     if centre < 0.0:
         root = downdated_root(root, np.sqrt(-centre) * after.centre)
-    return Normal(after.mean, np.concatenate([after.slopes[:p].T, root], axis=1)), after
+    root = np.concatenate([after.slopes[:p].T, root], axis=1) if p else root
+    return Normal(after.mean, root), after
 
 
 def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: Spread) -> np.ndarray:
@@ -173,4 +174,5 @@ def corrected(
     root = triangular_root(np.concatenate(parts))
     if curved and spread.centre < 0.0:
         root = downdated_root(root, np.sqrt(-spread.centre) * (gain @ expected.centre))
-    return Normal(now.mean + gain @ innovation, np.concatenate([rest[:, :p], root], axis=1))
+    root = np.concatenate([rest[:, :p], root], axis=1) if p else root
+    return Normal(now.mean + gain @ innovation, root)
