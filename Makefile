@@ -4,7 +4,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: check demo test test-fast lint docs bench package newest lock clean
+.PHONY: check demo test test-fast lint docs site-check bench package newest lock clean
 
 demo: .venv/base
 	$(BIN)/narrows demo --out out
@@ -22,13 +22,17 @@ lint: .venv/dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# What CI runs: the demo, lint, types, the import contracts, the package, the newest Python, the tests with README, docs,
-# examples and small benchmarks.
-check: demo lint package newest test
+# What CI runs: the demo, lint, types, the import contracts, the package, the newest Python, the site's pages and links, the
+# tests with README, docs, examples and small benchmarks.
+check: demo lint package newest site-check test
 
-# The site, in out/site; it takes minutes, and `check` leaves it out.
+# The site, in out/site; it takes minutes, for its pages are run.
 docs: .venv/docs
 	$(BIN)/sphinx-build --fresh-env --fail-on-warning --keep-going docs out/site
+
+# The site's pages, references and links, none of them run: the tests do that.
+site-check: .venv/docs
+	$(BIN)/sphinx-build --quiet -t unrun --fresh-env --fail-on-warning --keep-going docs out/site-check
 
 bench: .venv/dev
 	$(BIN)/python -m pip install --quiet 'pip>=25.1'

@@ -1,4 +1,4 @@
-"""The site of the documentation: `make docs` builds it into out/site, without the network."""
+"""The site of the documentation, without the network: `make docs` builds it, `make site-check` without running it."""
 
 import sys
 from importlib.metadata import version as installed
@@ -52,6 +52,11 @@ sphinx_gallery_conf = {
     "run_stale_examples": True,
     "abort_on_example_error": True,
 }
+
+if tags.has("unrun"):  # noqa: F821  # of Sphinx: pages and links are checked, and nothing is run, which the tests do
+    nb_execution_mode = "off"
+    suppress_warnings.append("myst-nb.lexer")  # Of cells that no kernel has seen.
+    sphinx_gallery_conf |= {"plot_gallery": False, "run_stale_examples": False}
 
 mathjax_path = "mathjax.js"
 

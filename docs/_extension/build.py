@@ -12,7 +12,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Register the directive `made`, and what is done before and after the build."""
     app.add_directive("made", Made)
     app.connect("builder-inited", lambda app: rooms.write_pages(app.srcdir), priority=400)
-    app.connect("builder-inited", lambda app: pictures.draw_all(app.srcdir), priority=400)
+    app.connect("builder-inited", lambda app: pictures.draw_all(app.srcdir, not app.tags.has("unrun")), priority=400)
     app.connect("autodoc-process-docstring", rooms.keep_constant, priority=400)
     app.connect("autodoc-process-docstring", rooms.restore_constant, priority=600)
     app.connect("autodoc-skip-member", rooms.of_others)

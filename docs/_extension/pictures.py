@@ -1,5 +1,6 @@
 """Pictures that pages show and nobody commits: made where they are absent or older than what they are made of."""
 
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -35,10 +36,15 @@ PICTURES: dict[str, Callable[[], Figure]] = {
 }
 
 
-def draw_all(source: Path) -> None:
-    """Draw what is not there yet, or older than the package and the scripts."""
+def draw_all(source: Path, drawn: bool = True) -> None:
+    """Draw what is not there yet, or older than the package and the scripts; or put blanks where nothing is."""
     folder = Path(source) / "pictures"
     folder.mkdir(exist_ok=True)
+    if not drawn:
+        for path in (folder / name for name in PICTURES if not (folder / name).exists()):
+            Figure().savefig(path)
+            os.utime(path, (0, 0))
+        return
     newest = max(path.stat().st_mtime for path in _sources())
     for name, draw in PICTURES.items():
         path = folder / name

@@ -10,7 +10,7 @@ import narrows
 
 _SAID: dict[str, list[str]] = {}
 ROOT = Path(__file__).parents[2]
-NOT_IMPORTED = ("narrows.codegen.kernels.queue", "narrows.codegen.kernels.newton")
+NOT_IMPORTED = tuple(f"narrows.codegen.kernels.{name}" for name in ("queue", "newton", "sensitivity"))
 """Source text that goes into compiled programs."""
 
 

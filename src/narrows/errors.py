@@ -77,8 +77,10 @@ def shown(value: object) -> str:
     if isinstance(value, float):  # NumPy's among them, which would say of what kind they are
         return float.__repr__(value)
     try:
+        if isinstance(value, int):
+            str(value)  # Python does not write out integers of more than 4300 digits; since 3.14 reprlib hides that.
         return _SHORT.repr(value)
-    except ValueError:  # Python does not write out integers of more than 4300 digits.
+    except ValueError:
         return f"a {type(value).__name__} too long to show"
 
 

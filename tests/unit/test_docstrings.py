@@ -7,6 +7,7 @@ import pkgutil
 import re
 import textwrap
 from collections.abc import Iterator
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -51,11 +52,11 @@ EXPORTED = {name: getattr(nw, name) for name in nw.__all__ if callable(getattr(n
 
 
 def has_own_signature(thing: Any) -> bool:
-    """Whether there is something to document: an exception, a protocol and a heir have no parameters of their own."""
+    """Whether there is something to document: exceptions, protocols, enumerations and heirs have no parameters."""
     if not inspect.isclass(thing):
         return True
     inherits = "__init__" not in vars(thing) and any("__init__" in vars(base) for base in thing.__mro__[1:-1])
-    return not (inherits or issubclass(thing, Exception) or getattr(thing, "_is_protocol", False))
+    return not (inherits or issubclass(thing, Exception | Enum) or getattr(thing, "_is_protocol", False))
 
 
 def parsed(thing: Any) -> docstring_parser.Docstring:

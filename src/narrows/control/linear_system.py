@@ -312,7 +312,7 @@ def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, f
     -------
     dict of str to float
         ``gain`` and ``gain_down`` [1], factors on the gain that bring it to instability from above and from below;
-        ``phase_deg``; ``delay`` [s]; ``distance`` [1], the least of |1 + loop|. Infinite (or 0 for ``gain_down``) where
+        ``phase_deg``; ``delay`` [s]; ``distance`` [1], the least size of 1 + loop. Infinite (or 0, ``gain_down``) where
         nothing does.
 
     Raises

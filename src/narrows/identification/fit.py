@@ -27,6 +27,7 @@ from narrows.identification.regression.normal_equations import NormalEquations, 
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import Score, score
 from narrows.identification.regression.solve import Solution
+from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.uncertainty.bootstrap import Bootstrap, resampled
 from narrows.identification.uncertainty.bootstrap import Kind as DrawnBy
 from narrows.identification.uncertainty.interval import bounded_interval, t_quantile
@@ -250,7 +251,7 @@ class Fit(Prediction):
         return profile(self.problem, self.normal_equations.total, self.unbounded, name)
 
     def shapley(
-        self, kind: shapley.Kind = "mse", coefficients: Mapping[str, float] | None = None
+        self, kind: ShareKind = "mse", coefficients: Mapping[str, float] | None = None
     ) -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
 

@@ -74,4 +74,4 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
     if sure is None:
         return [f"With {data.attrs['samples']} cases tried this is not certain anywhere; try more."]
     count = f"{data.attrs['samples']} cases were tried: that leaves the edges open"
-    return [f"{count}, from {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))} for certain."]
+    return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
