@@ -161,14 +161,15 @@ class TestAutopilot:
 
 def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float) -> nw.Voyage:
     """One trial by the voyage's own march: gust first, then without."""
-    pilot = nw.track_pilot(model, y, u)
+    pilot = nw.control.regulator(model, y, u)
+    line = pilot.lines[0]
     dt = LENGTH / (STEPS_A_LENGTH * u)
     blown = dt * round(time / dt)
     push = {name: [(0.0, float(thrown[name][sample])), (blown, 0.0)] for name in ("Y", "N")}
     steps = np.ceil(time / dt) + LENGTHS * STEPS_A_LENGTH
     return nw.simulate(
-        model, y=y + float(thrown["y"][sample]), u=u, psi=pilot.psi + float(thrown["psi"][sample]), v=pilot.v,
-        rudder=pilot.rudder, duration=steps * dt, dt=dt, controller=pilot, **push,
+        model, y=y + float(thrown["y"][sample]), u=u, psi=line.psi + float(thrown["psi"][sample]), v=line.v,
+        rudder=line.rudder, duration=steps * dt, dt=dt, controller=pilot, **push,
     )  # fmt: skip
 
 

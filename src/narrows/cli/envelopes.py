@@ -49,6 +49,9 @@ def envelope(
     most_revolutions: Annotated[
         float | None, typer.Option(help="Of the engine [1/s], for a model with a propeller.")
     ] = None,
+    controller: Annotated[
+        str, typer.Option(help="The helm that holds it: regulator, or track for the one without an integral.")
+    ] = "regulator",
     samples: Annotated[
         int | None,
         typer.Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
@@ -85,6 +88,7 @@ def envelope(
         None if y is None else numbers("--y", y),
         None if speed is None else speeds("--speed", speed),
         disturbance=disturbance, reserve=reserve, keel=keel, most_revolutions=most_revolutions,
+        controller=controller,
         samples=samples, seed=seed, walls=walls, bank=bank,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip

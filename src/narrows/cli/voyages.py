@@ -28,10 +28,10 @@ from narrows.errors import InputError
 
 if TYPE_CHECKING:
     from narrows.model.model import Model
-    from narrows.simulation.controllers import Autopilot
     from narrows.simulation.usual import UsualVoyage
     from narrows.waterway import Waterway
 
+HELMS = ("regulator", "track")
 OFFSETS = 101
 """Of a map, where none are given."""
 
@@ -53,8 +53,9 @@ def simulate(
     rudder_deg: Annotated[
         float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")
     ] = 0.0,
-    hold: Annotated[
-        float | None, typer.Option(help="Offset that an autopilot holds [m], for models with a rudder.")
+    hold: Annotated[float | None, typer.Option(help="Offset that a helm holds [m], for models with a rudder.")] = None,
+    controller: Annotated[
+        str | None, typer.Option(help="That helm: regulator, or track for the one without an integral.")
     ] = None,
     duration: Duration = None,
     dt: TimeStep = None,
@@ -91,7 +92,7 @@ def simulate(
         x=x, psi=radians(psi_deg), v=read_speed("--v", v), r=radians(r_deg),
         X=surge_force, Y=sway_force, N=yaw_moment, rudder=radians(rudder_deg),
         surge_inertia=surge_inertia, coriolis=coriolis, waterway=course, **choices,
-        controller=_pilot(chosen, hold, u, x, course),
+        controller=_helm(chosen, controller, hold, u, x, course),
     )  # fmt: skip
     if output:
         voyage.save(output)
@@ -108,16 +109,24 @@ def simulate(
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
-def _pilot(model: "Model", hold: float | None, u: float, x: float, way: "Waterway | None") -> "Autopilot | None":
-    """A track pilot for the model's own canal, or for the section of a waterway where the ship starts."""
-    if hold is None:
-        return None
-    from dataclasses import replace
-
+def _helm(model: "Model", name: str | None, hold: float | None, u: float, x: float, way: "Waterway | None") -> Any:
+    """A helm for the model's own canal, or for the section of a waterway where the ship starts."""
+    from narrows.control.regulator import regulator
     from narrows.control.track_pilot import track_pilot
+    from narrows.errors import check_choice
 
+    if name is not None:
+        check_choice("--controller", name, HELMS)
+    if hold is None:
+        if name is not None:
+            raise InputError("--controller needs the offset that it holds: add --hold, or leave it out")
+        return None
+    if name in (None, "regulator"):
+        return regulator(model, hold, u, waterway=way, at=0.0 if way is None else x)
     if way is None:
         return track_pilot(model, hold, u)
+    from dataclasses import replace
+
     canal = way.canal(x)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     there = replace(model, configuration=replace(model.configuration, canal=canal))

@@ -1,7 +1,8 @@
 """A ship about its steady course as matrices with names: what linear control theory asks for."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,7 +45,7 @@ class LinearSystem(Shown):
     varied : tuple of str
         The dimensions, in order: y, u, or none.
     rates : callable
-        Of the states, by states, controls and disturbances of a single course, as one vector each.
+        Of the states, by a single course and its states, controls and disturbances, as one vector each.
     length : float [m]
         Of the ship, which with its speed makes states of one size.
     notes : tuple of str
@@ -59,7 +60,7 @@ class LinearSystem(Shown):
     disturbances: tuple[str, ...]
     course: Mapping[str, np.ndarray]
     varied: tuple[str, ...]
-    rates: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray] = field(repr=False)
+    rates: Callable[[Mapping[str, Any], np.ndarray, np.ndarray, np.ndarray], np.ndarray] = field(repr=False)
     length: float
     notes: tuple[str, ...]
 
@@ -67,6 +68,18 @@ class LinearSystem(Shown):
     def units(self) -> dict[str, str]:
         """The unit of each state, control and disturbance."""
         return {name: UNITS.get(name, "") for name in (*self.states, *self.controls, *self.disturbances)}
+
+    def one(self, *index: int) -> "LinearSystem":
+        """Return one of several courses.
+
+        Parameters
+        ----------
+        *index : int
+            Its place in each dimension of ``varied``.
+        """
+        course = {name: column[index] for name, column in self.course.items()}
+        parts = {name: getattr(self, name)[index] for name in ("A", "B", "G")}
+        return replace(self, **parts, course=course, varied=())
 
     def eigenvalues(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s], (..., states), the most unstable first."""
@@ -184,7 +197,7 @@ class LinearSystem(Shown):
         self._of_one(self.A)
         with needs("control", "nonlinear"):
             import control
-        split, rates = len(self.controls), self.rates
+        split, rates = len(self.controls), partial(self.rates, self.course)
 
         def update(t: float, x: np.ndarray, u: np.ndarray, parameters: Mapping[str, Any]) -> np.ndarray:
             return rates(x, u[:split], u[split:])

@@ -201,17 +201,16 @@ def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSyst
         )
     if ship.surge == "held" and "revolutions" in controls:
         notes.append("the speed is held, so that revolutions change the flow over the rudder alone")
-    one = {name: float(column[0]) for name, column in course.items()}
     courses = {name: column.reshape(shape) for name, column in course.items()}
     return LinearSystem(
         matrix(states), matrix(controls), matrix(disturbances), states, controls, disturbances,
-        courses, tuple(varied), partial(_felt, motion, one, (*states, *controls, *disturbances), len(states)),
+        courses, tuple(varied), partial(_felt, motion, (*states, *controls, *disturbances), len(states)),
         ship.model.configuration.ship.length, tuple(notes),
     )  # fmt: skip
 
 
 def _felt(
-    motion: LocalMotion, course: Mapping[str, float], names: Sequence[str], states: int,
+    motion: LocalMotion, names: Sequence[str], states: int, course: Mapping[str, Any],
     x: np.ndarray, u: np.ndarray, d: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """The rates of the states, what is no state staying as it is on the course."""

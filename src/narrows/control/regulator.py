@@ -124,6 +124,25 @@ def _straight(
     return straight, (float(psi), float(v), float(rudder))
 
 
+def held_gains(model: Model, linear: LinearSystem) -> list[tuple[Any, ...] | None]:
+    """Return the gains of regulators about many courses, by their offset; None where there is no course (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    linear : LinearSystem
+        Of several offsets and one speed.
+
+    Raises
+    ------
+    InputError
+        Where its rudder turns nothing.
+    """
+    known = np.isfinite(linear.course["rudder"])
+    return [regulator_gains(model, linear.one(index)) if known[index] else None for index in range(len(known))]
+
+
 def regulator_gains(model: Model, linear: LinearSystem) -> tuple[Any, ...]:
     """Return the gains of a regulator for what ``FELT`` names, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)] (ours).
 

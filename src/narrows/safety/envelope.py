@@ -13,6 +13,7 @@ from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import trials
 from narrows.safety.question import Walls, envelope_question
 from narrows.safety.shares import settled_trials, shares_of
+from narrows.safety.trial_helms import IN_WORDS, REGULATOR
 from narrows.simulation.inputs import check_workers
 
 RESERVE = 1 / 3
@@ -23,7 +24,7 @@ def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = RESERVE, keel: float | None = None,
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
-    bank: str = "steep", workers: int | None = None, progress: bool = False,
+    bank: str = "steep", controller: str = REGULATOR, workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
     """Find how fast and how far off the middle a ship is still in hand (ours).
 
@@ -56,6 +57,8 @@ def safe_envelope(
         Where its keel meets the banks, to port and to starboard of the middle; the walls of the canal unless given.
     bank : str
         Kind of bank, for the rules from outside that the answer stands beside: ``gentle``, ``sloping`` or ``steep``.
+    controller : str
+        The helm that holds it: ``regulator``, or ``track`` for the track pilot without an integral.
     workers : int, optional
         Threads; all cores unless given.
     progress : bool
@@ -64,7 +67,8 @@ def safe_envelope(
     Raises
     ------
     InputError
-        Where the model has no rudder, nothing says how fast, a number is out of range, or there is no such bank.
+        Where the model has no rudder, nothing says how fast, a number is out of range, or there is no such bank, or no
+        such helm.
     """
     check_rudder(model)
     check_workers(workers)
@@ -72,11 +76,13 @@ def safe_envelope(
     bounds = bounds_of(question)
     try_more = partial(
         trials, model, question.offsets, question.speeds, bounds.under.midship, question.disturbance,
-        walls=question.walls, workers=workers, progress=progress,
+        walls=question.walls, workers=workers, progress=progress, controller=controller,
     )  # fmt: skip
     tried = settled_trials(try_more, samples, seed, question.rudder_limit, bounds.clear & bounds.tested)
     data = shares_of(tried, question.rudder_limit).assign(bounds.columns())
     if most_revolutions is not None:
         data = data.assign(rudder_kick=rudder_of_a_kick(question, bounds.under))
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
-    return with_caveats(SafeEnvelope(data), question, bounds.under, tried.sizes["sample"])
+    envelope = with_caveats(SafeEnvelope(data), question, bounds.under, tried.sizes["sample"])
+    notes = (*envelope.notes, f"held by {IN_WORDS[controller]}")
+    return SafeEnvelope(envelope.data.assign_attrs(notes="\n".join(notes)))
