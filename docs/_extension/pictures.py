@@ -31,6 +31,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "axes-above.svg": axes.from_above,
     "axes-section.svg": axes.section,
     "bank-forms.svg": from_decision("bank_forms"),
+    "control.png": from_decision("helms"),
     "suez.png": from_decision("suez"),
     "estimation.png": from_decision("estimation"),
 }

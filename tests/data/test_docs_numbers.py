@@ -21,6 +21,7 @@ PAGES = {
     "manoeuvres": "manoeuvres.md",
     "suez": "suez.md",
     "estimation": "estimation.md",
+    "helms": "control.md",
     "channel_rules": "safe-envelope.md",
 }
 

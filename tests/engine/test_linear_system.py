@@ -74,7 +74,7 @@ def test_matrices_are_central_differences(case: str) -> None:
 
     def rates(both: np.ndarray) -> np.ndarray:
         x, rest = both[: len(state)], both[len(state) :]
-        return linear.rates(linear.course, x, rest[:split], rest[split:])
+        return linear.rates(x, rest[:split], rest[split:])
 
     names = (*linear.states, *linear.controls, *linear.disturbances)
     widths = np.array([1e-7 if name == "curvature" else 1e-5 for name in names])

@@ -1,12 +1,12 @@
 """A ship about its steady course as matrices with names: what linear control theory asks for."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.control.local_motion import MOVED, LocalMotion
 from narrows.errors import InputError, check_choice, needs
 from narrows.results import Shown
 
@@ -44,8 +44,8 @@ class LinearSystem(Shown):
         The steady course: y [m], u [m/s], psi, rudder [rad], v [m/s], r [rad/s] and what else stays as it is.
     varied : tuple of str
         The dimensions, in order: y, u, or none.
-    rates : callable
-        Of the states, by a single course and its states, controls and disturbances, as one vector each.
+    motion : LocalMotion
+        Of the ship itself.
     length : float [m]
         Of the ship, which with its speed makes states of one size.
     notes : tuple of str
@@ -60,7 +60,7 @@ class LinearSystem(Shown):
     disturbances: tuple[str, ...]
     course: Mapping[str, np.ndarray]
     varied: tuple[str, ...]
-    rates: Callable[[Mapping[str, Any], np.ndarray, np.ndarray, np.ndarray], np.ndarray] = field(repr=False)
+    motion: LocalMotion
     length: float
     notes: tuple[str, ...]
 
@@ -80,6 +80,43 @@ class LinearSystem(Shown):
         course = {name: column[index] for name, column in self.course.items()}
         parts = {name: getattr(self, name)[index] for name in ("A", "B", "G")}
         return replace(self, **parts, course=course, varied=())
+
+    def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Return the rates of the states of one course, what is no state, control or disturbance as on the course.
+
+        Parameters
+        ----------
+        x : array (states,)
+            States, counted from zero.
+        u : array (controls,)
+            Positions of actuators.
+        d : array (disturbances,)
+            Forces, current and curvature.
+        """
+        names = (*self.states, *self.controls, *self.disturbances)
+        rates = self.motion.rates({**self.course, **dict(zip(names, (*x, *u, *d), strict=True))})
+        return np.array([float(rates[name]) for name in self.states])
+
+    def drawn(self, coefficients: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Return A and B of ships with other coefficients about the same state, (samples, ...).
+
+        Parameters
+        ----------
+        coefficients : mapping of str to array (samples,)
+            By name.
+
+        Raises
+        ------
+        InputError
+            Where there are several courses.
+        """
+        self._of_one(self.A)
+        count = max(len(column) for column in coefficients.values())
+        motion = replace(self.motion, values={**self.motion.values, **coefficients})
+        slopes = motion.slopes({name: np.full(count, float(value)) for name, value in self.course.items()})
+        rows = [MOVED.index(name) for name in self.states]
+        A, B = (np.stack([slopes[n][:, rows] for n in names], axis=-1) for names in (self.states, self.controls))
+        return A, B
 
     def eigenvalues(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s], (..., states), the most unstable first."""
@@ -197,7 +234,7 @@ class LinearSystem(Shown):
         self._of_one(self.A)
         with needs("control", "nonlinear"):
             import control
-        split, rates = len(self.controls), partial(self.rates, self.course)
+        split, rates = len(self.controls), self.rates
 
         def update(t: float, x: np.ndarray, u: np.ndarray, parameters: Mapping[str, Any]) -> np.ndarray:
             return rates(x, u[:split], u[split:])

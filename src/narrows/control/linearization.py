@@ -1,7 +1,6 @@
 """Linearise the motion about steady courses: beside a bank, in a bend, in a current; one course, or many at once."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -204,15 +203,6 @@ def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSyst
     courses = {name: column.reshape(shape) for name, column in course.items()}
     return LinearSystem(
         matrix(states), matrix(controls), matrix(disturbances), states, controls, disturbances,
-        courses, tuple(varied), partial(_felt, motion, (*states, *controls, *disturbances), len(states)),
+        courses, tuple(varied), motion,
         ship.model.configuration.ship.length, tuple(notes),
     )  # fmt: skip
-
-
-def _felt(
-    motion: LocalMotion, names: Sequence[str], states: int, course: Mapping[str, Any],
-    x: np.ndarray, u: np.ndarray, d: np.ndarray,
-) -> np.ndarray:  # fmt: skip
-    """The rates of the states, what is no state staying as it is on the course."""
-    rates = motion.rates({**course, **dict(zip(names, (*x, *u, *d), strict=True))})
-    return np.array([float(rates[name]) for name in names[:states]])

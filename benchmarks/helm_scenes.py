@@ -4,7 +4,7 @@ A 230 m container ship in a canal 300 m wide: a line 10 m further off, a bank th
 degrees of rudder), gusts of 15 m/s, a bend of 2500 m, and all at once 65 m off the middle in 18 m/s of wind. The helm
 knows the mean coefficients; which truth it steers it does not know.
 
-python benchmarks/control.py [TRUTHS] [--small]
+python benchmarks/helm_scenes.py [TRUTHS] [--small]
 """
 
 import time
@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from common import machine, sizes
 from envelope import full_scale
 from rich.console import Console
@@ -96,6 +97,15 @@ class Fleet:
     def truths(self) -> dict[str, np.ndarray]:
         """Coefficients."""
         return {name: column.to_numpy() for name, column in sampled(self.model, self.count, self.seed).items()}
+
+    def holdable(self, scene: Scene) -> np.ndarray:
+        """Which of them some rudder angle holds on every line of a scene."""
+        holds = np.ones(self.count, bool)
+        for _, y in scene.lines:
+            columns = {name: xr.DataArray(column, dims="sample") for name, column in self.truths.items()}
+            rudder = nw.steady_course(self.model, y=y, u=SPEED, **columns)["rudder"].to_numpy()
+            holds &= np.abs(rudder) <= self.model.configuration.gear.limit
+        return holds
 
     def begin(self, y: Any, psi: Any, v: float, rudder: float) -> None:
         """Place every ship."""
@@ -203,12 +213,13 @@ def fly(fleet: Fleet, scene: Scene, helm: Any, seed: int = 3) -> dict[str, float
         off = np.abs(fleet.state["y"] - scene.wanted(t))
         far = np.where(fleet.alive, np.maximum(far, off), far)
         late = np.maximum(late, off) if t >= DURATION - LATE else late
-    fleet.lost = lost = ~(fleet.alive & (late < fleet.model.configuration.ship.beam / 2))
+    lost = ~(fleet.alive & (late < fleet.model.configuration.ship.beam / 2))
     afloat = fleet.alive if fleet.alive.any() else ~fleet.alive
     return {
         "deviation": float(np.median(far[afloat])), "deviation_95": float(np.quantile(far[afloat], 0.95)),
         "travel": float(np.degrees(np.median(fleet.travel[afloat]))), "aground": float((~fleet.alive).mean()),
-        "lost": float(lost.mean()), "order_us": 1e6 * spent / DURATION / fleet.count,
+        "lost": float(lost.mean()), "lost_with_course": float(lost[fleet.holdable(scene)].mean()),
+        "order_us": 1e6 * spent / DURATION / fleet.count,
     }  # fmt: skip
 
 
@@ -230,8 +241,6 @@ def recovered(model: nw.Model, y: float, helm: Any, across: int) -> float:
     psi, ship = course["psi"] + turned, model.configuration.ship
     reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi)
     fits = model.configuration.canal.width / 2 - np.abs(y + off) - reach > 1.0
-    import xarray as xr
-
     start = {"y": y + off[fits], "psi": psi[fits]}
     columns = {name: xr.DataArray(column, dims="start") for name, column in start.items()}
     told = {"u": SPEED, "v": course["v"], "rudder": course["rudder"], "duration": 500.0, "dt": DT}

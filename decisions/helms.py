@@ -1,0 +1,89 @@
+"""Five scenes under two helms: the table of docs/control.md, and its picture, which `make docs` draws.
+
+python decisions/helms.py [--write]
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from pages import markdown, publish
+
+import narrows as nw
+
+sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
+import helm_scenes
+
+TRUTHS = 300
+HEADER = (
+    "scene", "helm", "median largest deviation [m]", "rudder travel [degrees]", "aground", "lost",
+    "lost, with a course",
+)  # fmt: skip
+COLOURS = {"track": "#d55e00", "regulator": "#0072b2"}
+
+
+def text() -> str:
+    """Each scene under each helm."""
+    rows = []
+    for (scene, helm), row in helm_scenes.flown(helm_scenes.full_scale(), TRUTHS).items():
+        shares = (f"{100 * row[name]:.1f} %" for name in ("aground", "lost", "lost_with_course"))
+        rows.append((scene, helm, f"{row['deviation']:.1f}", f"{row['travel']:.0f}", *shares))
+    return markdown(HEADER, rows)
+
+
+def voyage(model: nw.Model, scene: helm_scenes.Scene, helm: str) -> nw.Voyage:
+    """The mean ship through a scene."""
+    course = {name: float(value) for name, value in nw.control.linearize(model, scene.lines[0][1], 4.5).course.items()}
+    times = np.arange(0.0, helm_scenes.DURATION)
+    pushes = np.array([scene.push(t) for t in times])
+    changes = np.flatnonzero(np.r_[True, (np.diff(pushes, axis=0) != 0).any(axis=1)])
+    forces = {name: [(times[k], pushes[k, i]) for k in changes] for i, name in enumerate("YN")}
+    asked = helm_scenes.HELMS[helm](model, scene)
+    law = asked[-1][1] if isinstance(asked, list) else asked
+    if isinstance(asked, list) and len(asked) > 1:
+        law = _in_turn(asked)
+    told = {name: course[name] for name in ("y", "u", "psi", "v", "rudder")}
+    return nw.simulate(
+        model, **told, x=200.0, duration=helm_scenes.DURATION, dt=1.0, controller=law, waterway=scene.waterway, **forces
+    )
+
+
+def _in_turn(pilots: list[tuple[float, nw.Autopilot]]) -> object:
+    """Track pilots, each from its time on, as a function of time and state."""
+
+    def order(t: float, state: object) -> float:
+        own = [pilot for start, pilot in pilots if start <= t + 1e-9][-1]
+        off = [getattr(state, name) - at for name, at in (("y", own.y), ("psi", own.psi), ("v", own.v), ("r", 0.0))]
+        return float(own.rudder - np.dot(own.gains, off))
+
+    return order
+
+
+def figure() -> Figure:
+    """Offset, heading, rudder and the room to the nearer bank, a column a scene."""
+    model = helm_scenes.full_scale()
+    scenes, ship = helm_scenes.scenes(model), model.configuration.ship
+    drawn = Figure(figsize=(13, 8), layout="constrained")
+    axes = drawn.subplots(4, len(scenes), sharex=True)
+    for column, (name, scene) in enumerate(scenes.items()):
+        axes[0, column].set_title(name)
+        times = np.arange(0.0, helm_scenes.DURATION)
+        axes[0, column].plot(times, [scene.wanted(t) for t in times], color="0.6", linewidth=0.8)
+        for helm, colour in COLOURS.items():
+            flown = voyage(model, scene, helm)
+            reach = ship.length / 2 * np.abs(np.sin(flown.psi)) + ship.beam / 2 * np.cos(flown.psi)
+            room = model.configuration.canal.width / 2 - np.abs(flown.y) - reach
+            for row, values in enumerate((flown.y, np.degrees(flown.psi), np.degrees(flown.rudder), room)):
+                axes[row, column].plot(flown.t, values, color=colour, linewidth=1.0, label=helm)
+        axes[3, column].set_xlabel("time [s]")
+    for row, label in enumerate(("offset [m]", "heading [deg]", "rudder [deg]", "room to the bank [m]")):
+        axes[row, 0].set_ylabel(label)
+    for panel in axes.ravel():
+        panel.grid(alpha=0.3)
+    axes[0, 0].legend(frameon=False)
+    return drawn
+
+
+if __name__ == "__main__":
+    publish(__file__, "control.md", text())
