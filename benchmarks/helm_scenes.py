@@ -102,8 +102,8 @@ class Fleet:
         """Which of them some rudder angle holds on every line of a scene."""
         holds = np.ones(self.count, bool)
         for _, y in scene.lines:
-            columns = {name: xr.DataArray(column, dims="sample") for name, column in self.truths.items()}
-            rudder = nw.steady_course(self.model, y=y, u=SPEED, **columns)["rudder"].to_numpy()
+            course = nw.steady_course(self.model, y=y, u=SPEED, samples=self.count, seed=self.seed)
+            rudder = course["rudder"].to_numpy()
             holds &= np.abs(rudder) <= self.model.configuration.gear.limit
         return holds
 
