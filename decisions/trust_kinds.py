@@ -30,6 +30,7 @@ from trust_tank import (
     sway,
     yaw,
 )
+from trust_types_of_runs import TYPES_OF_RUNS
 
 import narrows as nw
 
@@ -432,5 +433,6 @@ KINDS: dict[Kind, tuple[float, ...]] = {
     bank_by_period: (0.05, 0.15, 0.4), one_sided_bank: (0.1, 0.3, 1.0), faint_bank: (0.1, 0.3),
     rail: (0.05, 0.15), rail_of_a_run: (0.01, 0.05), heading: (0.1, 0.5), heading_of_a_run: (0.05, 0.2),
     speed_of_a_run: (0.005, 0.02), accelerations: (0.03, 0.1), motion_noise: (0.3, 1.0), crosstalk: (0.01, 0.03),
+    **TYPES_OF_RUNS,
 }  # fmt: skip
 """The kinds, each with its strengths from faint to gross."""

@@ -59,6 +59,7 @@ NAMED: dict[str, tuple[Spoil, str]] = {
     "moment in kgf m": (scaled(1 / 9.80665, "N"), "is N in kgf or kgf m"),
     "forces in kN": (scaled(1e-3, "X", "Y", "N"), "is Y in kN or kN m"),
     "inertia taken off": (without_inertia, "has the ship's own inertia been taken off N already"),
+    "X flipped": (scaled(-1, "X"), "is X counted astern"),
     "Y flipped": (scaled(-1, "Y"), "is Y counted to port"),
     "N flipped": (scaled(-1, "N"), "is N counted anticlockwise"),
     "Y and N flipped": (scaled(-1, "Y", "N"), "is N counted anticlockwise"),
@@ -137,6 +138,21 @@ def test_rudder(terms: str) -> None:
     if "helm" in terms:
         assert any("is the rudder's sign reversed" in said for said in wrong.implausible)
     assert any("rudder goes to 35 deg and no term has it" in note for note in right.notes) == ("helm" not in terms)
+
+
+def test_a_rudder_in_a_table_on_disk(tmp_path: Path) -> None:
+    """What is summed of it says as much as its column."""
+    made = frame_of(nw.twin(runs=(StraightRun("S", 0.5, 1.0, 20.0), StraightRun("P", -0.5, 1.0, 20.0)), rate=5.0))
+    (tmp_path / "ship.toml").write_text(DTC_SHIP)
+    for moves, degrees in ((True, 12.0), (False, 0.4)):
+        table = written(made.assign(rudder_deg=np.where(made.test == "S", degrees, 0.0)), tmp_path / f"{moves}.csv")
+        tests = nw.stream_captive(table, tmp_path / "ship.toml")
+        if not moves:
+            assert not any("rudder" in note for note in nw.identify(tests).notes)
+            continue
+        with pytest.raises(nw.InputError, match=r"goes to 12 deg and no term has it.* paper\+helm"):
+            nw.identify(tests)
+        assert any("The rudder goes to 12 deg" in note for note in nw.identify(tests, pass_over="rudder").notes)
 
 
 def test_steady_drift_of_the_other_sign(tmp_path: Path) -> None:

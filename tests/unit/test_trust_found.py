@@ -196,6 +196,8 @@ KINDS = [
     ("hull_by_period", 0.15), ("hull_by_depth", 1.2), ("static_unlike_harmonic", 0.15), ("crossflow", 0.3),
     ("asymmetric_hull", 2.0), ("tapered", 0.15), ("other_form", 0.3), ("bank_by_speed", 0.2), ("rail", 0.05),
     ("accelerations", 0.1), ("gain_by_kind", 0.1), ("drift_couples", 1.0), ("cubic_y", 0.1),
+    ("settling", 0.3), ("settling", 1.0), ("gain_of_straight_runs", 0.2), ("rail_of_straight_runs", 0.2),
+    ("batches", 0.1), ("power_of_y", 1.5), ("hull_with_memory", 1.0), ("drift_to_one_side", 4.0), ("heel", 50.0),
 ]  # fmt: skip
 
 
@@ -205,8 +207,9 @@ def test_no_kind_of_broken_twin_fools_it(kind: str, strength: float, monkeypatch
     monkeypatch.syspath_prepend(Path(__file__).parents[2] / "decisions")
     import trust_kinds
 
+    named = {made.__name__: made for made in trust_kinds.KINDS}
     for seed in (11, 12):
-        tests, truth = getattr(trust_kinds, kind)(np.random.default_rng(seed), strength)
+        tests, truth = named[kind](np.random.default_rng(seed), strength)
         fit = nw.identify(tests, "paper+keel_gap" if kind == "hull_by_depth" else "paper")
         for name, value in truth.items():
             low, high = fit.intervals[name]
@@ -240,6 +243,28 @@ def test_a_force_as_a_power_of_y_is_seen_for_what_it_is(monkeypatch: pytest.Monk
     assert beside.holds_zero
     assert abs(beside.value) < 0.3 * fit.coefficients["b_bank"]
     assert fit.verdicts["b_bank"].status == "confounded"
+
+
+def test_the_later_half_of_each_run_is_a_fit_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forces that settle in every run: what the later halves alone tell is what a fit to their rows gives."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "decisions")
+    import trust_types_of_runs
+
+    tests, truth = trust_types_of_runs.settling(np.random.default_rng(3), 1.0)
+    fit = nw.identify(tests)
+    lengths = np.diff(tests.starts)
+    later = np.concatenate([np.arange(n) >= n / 2 for n in lengths])
+    starts = np.concatenate([[0], np.cumsum(lengths - (lengths + 1) // 2)])
+    rows = {name: column[later] for name, column in tests.columns.items()}
+    again = nw.identify(nw.CaptiveTests(rows, tests.names, starts, tests.configuration))
+    for name in ("b_bank", "c_bank"):
+        compared = {c.label: c for c in fit.evidence.compared(fit.terms.names.index(name))}
+        half = compared["told by the later half of each run alone"]
+        assert half.value == pytest.approx(again.unbounded.values[fit.terms.names.index(name)], rel=5e-3)
+        assert abs(half.value - truth[name]) < 0.5 * abs(fit.coefficients[name] - truth[name])
+        low, high = fit.intervals[name]
+        assert low < truth[name] < high
+    assert any("the later half of each run" in reason for reason in fit.verdicts["b_bank"].reasons)
 
 
 @pytest.mark.parametrize("scatter", [0.0, 0.02])

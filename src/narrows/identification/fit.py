@@ -154,7 +154,11 @@ class Fit(Prediction):
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance (n, n) by the errors of runs, as in ``terms.names``; zero where a bound is rejected and held."""
+        """Covariance (n, n) by the errors of runs, as in ``terms.names``: what ensembles and the envelope draw from.
+
+        Its diagonal is the square of ``std``, or more where a coefficient moves with a wider one that it trades
+        against; zero where the data reject a bound and the coefficient is held there.
+        """
         return self.unbounded.covariance
 
     @cached_property
@@ -281,7 +285,8 @@ class Fit(Prediction):
         one = one * (several and AT not in self.terms.name)
         depths = (*one, *(test.sentence(name) for name, test in self.depth_tests.items()))
         bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
-        helm = tuple(filter(None, [unmodelled_rudder(self.tests, self.problem)]))
+        rudder = unmodelled_rudder(self.tests, self.normal_equations, self.terms)
+        helm = (f"{rudder[:1].upper()}{rudder[1:]}.",) * bool(rudder)
         bias = noise_bias(self.problem, self.solution, self.normal_equations.total)
         noise = tuple(filter(None, [noise_sentence(self.tests, bias, self.coefficients)]))
         known = (*self.tests.notes, self.motions.sentence, *alone * (len(self.motions) < 2), *depths)
@@ -351,14 +356,14 @@ class Fit(Prediction):
     def _past_bounds(self) -> dict[str, float]:
         """Where each coefficient at a bound would be were that bound let go and the others kept."""
         h, g = self.problem.normal(self.normal_equations.total)
-        found = {}
+        past = {}
         for name in self.at_bound:
             slot = self.problem.slot[name]
             free = np.arange(len(g)) == slot
             lower, upper = np.where(free, -np.inf, self.problem.lower), np.where(free, np.inf, self.problem.upper)
             z = solve_many(h[None], g[None], lower, upper)[0]
-            found[name] = float(z[slot] / self.problem.scale[slot])
-        return found
+            past[name] = float(z[slot] / self.problem.scale[slot])
+        return past
 
     @property
     def _size(self) -> str:

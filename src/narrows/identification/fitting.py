@@ -1,6 +1,5 @@
 """``identify``: tests in, a fit out."""
 
-import math
 from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
@@ -14,7 +13,7 @@ from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.identification.cross_validation import Validation, left_out_coefficients, left_out_score
 from narrows.identification.fit import Fit
 from narrows.identification.motions import distinct_motions, numbered
-from narrows.identification.plausibility import rudder_angle
+from narrows.identification.plausibility import unmodelled_rudder
 from narrows.identification.regression.accumulation import accumulate
 from narrows.identification.regression.problem import Weights, reduced
 from narrows.identification.regression.scores import score
@@ -90,11 +89,15 @@ def identify(
         check_choice("pool", pool, get_args(Pool))
         terms = pooled(terms, depths_of(tests))
     check_one_condition(tests, terms)
-    check_rudder(tests, terms, pass_over)
+    for name in (pass_over,) if isinstance(pass_over, str) else pass_over:
+        check_choice("pass_over", name, ("rudder",))
     if isinstance(tests, CaptiveTests):
         tests = with_accelerations(tests, accelerations)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
     equations, data_range = accumulate(fitted, terms, PIECES)
+    rudder = unmodelled_rudder(fitted, equations, terms)
+    if rudder and "rudder" not in pass_over:
+        raise InputError(f"{rudder}, or say that it is passed over (--pass-over rudder, in Python pass_over='rudder')")
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
     problem = reduced(equations, terms, weights)
@@ -122,12 +125,12 @@ def depths_of(tests: Tests) -> list[float]:
     InputError
         Where they do not say how deep the water was.
     """
-    found: dict[str, list[float]] = {}
+    by_test: dict[str, list[float]] = {}
     for block in tests.blocks(1):
         depth = np.broadcast_to(block.values.get("depth", np.nan), block.rows)
         for span in block.spans:
-            found.setdefault(span.test, []).append(float(depth[span.start : span.stop].mean()))
-    means = np.array([np.mean(values) for values in found.values()])
+            by_test.setdefault(span.test, []).append(float(depth[span.start : span.stop].mean()))
+    means = np.array([np.mean(values) for values in by_test.values()])
     if not np.isfinite(means).all():
         raise InputError("the tests do not say how deep the water was; give depths in the ship file or a column")
     group = numbered(means)
@@ -154,32 +157,4 @@ def check_one_condition(tests: Tests, terms: TermTable) -> None:
         raise InputError(
             f"the tests are of several conditions ({labels}), which no one model fits unless its terms ask for the "
             "depth; identify each of tests.by_condition()"
-        )
-
-
-def check_rudder(tests: Tests, terms: TermTable, pass_over: Sequence[str] = ()) -> None:
-    """Raise where a rudder moves while no term has it, unless that is asked for (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    terms : TermTable
-        The terms.
-    pass_over : sequence of str
-        Actuators that may.
-
-    Raises
-    ------
-    InputError
-        Says how far it goes, and what to do.
-    """
-    for name in (pass_over,) if isinstance(pass_over, str) else pass_over:
-        check_choice("pass_over", name, ("rudder",))
-    angle = rudder_angle(tests, terms)
-    if angle and "rudder" not in pass_over:
-        raise InputError(
-            f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so that its force would be given to "
-            f"others: take the terms {terms.name}+helm, or rows with it amidships (where abs(rudder_deg) < 1), or say "
-            "that it is passed over (--pass-over rudder, in Python pass_over='rudder')"
         )

@@ -31,6 +31,8 @@ class DistinctMotions:
     ----------
     sums : array (motions, m, m)
         Sums of products over all tests of a motion.
+    halves : array (2, motions, m, m)
+        The same over the first half of each test, and over the later half.
     members : tuple of tuple of str
         The tests of each motion: the first one and its repeats.
     strata : mapping of str to array (motions,) of int
@@ -47,6 +49,7 @@ class DistinctMotions:
     """
 
     sums: np.ndarray
+    halves: np.ndarray
     members: tuple[tuple[str, ...], ...]
     strata: Mapping[str, np.ndarray]
     steady: np.ndarray
@@ -89,12 +92,12 @@ class DistinctMotions:
         """The motions of each speed, slowest first."""
         group = self.strata["speed"]
         groups = [np.flatnonzero(group == number) for number in range(group.max() + 1)]
-        return sorted(groups, key=lambda own: float(self.features["speed"][own[0]]))
+        return sorted(groups, key=lambda members: float(self.features["speed"][members[0]]))
 
     @property
     def sentence(self) -> str:
         """What was taken as independent, in words."""
-        tests = sum(len(own) for own in self.members)
+        tests = sum(len(members) for members in self.members)
         if tests == len(self):
             return f"Errors are those of {tests} runs, each a motion of its own."
         return (
@@ -119,9 +122,10 @@ def distinct_motions(equations: NormalEquations) -> DistinctMotions:
     group = _same_motion(runs)
     firsts = [int(np.flatnonzero(group == g)[0]) for g in range(group.max() + 1)]
     names = np.array(equations.names, dtype=object)
-    by_test = equations.by_test()
+    halves = _in_halves(equations, group)
     return DistinctMotions(
-        np.stack([by_test[group == g].sum(axis=0) for g in range(len(firsts))]),
+        halves.sum(axis=0),
+        halves,
         tuple(tuple(names[group == g]) for g in range(len(firsts))),
         {name: numbered(np.asarray(values)[firsts]) for name, values in runs.strata.items()},
         runs.steady[firsts],
@@ -129,6 +133,18 @@ def distinct_motions(equations: NormalEquations) -> DistinctMotions:
         runs.cube[firsts],
         {name: np.asarray(values)[firsts] for name, values in runs.strata.items()},
     )
+
+
+def _in_halves(equations: NormalEquations, group: np.ndarray) -> np.ndarray:
+    """Sums over the first half of each test and over the later one, of each group of tests, (2, groups, m, m)."""
+    names = equations.names
+    test = np.array([names.index(name) for name in equations.tests])
+    pieces = np.bincount(test)
+    passed = np.array([np.count_nonzero(test[:i] == number) for i, number in enumerate(test)])
+    later = (2 * passed >= pieces[test]) & (pieces[test] > 1)
+    halves = np.zeros((2, group.max() + 1, *equations.sums.shape[1:]))
+    np.add.at(halves, (later.astype(int), group[test]), equations.sums)
+    return halves
 
 
 def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_STRATUM) -> np.ndarray:
@@ -157,9 +173,9 @@ class _Runs:
     def __init__(self, equations: NormalEquations) -> None:
         self.moved, self.length = equations.moved, equations.length
         names = equations.names
-        place = np.array([names.index(test) for test in equations.tests])
+        test = np.array([names.index(name) for name in equations.tests])
         self.totals = {
-            quantity: np.stack([np.bincount(place, part, len(names)) for part in parts.T])
+            quantity: np.stack([np.bincount(test, part, len(names)) for part in parts.T])
             for quantity, parts in equations.moved.items()
         }
         self.count = len(names)
@@ -214,7 +230,7 @@ class _Runs:
     def features(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean and amplitude of everything that moved, (tests, features), and the size that each is seen against."""
         fast, long = float(self.speed.max()), self.length
-        natural = {"u": fast, "v": fast, "r": fast / long, "y": 0.1 * long, "sin_psi": 1.0}
+        natural = {"u": fast, "v": fast, "r": fast / long, "y": 0.1 * long, "sin_psi": 1.0, "rudder": 1.0}
         natural |= {"udot": fast**2 / long, "vdot": fast**2 / long, "rdot": fast**2 / long**2}
         columns, sizes = [self.period], [float(self.period.max())]
         for name in self.totals:
@@ -229,9 +245,9 @@ def _same_motion(runs: _Runs) -> np.ndarray:
     features, sizes = runs.features()
     firsts: list[int] = []
     group = np.zeros(len(features), int)
-    for i, own in enumerate(features):
+    for i, row in enumerate(features):
         seen = features[firsts]
-        near = np.abs(own - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * sizes)
+        near = np.abs(row - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * sizes)
         same = np.flatnonzero(near.all(axis=1) & (runs.steady[firsts] == runs.steady[i]))
         if not same.size:
             firsts.append(i)

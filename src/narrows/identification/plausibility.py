@@ -24,6 +24,8 @@ SURE, FELT = 2.0, 0.1
 leaves, below which nothing is said."""
 CLEARLY = 0.7
 """Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt."""
+AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
+"""How a force may have been counted whose other sign fits better."""
 UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
 """What forces come in beside N and N m, and how many of these one is."""
 RUDDER_MOVES = math.radians(1.0)
@@ -68,14 +70,10 @@ def implausible(evidence: Judged) -> tuple[str, ...]:
     evidence : Judged
         What it is judged by.
     """
-    reversed_forces = [force for force in ("Y", "N") if fits_reversed(evidence, force)]
-    said = [
-        f"{force} of the other sign fits far better: is {axis}?"
-        for force, axis in (("Y", "Y counted to port"), ("N", "N counted anticlockwise"))
-        if force in reversed_forces
-    ]
-    said += [mass_sentence(evidence, own) for own in MASSES if own.force not in reversed_forces]
-    return tuple(sentence for sentence in (*said, rudder_sentence(evidence)) if sentence)
+    reversed_forces = [force for force in AXES if fits_reversed(evidence, force)]
+    signs = [f"{force} of the other sign fits far better: is {AXES[force]}?" for force in reversed_forces]
+    masses = [mass_sentence(evidence, mass) for mass in MASSES if mass.force not in reversed_forces]
+    return tuple(sentence for sentence in (*signs, *masses, rudder_sentence(evidence)) if sentence)
 
 
 def fits_reversed(evidence: Judged, force: str) -> bool:
@@ -86,7 +84,7 @@ def fits_reversed(evidence: Judged, force: str) -> bool:
     evidence : Judged
         What it is judged by.
     force : str
-        ``Y`` or ``N``.
+        ``X``, ``Y`` or ``N``.
     """
     equations, problem = evidence.equations, evidence.problem
     if not problem.terms.forces[force]:
@@ -198,37 +196,35 @@ def rudder_sentence(evidence: Judged) -> str:
     )
 
 
-def rudder_angle(tests: Tests, terms: TermTable) -> float:
-    """Return how far a rudder goes that no term has [rad], 0 where it does not move (ours).
+def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:
+    """Say that a rudder moves while no term has it, and what to do; nothing where it does not (ours).
 
     Parameters
     ----------
     tests : CaptiveTests or StreamedTests
         The rows.
+    equations : NormalEquations
+        Sums of what moved: of rows on disk these alone are known.
     terms : TermTable
         The terms.
     """
-    angle = tests.columns.get("rudder") if isinstance(tests, CaptiveTests) else None
-    if angle is None or any(actuator.name == "rudder" for actuator in terms.actuators):
-        return 0.0
-    most = float(np.abs(angle).max())
-    return most if most >= RUDDER_MOVES else 0.0
-
-
-def unmodelled_rudder(tests: Tests, problem: Problem) -> str:
-    """Say that a rudder moves while no term has it; nothing where it does not (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    problem : Problem
-        For the terms.
-    """
-    most = rudder_angle(tests, problem.terms)
-    if not most:
+    if any(actuator.name == "rudder" for actuator in terms.actuators):
+        return ""
+    angle = _rudder_angle(tests, equations)
+    if angle < RUDDER_MOVES:
         return ""
     return (
-        f"The rudder goes to {math.degrees(most):.0f} deg and no term has it, so that its force is given to others: "
-        f"take {problem.terms.name}+helm, or rows with it amidships."
+        f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so that its force is given to others: "
+        f"take the terms {terms.name}+helm, or rows with it amidships (where abs(rudder_deg) < 1)"
     )
+
+
+def _rudder_angle(tests: Tests, equations: NormalEquations) -> float:
+    """How far it goes [rad], by the sums as of a sine about its mean."""
+    if isinstance(tests, CaptiveTests):
+        return float(np.abs(tests.columns.get("rudder", np.zeros(1))).max())
+    if "rudder" not in equations.moved:
+        return 0.0
+    rows, total, squares = equations.moved["rudder"].T
+    mean = total / rows
+    return float((np.abs(mean) + np.sqrt(2 * np.maximum(squares / rows - mean**2, 0.0))).max())

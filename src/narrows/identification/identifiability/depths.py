@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.identifiability.evidence import ComparedEstimate
+from narrows.identification.identifiability.other_estimates import ComparedEstimate
 
 DIFFERENT = 0.05
 """Probability of as much difference under which a coefficient is said to change with the depth."""
@@ -62,12 +62,13 @@ def depth_test(compared: Iterable[ComparedEstimate], std_over_reach: float) -> D
     """
     from scipy.special import chdtrc
 
-    own = {c.place[1]: c for c in compared if c.place and c.place[0] == "depth" and not c.lost}
-    if len(own) < 2:
+    known = [(*c.stratum, c) for c in compared if c.stratum and not c.lost]
+    by_depth = {depth: c for stratum, depth, c in known if stratum == "depth"}
+    if len(by_depth) < 2:
         return None
-    depths = sorted(own)
-    values = np.array([own[h].value for h in depths])
-    std = np.array([own[h].reach for h in depths]) * std_over_reach
+    depths = sorted(by_depth)
+    values = np.array([by_depth[h].value for h in depths])
+    std = np.array([by_depth[h].reach for h in depths]) * std_over_reach
     mean = (values / std**2).sum() / (1 / std**2).sum()
     chi2 = float((((values - mean) / std) ** 2).sum())
     told, errors = (dict(zip(depths, part.tolist(), strict=True)) for part in (values, std))

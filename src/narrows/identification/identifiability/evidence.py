@@ -1,12 +1,12 @@
 """What each verdict is drawn from: the interval of the error model, and whether other fits agree with the one made."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from narrows.identification.identifiability.strata import Alternative, Kind, Strata
+from narrows.identification.identifiability.other_estimates import Alternative, ComparedEstimate, Kind
+from narrows.identification.identifiability.strata import Strata
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.interval import t_quantile
@@ -16,53 +16,15 @@ SEEN = 2.0
 """Standard errors of a difference between two fits beyond which the interval reaches over it."""
 MOST_WIDENED = 2.0
 """Half widths that this may add."""
+OF_TYPES = (Kind.TYPE, Kind.GAIN)
+"""Steady runs against harmonic ones, over all of whose difference the interval reaches: a calibration, a mount or a
+rail that is another in one type of runs is shared by all of these, so that their number says nothing of it."""
 CONTRADICTION = 0.01
 """Level at which estimates contradict each other, over how many are compared."""
 ONE_TEST = 0.75
 """Share of what is known that may go with one motion: without it the standard error doubles."""
 MATTERS = 0.5
 """Of the interval's half width: a smaller difference contradicts nothing."""
-
-
-@dataclass(frozen=True)
-class ComparedEstimate:
-    """An alternative estimate beside the fit's own, in the coefficient's unit.
-
-    Parameters
-    ----------
-    kind : Kind
-        What it is made of.
-    label : str
-        In words.
-    value : float
-        NaN where nothing is left of the coefficient.
-    reach : float
-        Half of its 95 % interval.
-    share : float [1]
-        Of the information that the fit has: variance of the fit over that of the alternative.
-    contradicts : bool
-        Whether it is farther from the fit than the scatter of the data allows, and by what matters.
-    place : pair of str and float, optional
-        Which stratum alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
-    """
-
-    kind: Kind
-    label: str
-    value: float
-    reach: float
-    share: float
-    contradicts: bool
-    place: tuple[str, float] | None = None
-
-    @property
-    def lost(self) -> bool:
-        """Whether nothing is left of the coefficient."""
-        return not np.isfinite(self.value)
-
-    @property
-    def holds_zero(self) -> bool:
-        """Whether its interval holds 0."""
-        return abs(self.value) <= self.reach
 
 
 class Evidence:
@@ -135,12 +97,22 @@ class Evidence:
         return np.array([std[slots == slot].max() for slot in slots])
 
     def _seen(self, index: int) -> float:
-        """The largest difference to another fit that is over two of its errors; none where runs do not differ."""
+        """By how much the interval reaches over other fits; not at all where runs do not differ.
+
+        Over the farthest that is two of its errors off, within a limit; between types of runs over the difference, and
+        its own interval where that is wider than the plain one.
+        """
         if self.model.errors.none:
             return 0.0
-        own = self.model.theta[self.slots[index]]
-        moved = [abs(a.value - own) for a in self.alternatives[index] if abs(a.value - own) > SEEN * a.gap]
-        return min(max(moved, default=0.0), MOST_WIDENED * float(self.plain[index]))
+        theta, plain = self.model.theta[self.slots[index]], float(self.plain[index])
+        quantile, seen = float(t_quantile(self._scatter_count(index))), [0.0]
+        for a in self.alternatives[index]:
+            apart = abs(a.value - theta)
+            if a.kind in OF_TYPES and not a.lost:
+                seen.append(apart + max(quantile * a.gap - plain, 0.0))
+            elif apart > SEEN * a.gap:
+                seen.append(min(apart, MOST_WIDENED * plain))
+        return max(seen)
 
     def compared(self, index: int) -> Iterator[ComparedEstimate]:
         """Yield the alternatives of a coefficient beside the fit.
@@ -150,17 +122,20 @@ class Evidence:
         index : int
             Of the term.
         """
-        slot, own = self.slots[index], self.alternatives[index]
-        level = 1 - CONTRADICTION / max(len(own), 1)
-        force = self._force(index)
-        limit = float(t_quantile(self.model.fit[force].freedom + 1, level))
+        slot, alternatives = self.slots[index], self.alternatives[index]
+        level = 1 - CONTRADICTION / max(len(alternatives), 1)
+        limit = float(t_quantile(self._scatter_count(index), level))
         reach = float(t_quantile(self.freedom[index] + 1))
         theta, scale = self.model.theta[slot], self.problem.scale[slot]
-        for a in own:
-            apart = abs(a.value - theta)
+        for a in alternatives:
             share = 0.0 if a.lost else float(self.std[slot] ** 2 / a.std**2)
-            against = bool(apart > max(limit * a.gap, MATTERS * self.plain[index]))
-            yield ComparedEstimate(a.kind, a.label, a.value / scale, reach * a.std / scale, share, against, a.place)
+            against = bool(abs(a.value - theta) > max(limit * a.gap, MATTERS * self.plain[index]))
+            shown = (a.kind, a.label, a.value / scale, a.stratum)
+            yield ComparedEstimate(*shown, reach * a.std / scale, share, against)
+
+    def _scatter_count(self, index: int) -> float:
+        """Degrees of freedom of the scatter that the data show, and one."""
+        return self.model.fit[self._force(index)].freedom + 1
 
     def _force(self, index: int) -> int:
         parts = [part for part in self.problem.terms.forces.values() if part]

@@ -2,24 +2,26 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import Enum
 from functools import cached_property
 
 import numpy as np
 
+from narrows.identification.identifiability.later_half import of_later_half
+from narrows.identification.identifiability.other_estimates import Alternative, Kind
 from narrows.identification.motions import EDGE, DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.error_model import pseudo_inverse, whitened
-from narrows.identification.uncertainty.linear_estimator import estimator
+from narrows.identification.uncertainty.linear_estimator import Comparison, compared_with, estimator
 from narrows.identification.uncertainty.second_level import SecondLevel
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 LOST = 1e-6
 """Share of a column that is left beside others under which it cannot be told from them."""
 OFFSET = "offset"
-STEADY_RUNS, HARMONIC_RUNS = "steady runs", "harmonic runs"
+STEADY_RUNS, HARMONIC_RUNS = TYPES = "steady runs", "harmonic runs"
+LATER = "told by the later half of each run alone"
 WHERE = {"speed": "runs at {:.3g} m/s", "depth": "runs in {:.4g} m of water"}
-POWERS = (2, 3)
+POWERS = (1.5, 2, 3)
 """Of the offset, its sign kept, as which a force may go that is no bank's; as y itself a bank's goes."""
 TWICE = 2
 """How often columns are projected: the second time takes off what rounding left the first time."""
@@ -27,50 +29,6 @@ ABSENT = 1e-12
 """Share of a column that is in a cell up to which it is not there at all."""
 RESOLVED = 1e-8
 """The same of a column that is added: under it what is left is rounding."""
-
-
-class Kind(Enum):
-    """What another fit is made of."""
-
-    OWN = "own"
-    WEIGHTS = "weights"
-    WITHOUT = "without"
-    ONLY = "only"
-    SHAPE = "shape"
-    GAIN = "gain"
-
-
-@dataclass(frozen=True)
-class Alternative:
-    """Another estimate of one coefficient.
-
-    Parameters
-    ----------
-    kind : Kind
-        What it is made of.
-    label : str
-        In words.
-    value : float
-        Scaled; NaN where nothing is left of the coefficient.
-    std : float
-        Its standard error by the error model.
-    gap : float
-        Standard error of its difference from the fit, by the scatter that the data show.
-    place : pair of str and float, optional
-        Which stratum alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
-    """
-
-    kind: Kind
-    label: str
-    value: float
-    std: float
-    gap: float
-    place: tuple[str, float] | None = None
-
-    @property
-    def lost(self) -> bool:
-        """Whether nothing is left of the coefficient."""
-        return not np.isfinite(self.value)
 
 
 class Strata:
@@ -95,7 +53,6 @@ class Strata:
         self.shown, self.v = model.shown, model.covariance
         self.slots = np.array([problem.slot[term.name] for term in self.terms])
         self._kept: dict[str, list[np.ndarray | None]] = {}
-        self._whole = self._everywhere()
 
     def of(self, index: int) -> Iterator[Alternative]:
         """Yield every alternative estimate of a coefficient.
@@ -107,39 +64,50 @@ class Strata:
         """
         slot = self.problem.slot[self.terms[index].name]
         for name in self.motions.cells:
-            yield self._made(
-                Kind.OWN, f"hull terms and zeros of their own at each {name}", slot, self._own(name, index)
-            )
+            label = f"hull terms and zeros of their own at each {name}"
+            yield self._made(Kind.STRATA, label, slot, self._in_strata(name, index))
         if self.motions.offsets.max() > 0:
-            yield self._made(Kind.OWN, "hull terms of their own at each offset", slot, self._own(OFFSET, index))
-        yield self._made(Kind.OWN, "a constant force beside", slot, self._beside(slot, self._constants))
-        for kind, label, values, std, gap, known in self._whole:
-            value = float(values[slot]) if known[slot] else np.nan
-            yield Alternative(kind, label, value, float(std[slot]), float(gap[slot]))
+            at_each = self._in_strata(OFFSET, index)
+            yield self._made(Kind.STRATA, "hull terms of their own at each offset", slot, at_each)
+        yield self._made(Kind.STRATA, "a constant force beside", slot, self._beside(slot, self._constants))
+        for kind, label, other in self._of_all:
+            value = float(other.values[slot]) if other.known[slot] else np.nan
+            if other.known[slot] or kind is not Kind.ONLY:
+                yield Alternative(kind, label, value, None, float(other.std[slot]), float(other.gap[slot]))
         if self.bank[index]:
-            for power in POWERS:
-                beside = self._beside(slot, self._added(self._as_power(index, power)))
-                yield self._made(Kind.SHAPE, f"a force that goes as y^{power} beside", slot, beside)
-        for name, mask, place in self._parts():
+            yield from self._of_bank(index, slot)
+        yield from self._of_parts(index, slot)
+
+    def _of_bank(self, index: int, slot: int) -> Iterator[Alternative]:
+        """Beside a force that grows otherwise with the offset."""
+        for power in POWERS:
+            beside = self._beside(slot, self._added(self._as_power(index, power)))
+            yield self._made(Kind.SHAPE, f"a force that goes as y^{power} beside", slot, beside)
+
+    def _of_parts(self, index: int, slot: int) -> Iterator[Alternative]:
+        """Told by some motions alone, and with a gain of some motions."""
+        for name, mask, stratum in self._parts():
             part = self._only(slot, index, mask)
             if part is not None:
-                yield self._made(Kind.ONLY, f"told by {name} alone", slot, part, place)
+                kind = Kind.TYPE if name in TYPES else Kind.ONLY
+                yield self._made(kind, f"told by {name} alone", slot, part, stratum)
         for name, gain in self._gains.items():
             part = self._beside(slot, gain)
             if part is not None:
                 yield self._made(Kind.GAIN, f"a gain of their own in {name}", slot, part)
 
     def _made(
-        self, kind: Kind, label: str, slot: int, weights: np.ndarray | None, place: tuple[str, float] | None = None
+        self, kind: Kind, label: str, slot: int, weights: np.ndarray | None, stratum: tuple[str, float] | None = None
     ) -> Alternative:
         if weights is None:
-            return Alternative(kind, label, np.nan, np.inf, np.inf)
+            return Alternative(kind, label, np.nan, stratum, np.inf, np.inf)
         change = weights - self.operator[..., slot]
         value = float((weights * self.level.y).sum())
-        return Alternative(kind, label, value, _size(weights, self.v), _size(change, self.shown), place)
+        return Alternative(kind, label, value, stratum, _size(weights, self.v), _size(change, self.shown))
 
-    def _everywhere(self) -> list[tuple[Kind, str, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-        """The fit weighted by the error model, and without each motion, of all parameters at once."""
+    @cached_property
+    def _of_all(self) -> list[tuple[Kind, str, Comparison]]:
+        """The fit weighted by the error model, without each motion, and to later halves, of all parameters at once."""
         level = self.level
         white = whitened(self.v, level.d)
         root = np.linalg.cholesky(self.v)
@@ -147,21 +115,18 @@ class Strata:
         others = [(Kind.WEIGHTS, "motions weighted by their errors", estimator(instruments, level.d))]
         pairs = zip(self.motions.labels, self.model.left_out, strict=True)
         others += [(Kind.WITHOUT, label, one) for label, one in pairs]
-        found = []
-        for kind, label, one in others:
-            weights = one.z @ one.inverse.T
-            sizes = _sizes(weights, self.v), _sizes(weights - self.operator, self.shown)
-            found.append((kind, label, one.values(level.y), *sizes, one.known))
-        return found
+        errors = level.y, self.v, self.shown
+        compared = [(kind, label, compared_with(self.operator, one, *errors)) for kind, label, one in others]
+        return [*compared, (Kind.ONLY, LATER, of_later_half(self.problem, self.motions, self.model))]
 
-    def _own(self, name: str, index: int) -> np.ndarray | None:
+    def _in_strata(self, name: str, index: int) -> np.ndarray | None:
         """Weights of the estimate beside hull terms and zeros of each cell of a stratification."""
         if name not in self._kept:
             z, live = self._within(name)
             inverse, known = pseudo_inverse(_products(z))
             weights = (z @ inverse[:, None, :, :1])[..., 0]
             determined = live & known[:, 0]
-            self._kept[name] = [own if good else None for own, good in zip(weights, determined, strict=True)]
+            self._kept[name] = [each if good else None for each, good in zip(weights, determined, strict=True)]
         return self._kept[name][index]
 
     def _within(self, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -198,9 +163,9 @@ class Strata:
         apart = np.ones((count, count + 1), bool)
         apart[:, :-1] = self.bank[:, None] | (self.slots[:, None] != self.slots)
         inverse = np.repeat(pseudo_inverse(_masked(gram, kept), ABSENT)[0][None], count, axis=0)
-        own, where = np.nonzero((kept & ~apart[:, of_terms]).any(axis=2))
-        left = kept[where] & apart[own[:, None], of_terms[where]]
-        inverse[own, where] = pseudo_inverse(_masked(gram[where], left), ABSENT)[0]
+        term, cell = np.nonzero((kept & ~apart[:, of_terms]).any(axis=2))
+        left = kept[cell] & apart[term[:, None], of_terms[cell]]
+        inverse[term, cell] = pseudo_inverse(_masked(gram[cell], left), ABSENT)[0]
         return inverse
 
     @cached_property
@@ -210,7 +175,7 @@ class Strata:
         The zero's number is that of the terms; -1 where there is none.
         """
         level = self.level
-        return _of_own_force(np.concatenate([level.own * ~self.bank, level.one[..., None]], axis=2), level.force)
+        return _of_own_force(np.concatenate([level.columns * ~self.bank, level.one[..., None]], axis=2), level.force)
 
     @cached_property
     def _columns(self) -> np.ndarray:
@@ -241,11 +206,11 @@ class Strata:
         level = self.level
         return np.asarray(column[..., None] * (level.force[:, None] == np.arange(level.forces))[:, None, :])
 
-    def _as_power(self, index: int, power: int) -> np.ndarray:
+    def _as_power(self, index: int, power: float) -> np.ndarray:
         """The coefficient's own column as it grows from motion to motion with an offset, to a power less one."""
         level = self.level
         grown = self.motions.cube[level.motion] ** ((power - 1) / 2)
-        return np.asarray(level.own[..., index, None] * grown[:, None, None])
+        return np.asarray(level.columns[..., index, None] * grown[:, None, None])
 
     def _added(self, z: np.ndarray) -> "_Added":
         """Columns z that are added to the fit: what is left of them beside its own, brought to directions."""
@@ -283,9 +248,9 @@ class Strata:
 
     def _only(self, slot: int, index: int, mask: np.ndarray) -> np.ndarray | None:
         """Weights of the estimate with a coefficient of its own for the other motions."""
-        own = self.level.own[..., index]
+        column = self.level.columns[..., index]
         inside = mask[self.level.motion][:, None]
-        here, there = own * inside, own * ~inside
+        here, there = column * inside, column * ~inside
         if not (here**2).sum() > 0 or not (there**2).sum() > 0:
             return None
         return self._beside(slot, self._added(there[..., None]))
@@ -303,11 +268,11 @@ class _Added:
 def _of_own_force(columns: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Leave out the columns that are zero in every block of a force; and say which ones each force has."""
     live = [np.flatnonzero(columns[force == f].any(axis=(0, 1))) for f in range(force.max() + 1)]
-    width = max(1, *(len(own) for own in live))
+    width = max(1, *(len(index) for index in live))
     packed, chosen = np.zeros((*columns.shape[:2], width)), np.full((len(live), width), -1)
-    for f, own in enumerate(live):
-        packed[force == f, :, : len(own)] = columns[force == f][..., own]
-        chosen[f, : len(own)] = own
+    for f, index in enumerate(live):
+        packed[force == f, :, : len(index)] = columns[force == f][..., index]
+        chosen[f, : len(index)] = index
     return packed, chosen
 
 
@@ -322,7 +287,3 @@ def _products(z: np.ndarray) -> np.ndarray:
 
 def _size(weights: np.ndarray, v: np.ndarray) -> float:
     return float(np.sqrt(max((weights * (v @ weights[..., None])[..., 0]).sum(), 0.0)))
-
-
-def _sizes(weights: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return np.asarray(np.sqrt(np.maximum((weights * (v @ weights)).sum(axis=(0, 1)), 0.0)))

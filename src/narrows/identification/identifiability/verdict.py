@@ -7,8 +7,9 @@ import numpy as np
 
 from narrows.identification.identifiability.diagnosis import INVOLVED, Diagnosis
 from narrows.identification.identifiability.diagnostics import Diagnostics
-from narrows.identification.identifiability.evidence import ONE_TEST, ComparedEstimate, Evidence
-from narrows.identification.identifiability.strata import HARMONIC_RUNS, STEADY_RUNS, Kind
+from narrows.identification.identifiability.evidence import ONE_TEST, Evidence
+from narrows.identification.identifiability.other_estimates import ComparedEstimate, Kind
+from narrows.identification.identifiability.strata import HARMONIC_RUNS, STEADY_RUNS
 from narrows.terms.term import Term
 
 VIF_LIMIT = 10.0
@@ -23,7 +24,7 @@ NOT_EXCITED, NOT_IDENTIFIABLE = "not excited", "not identifiable"
 AT_BOUND, CONFOUNDED, ONE_ALONE = "at its bound", "confounded", "rests on one test"
 CONTRADICTED, WEAK, IDENTIFIED = "contradicted", "weakly identified", "identified"
 
-WITH = dict.fromkeys(Kind, "with ") | {Kind.WITHOUT: "without ", Kind.ONLY: ""}
+WITH = dict.fromkeys(Kind, "with ") | {Kind.WITHOUT: "without ", Kind.ONLY: "", Kind.TYPE: ""}
 
 
 @dataclass(frozen=True)
@@ -88,13 +89,13 @@ def verdicts(
         Coefficients that the fit pressed against a bound, and where they would be without that bound.
     """
     terms = diagnostics.terms
-    found = {}
+    judged = {}
     for force, part in terms.forces.items():
         for term in part:
             overall, index = diagnostics.overall[force], terms.names.index(term.name)
             verdict = _without_data(term, overall, diagnostics.determined(term.name))
-            found[term.name] = verdict or _judged(term, index, diagnostics, force, evidence, intervals, at_bound)
-    return found
+            judged[term.name] = verdict or _judged(term, index, diagnostics, force, evidence, intervals, at_bound)
+    return judged
 
 
 def _without_data(term: Term, overall: Diagnosis, known: bool) -> Verdict | None:
@@ -135,31 +136,33 @@ def _beyond(term: Term, value: float) -> str:
 
 def _from_comparisons(comparisons: list[ComparedEstimate]) -> list[tuple[str, str]]:
     """Doubts that other fits raise: word and reason."""
-    doubts = [doubt for c in comparisons if c.kind in (Kind.OWN, Kind.SHAPE) for doubt in _of_own(c)]
+    doubts = [doubt for c in comparisons if c.kind in (Kind.STRATA, Kind.SHAPE) for doubt in _within(c)]
     doubts += _of_one([c for c in comparisons if c.kind is Kind.WITHOUT])
     doubts += [(CONTRADICTED, _against(c, comparisons)) for c in comparisons if c.contradicts]
     weighted = [c for c in comparisons if c.kind is Kind.WEIGHTS and c.holds_zero]
     return doubts + [(WEAK, f"with {c.label} its interval holds 0") for c in weighted]
 
 
+def _left(c: ComparedEstimate) -> str:
+    return "nothing is left of it" if c.lost else f"{c.share:.1%} of what is known of it is left"
+
+
 def _against(c: ComparedEstimate, comparisons: list[ComparedEstimate]) -> str:
     """What contradicts a fit; of steady and harmonic runs both numbers."""
-    said = f"{WITH[c.kind]}{c.label} it is {c.value:.3g}"
+    clause = f"{WITH[c.kind]}{c.label} it is {c.value:.3g}"
     other = {STEADY_RUNS: HARMONIC_RUNS, HARMONIC_RUNS: STEADY_RUNS}
     for one, opposite in other.items():
         if one in c.label:
             told = [d for d in comparisons if d.kind is c.kind and opposite in d.label]
-            return said + "".join(
+            return clause + "".join(
                 f" +- {c.reach:.2g}, {WITH[d.kind]}{d.label} {d.value:.3g} +- {d.reach:.2g}" for d in told
             )
-    return said
+    return clause
 
 
-def _of_own(c: ComparedEstimate) -> list[tuple[str, str]]:
-    if c.lost:
-        return [(CONFOUNDED, f"with {c.label} nothing is left of it")]
-    if c.kind is Kind.OWN and c.share < 1 / CONFOUNDED_VIF:
-        return [(CONFOUNDED, f"with {c.label} {c.share:.1%} of what is known of it is left")]
+def _within(c: ComparedEstimate) -> list[tuple[str, str]]:
+    if c.lost or (c.kind is Kind.STRATA and c.share < 1 / CONFOUNDED_VIF):
+        return [(CONFOUNDED, f"with {c.label} {_left(c)}")]
     low, high = c.value - c.reach, c.value + c.reach
     return [(CONFOUNDED, f"with {c.label} it is {low:.3g} to {high:.3g}, which holds 0")] if c.holds_zero else []
 
@@ -167,10 +170,10 @@ def _of_own(c: ComparedEstimate) -> list[tuple[str, str]]:
 def _of_one(without: list[ComparedEstimate]) -> list[tuple[str, str]]:
     """Doubts about a coefficient that stands or falls with one motion."""
     pinned = [c.label for c in without if c.lost]
+    if len(without) < 2:
+        return [(ONE_ALONE, "it is the only motion")]
     if pinned:
-        return [(ONE_ALONE, f"without {', '.join(pinned)} nothing is known of it")]
-    if not without:
-        return [(ONE_ALONE, "there is one motion only")]
+        return [(ONE_ALONE, f"without {' or without '.join(pinned)} nothing is known of it")]
     least = min(without, key=lambda c: c.share)
     if 1 - least.share > ONE_TEST:
         return [(ONE_ALONE, f"{1 - least.share:.1%} of what is known of it goes with {least.label}")]

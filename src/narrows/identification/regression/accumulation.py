@@ -27,7 +27,7 @@ SHORT, TOGETHER = 32, 100
 """Rows of a span, on average, below which spans are summed together, and how many at once."""
 AHEAD = 16
 """Blocks that are in memory at once."""
-MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft", "width")
+MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft", "width", "rudder")
 """What says of a test which motion it is, and in which water."""
 NOT_SET = ("x", "cos_psi", "heave")
 """What terms may ask for that follows from the rest."""

@@ -64,3 +64,56 @@ def estimator(z: np.ndarray, d: np.ndarray | None = None) -> LinearEstimator:
     flat = z.reshape(-1, z.shape[2])
     inverse, known = pseudo_inverse(flat.T @ (flat if d is None else d.reshape(flat.shape)))
     return LinearEstimator(z, inverse, known)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Another estimate of every parameter beside the fit's.
+
+    Parameters
+    ----------
+    values : array (p,)
+        Of the parameters.
+    std : array (p,)
+        Their standard errors.
+    gap : array (p,)
+        Standard error of their differences from the fit.
+    known : array (p,) of bool
+        Which ones are determined.
+    """
+
+    values: np.ndarray
+    std: np.ndarray
+    gap: np.ndarray
+    known: np.ndarray
+
+
+def compared_with(fit: np.ndarray, other: LinearEstimator, y: np.ndarray, v: np.ndarray, shown: np.ndarray) -> Comparison:
+    """Compare another estimator with the fit (ours).
+
+    Parameters
+    ----------
+    fit : array (blocks, q, p)
+        Weights of the fit.
+    other : LinearEstimator
+        The other.
+    y : array (blocks, q)
+        Of the second level.
+    v, shown : array (blocks, q, q)
+        Its covariance, for the error of the estimate and for that of the difference.
+    """
+    weights = other.z @ other.inverse.T
+    return Comparison(other.values(y), sizes(weights, v), sizes(weights - fit, shown), other.known)
+
+
+def sizes(weights: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Return the standard error (p,) of what each column of weights makes of the second level (ours).
+
+    Parameters
+    ----------
+    weights : array (blocks, q, p)
+        Of linear estimates.
+    v : array (blocks, q, q)
+        Covariance of the second level.
+    """
+    return np.asarray(np.sqrt(np.maximum((weights * (v @ weights)).sum(axis=(0, 1)), 0.0)))

@@ -1,6 +1,5 @@
 """A few numbers per motion and force that stand for all their rows: least squares on them is that on the rows."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +26,7 @@ class SecondLevel:
     ----------
     d : array (blocks, q, p)
         Columns of the parameters.
-    own : array (blocks, q, n)
+    columns : array (blocks, q, n)
         Columns of the coefficients, before ties make one parameter of two.
     one : array (blocks, q)
         Column of a constant force.
@@ -50,7 +49,7 @@ class SecondLevel:
     """
 
     d: np.ndarray
-    own: np.ndarray
+    columns: np.ndarray
     one: np.ndarray
     y: np.ndarray
     motion: np.ndarray
@@ -93,51 +92,85 @@ def second_level(equations: NormalEquations, motions: DistinctMotions, problem: 
     problem : Problem
         Scale of the parameters, weights of the forces.
     """
-    forces = [force for force, part in problem.terms.forces.items() if part]
-    parts = [_of_force(equations, motions, problem, force) for force in forces]
+    count, forces = len(motions), _fitted_forces(problem)
+    rows = _rows(motions.sums, problem)
+    errors = [_errors(equations, motions.sums, problem, force) for force in forces]
+    noise, square, level, known = (np.array(part) for part in zip(*errors, strict=True))
+    repeats = np.array([len(tests) for tests in motions.members], float)
+    return SecondLevel(
+        **rows,
+        motion=np.tile(np.arange(count), len(forces)),
+        force=np.repeat(np.arange(len(forces)), count),
+        repeats=np.tile(repeats, len(forces)),
+        noise=np.repeat(noise, count),
+        form=square.ravel() / np.maximum(rows["live"].sum(axis=1), 1),
+        level=np.repeat(level, count),
+        noise_known=known,
+    )
+
+
+def in_halves(level: SecondLevel, motions: DistinctMotions, problem: Problem) -> SecondLevel:
+    """Return the same with rows for the first half of each run and, behind them, rows for the later half (ours).
+
+    Parameters
+    ----------
+    level : SecondLevel
+        The blocks.
+    motions : DistinctMotions
+        Of the same tests.
+    problem : Problem
+        Scale of the parameters, weights of the forces.
+    """
+    first, later = (_rows(sums, problem) for sums in motions.halves)
+    return replace(level, **{name: np.concatenate([first[name], later[name]], axis=1) for name in first})
+
+
+def _fitted_forces(problem: Problem) -> list[str]:
+    return [force for force, part in problem.terms.forces.items() if part]
+
+
+def _rows(sums: np.ndarray, problem: Problem) -> dict[str, np.ndarray]:
+    """What has a row for each direction, of all forces: ``d``, ``columns``, ``one``, ``y`` and ``live``."""
+    parts = [_rows_of_force(sums, problem, force) for force in _fitted_forces(problem)]
     width = max(part["y"].shape[1] for part in parts)
-    joined = {name: np.concatenate([_widened(part[name], width, name) for part in parts]) for name in parts[0]
-              if name != "known"}  # fmt: skip
-    numbers = np.repeat(np.arange(len(forces)), len(motions))
-    known = np.array([part["known"] for part in parts])
-    return SecondLevel(force=numbers, noise_known=known, **joined)
+    return {name: np.concatenate([_widened(part[name], width) for part in parts]) for name in parts[0]}
 
 
-def _widened(array: np.ndarray, width: int, name: str) -> np.ndarray:
-    if name not in ("d", "own", "one", "y", "live"):
-        return array
+def _widened(array: np.ndarray, width: int) -> np.ndarray:
     wide = np.zeros((len(array), width, *array.shape[2:]), array.dtype)
     wide[:, : array.shape[1]] = array
     return wide
 
 
-def _of_force(
-    equations: NormalEquations, motions: DistinctMotions, problem: Problem, force: str
-) -> Mapping[str, np.ndarray]:
-    """The blocks of one force."""
-    terms = problem.terms
-    names = [term.name for term in terms.forces[force]]
-    columns = [*names, ONE, force]
-    picked = equations.pick(motions.sums, columns) * problem.weights[force]
-    root, inverse, live = roots(picked[:, :-1, :-1])
-    y = np.einsum("mqk,mk->mq", inverse, picked[:, :-1, -1])
-    p, n = len(problem.scale), len(terms.names)
-    d, own = np.zeros((*y.shape, p)), np.zeros((*y.shape, n))
-    for j, name in enumerate(names):
-        column = root[:, :, j] / problem.scale[problem.slot[name]]
-        d[:, :, problem.slot[name]] += column
-        own[:, :, terms.names.index(name)] = column
-    square = picked[:, -1, -1]
-    noise, known = _noise(equations.pick(equations.sums, columns) * problem.weights[force], equations)
-    level = np.sqrt(square.sum() / picked[:, -2, -2].sum() * problem.weights[force])
-    count = len(motions)
-    return {
-        "d": d, "own": own, "one": root[:, :, -1], "y": y, "live": live,
-        "motion": np.arange(count), "repeats": np.array([len(own) for own in motions.members], float),
-        "noise": np.full(count, max(noise, (LEAST_NOISE * level) ** 2)),
-        "form": square / np.maximum(live.sum(axis=1), 1),
-        "level": np.full(count, level / np.sqrt(problem.weights[force])), "known": np.array(known),
-    }  # fmt: skip
+def _picked(sums: np.ndarray, problem: Problem, force: str) -> np.ndarray:
+    """Products of a force's columns, of a constant and of the force."""
+    names = [term.name for term in problem.terms.forces[force]]
+    index = np.array([problem.columns[name] for name in (*names, ONE, force)])
+    return np.asarray(sums[..., index[:, None], index] * problem.weights[force])
+
+
+def _rows_of_force(sums: np.ndarray, problem: Problem, force: str) -> dict[str, np.ndarray]:
+    terms, products = problem.terms, _picked(sums, problem, force)
+    root, inverse, live = roots(products[:, :-1, :-1])
+    y = np.einsum("mqk,mk->mq", inverse, products[:, :-1, -1])
+    d, columns = np.zeros((*y.shape, len(problem.scale))), np.zeros((*y.shape, len(terms.names)))
+    for j, term in enumerate(terms.forces[force]):
+        slot = problem.slot[term.name]
+        column = root[:, :, j] / problem.scale[slot]
+        d[:, :, slot] += column
+        columns[:, :, terms.names.index(term.name)] = column
+    return {"d": d, "columns": columns, "one": root[:, :, -1], "y": y, "live": live}
+
+
+def _errors(
+    equations: NormalEquations, sums: np.ndarray, problem: Problem, force: str
+) -> tuple[float, np.ndarray, float, bool]:
+    """Noise of a force, the square of each motion's, the root mean square in all tests; whether the noise is known."""
+    products = _picked(sums, problem, force)
+    square = products[:, -1, -1]
+    noise, known = _noise(_picked(equations.sums, problem, force), equations)
+    level = np.sqrt(square.sum() / products[:, -2, -2].sum() * problem.weights[force])
+    return max(noise, (LEAST_NOISE * level) ** 2), square, level / np.sqrt(problem.weights[force]), known
 
 
 def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -165,14 +198,14 @@ def _noise(sums: np.ndarray, equations: NormalEquations) -> tuple[float, bool]:
     as large as their spread. Correlation within a stretch is in it, since what a stretch leaves is a sum over it.
     """
     names = equations.names
-    place = np.array([names.index(test) for test in equations.tests])
+    test = np.array([names.index(name) for name in equations.tests])
     whole = np.zeros((len(names), *sums.shape[1:]))
-    np.add.at(whole, place, sums)
+    np.add.at(whole, test, sums)
     _, inverse, live = roots(whole[:, :-1, :-1])
     seen = (inverse @ whole[:, :-1, -1:])[..., 0]
-    fit = (seen[:, None] @ inverse)[:, 0][place]
+    fit = (seen[:, None] @ inverse)[:, 0][test]
     left = sums[:, :-1, -1] - (sums[:, :-1, :-1] @ fit[..., None])[..., 0]
-    back = inverse[place]
+    back = inverse[test]
     score = (back @ left[..., None])[..., 0]
     share = back @ sums[:, :-1, :-1] @ np.swapaxes(back, 1, 2)
     freedom = live.sum() - (share**2).sum()

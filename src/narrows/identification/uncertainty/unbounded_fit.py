@@ -53,6 +53,8 @@ class ErrorModel:
         Of the motions' errors, widened by lack of fit.
     shown : array (blocks, q, q)
         The same by the scatter that the data show, which may be less than what is assumed.
+    factor, factor_shown : array (forces,)
+        Variance over the assumed one, of each force, in either.
     """
 
     level: SecondLevel
@@ -64,6 +66,8 @@ class ErrorModel:
     best: LinearEstimator
     covariance: np.ndarray
     shown: np.ndarray
+    factor: np.ndarray
+    factor_shown: np.ndarray
 
     @cached_property
     def of_theta(self) -> np.ndarray:
@@ -73,7 +77,7 @@ class ErrorModel:
     @cached_property
     def freedom(self) -> np.ndarray:
         """Degrees of freedom of each force's variance: many where it is the assumed one."""
-        return np.array([own.freedom if own.scatter > 1 else MANY for own in self.fit])
+        return np.array([force.freedom if force.scatter > 1 else MANY for force in self.fit])
 
     @cached_property
     def left_out(self) -> list[LinearEstimator]:
@@ -133,8 +137,8 @@ class UnboundedFit:
         Standard errors by the error model, or by what each motion moves where that reaches farther, and over what other
         fits show; of a held coefficient 0.
     covariance : array (n, n)
-        By the error model, widened for each force as the standard errors are at the median, so that what coefficients
-        determine together stays determined; zero for those that are held.
+        By the error model, widened until its diagonal is the square of ``std``, or more where a coefficient moves with
+        a wider one that it trades against: what they determine together stays determined. Zero for those that are held.
     held : array (n,) of bool
         Which are held at a bound that the data reject.
     counts : array (n,)
@@ -184,7 +188,7 @@ def error_model(
         held[more] = True
         theta[more] = np.clip(theta[more], problem.lower[more], problem.upper[more])
     fit = lack_of_fit(free, v)
-    scatter = np.array([own.scatter for own in fit])
+    scatter = np.array([force.scatter for force in fit])
     wide, shown = np.maximum(scatter, 1.0), np.maximum(scatter, LEAST_SCATTER)
     forces = (level.d @ theta, known)
     return ErrorModel(
@@ -197,6 +201,8 @@ def error_model(
         best,
         covariance(level, *forces, wide),
         covariance(level, *forces, shown),
+        wide,
+        shown,
     )
 
 
@@ -224,23 +230,27 @@ def unbounded_fit(problem: Problem, model: ErrorModel, std: np.ndarray, counts: 
     """
     slots = np.array([problem.slot[name] for name in problem.terms.names])
     scale, held = problem.scale[slots], model.held[slots]
-    plain = np.sqrt(np.maximum(np.diag(model.of_theta), 0.0))[slots]
     std = np.where(held, 0.0, std)
-    stretch = _of_forces(problem, np.where(plain > 0, std / np.where(plain > 0, plain, 1.0), np.nan)) / scale
-    covariance = model.of_theta[np.ix_(slots, slots)] * np.outer(stretch, stretch)
+    asked = np.array([std[slots == slot].max(initial=0.0) for slot in range(len(model.held))])
+    covariance = _widened(model.of_theta, asked)[np.ix_(slots, slots)] / np.outer(scale, scale)
     return UnboundedFit(problem.coefficients(model.theta), std / scale, covariance, held, counts)
 
 
-def _of_forces(problem: Problem, stretch: np.ndarray) -> np.ndarray:
-    """The median of each force's coefficients, (n,): one for all, so that what trades against each other cancels."""
-    middle, start = np.ones(len(stretch)), 0
-    for part in problem.terms.forces.values():
-        own = stretch[start : start + len(part)]
-        if np.isfinite(own).any():
-            middle[start : start + len(part)] = np.nanmedian(own)
-        start += len(part)
-    slots = np.array([problem.slot[name] for name in problem.terms.names])
-    return np.array([middle[slots == slot].max() for slot in slots])
+def _widened(covariance: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Widen until the diagonal has these standard errors at least.
+
+    What a parameter lacks is added along the way in which the others follow it, so that sums which the data determine
+    gain little: stretching each by itself would undo them.
+    """
+    plain, wide = np.diag(covariance), covariance.copy()
+    live = plain > 0
+    for _ in range(len(plain)):
+        lack = np.where(live, (std**2 - np.diag(wide)) / np.where(live, plain, 1.0), 0.0)
+        most = int(lack.argmax())
+        if lack[most] <= 0:
+            break
+        wide += lack[most] / plain[most] * np.outer(covariance[most], covariance[most])
+    return wide
 
 
 def freedoms(problem: Problem, model: ErrorModel) -> np.ndarray:
@@ -254,6 +264,6 @@ def freedoms(problem: Problem, model: ErrorModel) -> np.ndarray:
         The fit on motions.
     """
     forces = [part for part in problem.terms.forces.values() if part]
-    own = np.array([model.freedom[i] for i, part in enumerate(forces) for _ in part])
+    of_force = np.array([model.freedom[i] for i, part in enumerate(forces) for _ in part])
     slots = np.array([problem.slot[name] for name in problem.terms.names])
-    return np.array([own[slots == slot].min() for slot in slots])
+    return np.array([of_force[slots == slot].min() for slot in slots])
