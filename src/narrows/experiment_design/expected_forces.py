@@ -36,7 +36,10 @@ def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
         Expected forces of a motion at a depth.
     """
     squares = [
-        {force: float(np.mean(np.square(own))) for force, own in forces(motion_of(run.columns(1.0)), run.depth).items()}
+        {
+            force: float(np.mean(np.square(values)))
+            for force, values in forces(motion_of(run.columns(1.0)), run.depth).items()
+        }
         for run in offered
     ]
-    return {force: float(np.sqrt(np.mean([own[force] for own in squares]))) for force in squares[0]}
+    return {force: float(np.sqrt(np.mean([square[force] for square in squares]))) for force in squares[0]}

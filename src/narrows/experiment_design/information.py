@@ -73,8 +73,8 @@ def zero_columns(one: np.ndarray, force: np.ndarray, zero: np.ndarray) -> np.nda
         Of each block.
     """
     count = int(force.max()) + 1
-    own = np.arange(count * ZEROS) == (force * ZEROS + zero)[:, None]
-    return np.asarray(one[:, :, None] * own[:, None, :])
+    chosen = np.arange(count * ZEROS) == (force * ZEROS + zero)[:, None]
+    return np.asarray(one[:, :, None] * chosen[:, None, :])
 
 
 def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -128,14 +128,14 @@ def planned_run(
     for name in terms.inputs:
         if name not in values:
             raise InputError(f"the terms need {name}, which the ship file does not give; add it")
-    own = {force: part for force, part in terms.forces.items() if part}
-    width = 1 + max(len(part) for part in own.values())
+    fitted = {force: part for force, part in terms.forces.items() if part}
+    width = 1 + max(len(part) for part in fitted.values())
     slot, expected = slots(terms), forces(motion, run.depth)
-    d = np.zeros((len(own), width, max(slot.values()) + 1))
-    one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(own), 1, 1))
-    for i, (force, part) in enumerate(own.items()):
+    d = np.zeros((len(fitted), width, max(slot.values()) + 1))
+    one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(fitted), 1, 1))
+    for i, (force, part) in enumerate(fitted.items()):
         a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
-        root, inverse, live = (found[0] for found in roots((a @ a.T)[None]))
+        root, inverse, live = (stack[0] for stack in roots((a @ a.T)[None]))
         q = len(live)
         for j, term in enumerate(part):
             d[i, :q, slot[term.name]] += root[:, j]

@@ -238,8 +238,8 @@ def _separating(
     fastest = max((speed for _, _, speed, _ in steady), default=0.0)
     half = {path: i for path, i in steady.items() if path[0] > 0 and path[2] == fastest}
     pairs = min(count // 2, len(half))
-    found = choose(adds[list(half.values())], 0 * known, pairs, parameters, "c") if pairs else []
-    chosen = [list(half)[i] for i in found]
+    best = choose(adds[list(half.values())], 0 * known, pairs, parameters, "c") if pairs else []
+    chosen = [list(half)[i] for i in best]
     return [steady[path] for y, drift, *rest in chosen for path in ((y, drift, *rest), (-y, -drift, *rest))]
 
 
@@ -296,4 +296,4 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
 def _predicted(runs: list[PlannedRun], known: np.ndarray, index: list[int]) -> np.ndarray:
     """Standard errors, variance inflations and half intervals after each run, (3, runs, targets)."""
     after = [expected_errors(runs[: i + 1], known) for i in range(len(runs))]
-    return np.array([[own[part][index] for own in after] for part in range(3)])
+    return np.array([[errors[part][index] for errors in after] for part in range(3)])

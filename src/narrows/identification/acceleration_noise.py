@@ -64,6 +64,6 @@ def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float
     if not shifts:
         return ""
     told = ", ".join(
-        f"{name} by {shift:+.1%}" for name, shift in sorted(shifts.items(), key=lambda own: -abs(own[1]))[:4]
+        f"{name} by {shift:+.1%}" for name, shift in sorted(shifts.items(), key=lambda pair: -abs(pair[1]))[:4]
     )
     return f"Nothing tells noise in the accelerations without time in memory: were it a tenth of them, it moved {told}."

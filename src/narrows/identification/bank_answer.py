@@ -68,7 +68,10 @@ class Answer:
         if self.fit.implausible:
             return f"They cannot be trusted, as something is wrong with the tests: {self.fit.implausible[0]}"
         if self.settled:
-            return "They can be trusted as far as these terms hold."
+            return (
+                "They can be trusted as far as these terms hold; no test tells a gain that all runs share, or a force "
+                "that grows with y as a bank's does."
+            )
         if not bank_names(self.fit):
             known = sum(verdict.status == IDENTIFIED for verdict in self.fit.verdicts.values())
             return f"{known} of {len(self.fit.terms.names)} coefficients are identified."
@@ -182,7 +185,7 @@ def _others(terms: TermTable) -> list[TermTable]:
 
 
 def _forces(fit: Fit) -> list[str]:
-    return [force for force, own in fit.terms.forces.items() if any(term.from_bank for term in own)]
+    return [force for force, part in fit.terms.forces.items() if any(term.from_bank for term in part)]
 
 
 def _relative_error(other: Fit, fit: Fit) -> float:

@@ -83,7 +83,7 @@ def left_out_by_speed(problem: Problem, equations: NormalEquations, motions: Dis
     motions : DistinctMotions
         The distinct motions, and their speeds.
     """
-    groups = np.stack([motions.sums[own].sum(axis=0) for own in motions.by_speed])
+    groups = np.stack([motions.sums[members].sum(axis=0) for members in motions.by_speed])
     if len(groups) < 2:
         return {}
     without = left_out_coefficients(problem, groups.sum(axis=0) - groups)

@@ -35,7 +35,7 @@ def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:
         raise InputError(f"hulls of their own at each depth need two depths or more; there are {len(knots)}")
 
     def spread(part: tuple[Term, ...]) -> tuple[Term, ...]:
-        return tuple(own for term in part for own in ([term] if term.from_bank else _at_each(term, knots)))
+        return tuple(each for term in part for each in ([term] if term.from_bank else _at_each(term, knots)))
 
     hull = {term.name for term in table.terms if not term.from_bank}
     ties = tuple((_named(a, h), _named(b, h)) for a, b in table.ties if {a, b} <= hull for h in knots)
@@ -61,10 +61,10 @@ def _at_each(term: Term, knots: list[float]) -> list[Term]:
 def _near(term: Term, knots: list[float], i: int) -> Callable[..., Number]:
     """The regressor times how near the depth is to one of the knots: 1 at it, 0 at its neighbours."""
     asks = tuple(dict.fromkeys((*term.inputs, DEPTH)))
-    place, own = asks.index(DEPTH), len(term.inputs)
+    depth_at, count = asks.index(DEPTH), len(term.inputs)
 
     def regressor(*values: Number) -> Number:
-        return term.regressor(*values[:own]) * _share(values[place], knots, i)
+        return term.regressor(*values[:count]) * _share(values[depth_at], knots, i)
 
     regressor.inputs = asks  # type: ignore[attr-defined]
     return regressor

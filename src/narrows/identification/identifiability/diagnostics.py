@@ -45,8 +45,8 @@ class Diagnostics:
         """Over the tests of each speed together: mean speed [m/s] -> force -> diagnosis."""
         motions = self.motions
         return {
-            float(np.mean(motions.features["speed"][own])): self.over(motions.sums[own].sum(axis=0))
-            for own in motions.by_speed
+            float(np.mean(motions.features["speed"][members])): self.over(motions.sums[members].sum(axis=0))
+            for members in motions.by_speed
         }
 
     def over(self, sums: np.ndarray) -> dict[str, Diagnosis]:

@@ -58,11 +58,11 @@ def _products(design: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):
         for start in range(0, rows, max(strip.shape[1], 1)):
             part = design[:, start : start + strip.shape[1]]
-            own = strip[:, : part.shape[1]]
-            own[:count] = part
+            packed = strip[:, : part.shape[1]]
+            packed[:count] = part
             for i in range(0, whole, GROUP):
                 for j in range(i, whole, GROUP):
-                    total[i : i + GROUP, j : j + GROUP] += np.dot(own[i : i + GROUP], own[j : j + GROUP].T)
+                    total[i : i + GROUP, j : j + GROUP] += np.dot(packed[i : i + GROUP], packed[j : j + GROUP].T)
     # What is left of the diagonal blocks of groups is the other side of what is right of them.
     upper = np.triu(total)
     return (upper + np.triu(upper, 1).T)[:count, :count]
@@ -97,13 +97,13 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalE
     for parts, covered in _shared_out(partial(_summed, matrix, _saying(terms)), tests.blocks(pieces)):
         for key, total, moments in parts:
             sums[key] += total
-            for name, own in moments.items():
-                moved[key][name] += own
+            for name, moment in moments.items():
+                moved[key][name] += moment
         data_range = _joined(data_range, covered)
     if not sums:
         source = tests.source.table or tests.source.text
         raise InputError(f"{source}: no rows are left; give more, or another selection")
-    named = dict.fromkeys(name for own in moved.values() for name in own)
+    named = dict.fromkeys(name for moments in moved.values() for name in moments)
     equations = NormalEquations(
         matrix.columns,
         np.stack(list(sums.values())),
@@ -137,8 +137,8 @@ def _summed(matrix: DesignMatrix, saying: tuple[str, ...], block: Block) -> Summ
 def _of_long(columns: Mapping[str, np.ndarray], design: np.ndarray, spans: list[Span]) -> Sums:
     """Moments and products span by span."""
     rows = [slice(span.start, span.stop) for span in spans]
-    moments = [{name: _moments(column[own]) for name, column in columns.items()} for own in rows]
-    return moments, [_products(design[:, own]) for own in rows]
+    moments = [{name: _moments(column[span]) for name, column in columns.items()} for span in rows]
+    return moments, [_products(design[:, span]) for span in rows]
 
 
 def _moments(column: np.ndarray) -> np.ndarray:
@@ -158,8 +158,8 @@ def _of_short(columns: Mapping[str, np.ndarray], design: np.ndarray, spans: list
         with np.errstate(all="ignore"):
             sums += list(np.moveaxis(np.add.reduceat(part[:, None] * part[None], starts, axis=2), 2, 0))
         powers = {name: np.stack([np.ones(len(c[rows])), c[rows], c[rows] ** 2]) for name, c in columns.items()}
-        added = {name: np.add.reduceat(own, starts, axis=1).T for name, own in powers.items()}
-        moments += [{name: own[i] for name, own in added.items()} for i in range(len(some))]
+        added = {name: np.add.reduceat(values, starts, axis=1).T for name, values in powers.items()}
+        moments += [{name: each[i] for name, each in added.items()} for i in range(len(some))]
     return moments, sums
 
 

@@ -64,10 +64,10 @@ class DesignMatrix:
         for i, (regressor, inputs) in enumerate(self.regressors):
             if isinstance(regressor, Composed):
                 # Sway and yaw have terms of one pressure: it is computed once a block.
-                own = regressor.parameter
-                if own not in known:
-                    known[own] = own(*[values[name] for name in asked_by(own)])
-                design[i] = regressor.of(known[own], values)
+                parameter = regressor.parameter
+                if parameter not in known:
+                    known[parameter] = parameter(*[values[name] for name in asked_by(parameter)])
+                design[i] = regressor.of(known[parameter], values)
             else:
                 design[i] = self._evaluated(i, [values[name] for name in inputs])
         for i, force in enumerate(self.forces, start=len(self.regressors)):

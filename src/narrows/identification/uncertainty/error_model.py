@@ -126,13 +126,13 @@ def lack_of_fit(level: SecondLevel, v: np.ndarray) -> tuple[LackOfFit, ...]:
     inverse, _ = pseudo_inverse(flat.T @ flat)
     left = y - d @ (inverse @ (flat.T @ y.ravel()))
     used = ((d @ inverse) * d).sum(axis=(1, 2))
-    found = []
+    tested = []
     for force in range(level.forces):
-        own = level.force == force
-        chi2, freedom = float((left[own] ** 2).sum()), float(level.live[own].sum() - used[own].sum())
+        inside = level.force == force
+        chi2, freedom = float((left[inside] ** 2).sum()), float(level.live[inside].sum() - used[inside].sum())
         known = freedom > 0.5 and bool(level.noise_known[force])
-        found.append(LackOfFit(chi2, max(freedom, 0.0), float(chdtrc(freedom, chi2)) if known else float("nan")))
-    return tuple(found)
+        tested.append(LackOfFit(chi2, max(freedom, 0.0), float(chdtrc(freedom, chi2)) if known else float("nan")))
+    return tuple(tested)
 
 
 @dataclass(frozen=True)
@@ -182,8 +182,8 @@ def repeatability(equations: NormalEquations, motions: DistinctMotions, force: s
             seen, told = _gains_and_zeros(runs, square)
             spreads += told * seen.var(axis=0, ddof=1) * more
             weights += told * more
-    found = np.sqrt(spreads / np.where(weights > 0, weights, 1.0))
-    return Repeatability(float(found[0]), float(found[1]), float(weights[0]), float(weights[1]))
+    spread = np.sqrt(spreads / np.where(weights > 0, weights, 1.0))
+    return Repeatability(float(spread[0]), float(spread[1]), float(weights[0]), float(weights[1]))
 
 
 def _gains_and_zeros(runs: np.ndarray, square: float) -> tuple[np.ndarray, np.ndarray]:
@@ -191,19 +191,19 @@ def _gains_and_zeros(runs: np.ndarray, square: float) -> tuple[np.ndarray, np.nd
     whole = runs.sum(axis=0)
     _, inverse, _ = roots(whole[None, :-1, :-1])
     fit = inverse[0].T @ inverse[0] @ whole[:-1, -1]
-    own = np.einsum("k,rkl,l->r", fit, runs[:, :-1, :-1], fit)
-    share = min(float(own.sum() / whole[-2, -2] / square), 1.0)
-    if not share > 0 or abs(fit @ whole[:-1, -2]) > CONSTANT * np.sqrt(own.sum() * whole[-2, -2]):
+    squares = np.einsum("k,rkl,l->r", fit, runs[:, :-1, :-1], fit)
+    share = min(float(squares.sum() / whole[-2, -2] / square), 1.0)
+    if not share > 0 or abs(fit @ whole[:-1, -2]) > CONSTANT * np.sqrt(squares.sum() * whole[-2, -2]):
         zeros = runs[:, -2, -1] / runs[:, -2, -2] / np.sqrt(square)
         mean = zeros.mean()
         gains = zeros / mean if share > 0 and mean else np.ones(len(runs))
         return np.stack([gains, zeros], axis=1), np.array([share, 1 - share])
-    found = []
+    seen = []
     for run in runs:
         cross = fit @ run[:-1, -2]
         products = np.array([[fit @ run[:-1, :-1] @ fit, cross], [cross, run[-2, -2]]])
-        found.append(np.linalg.lstsq(products, np.array([fit @ run[:-1, -1], run[-2, -1]]), rcond=1e-12)[0])
-    return np.array(found) / [1.0, np.sqrt(square)], np.array([share, 1.0])
+        seen.append(np.linalg.lstsq(products, np.array([fit @ run[:-1, -1], run[-2, -1]]), rcond=1e-12)[0])
+    return np.array(seen) / [1.0, np.sqrt(square)], np.array([share, 1.0])
 
 
 def corrected(errors: RunErrors, repeats: Mapping[str, Repeatability]) -> RunErrors:
@@ -216,7 +216,7 @@ def corrected(errors: RunErrors, repeats: Mapping[str, Repeatability]) -> RunErr
     repeats : mapping of str to Repeatability
         By force; those of sway and yaw count where there are any.
     """
-    seen = [own for force, own in repeats.items() if force != "X"] or list(repeats.values())
+    seen = [one for force, one in repeats.items() if force != "X"] or list(repeats.values())
     if errors.none:
         return errors
 
@@ -225,6 +225,6 @@ def corrected(errors: RunErrors, repeats: Mapping[str, Repeatability]) -> RunErr
         variance = np.mean((1 - weight) * prior**2 + weight * np.square(shown))
         return float(min(np.sqrt(variance), LARGEST))
 
-    gain = mixed(errors.gain, [own.gain for own in seen], [own.gain_freedom for own in seen])
-    zero = mixed(errors.zero, [own.zero for own in seen], [own.zero_freedom for own in seen])
+    gain = mixed(errors.gain, [one.gain for one in seen], [one.gain_freedom for one in seen])
+    zero = mixed(errors.zero, [one.zero for one in seen], [one.zero_freedom for one in seen])
     return replace(errors, gain=gain, zero=zero)
