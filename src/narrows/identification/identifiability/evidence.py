@@ -19,6 +19,8 @@ MOST_WIDENED = 2.0
 OF_TYPES = (Kind.TYPE, Kind.GAIN)
 """Steady runs against harmonic ones, over all of whose difference the interval reaches: a calibration, a mount or a
 rail that is another in one type of runs is shared by all of these, so that their number says nothing of it."""
+LEAST_SHARE = 1 / 30
+"""Of what the fit knows, under which a type of runs by itself knows nothing of a coefficient."""
 CONTRADICTION = 0.01
 """Level at which estimates contradict each other, over how many are compared."""
 ONE_TEST = 0.75
@@ -108,7 +110,7 @@ class Evidence:
         quantile, seen = float(t_quantile(self._scatter_count(index))), [0.0]
         for a in self.alternatives[index]:
             apart = abs(a.value - theta)
-            if a.kind in OF_TYPES and not a.lost:
+            if a.kind in OF_TYPES and self._share(a, index) > LEAST_SHARE:
                 seen.append(apart + max(quantile * a.gap - plain, 0.0))
             elif apart > SEEN * a.gap:
                 seen.append(min(apart, MOST_WIDENED * plain))
@@ -128,10 +130,14 @@ class Evidence:
         reach = float(t_quantile(self.freedom[index] + 1))
         theta, scale = self.model.theta[slot], self.problem.scale[slot]
         for a in alternatives:
-            share = 0.0 if a.lost else float(self.std[slot] ** 2 / a.std**2)
+            share = self._share(a, index)
             against = bool(abs(a.value - theta) > max(limit * a.gap, MATTERS * self.plain[index]))
             shown = (a.kind, a.label, a.value / scale, a.stratum)
             yield ComparedEstimate(*shown, reach * a.std / scale, share, against)
+
+    def _share(self, other: Alternative, index: int) -> float:
+        """Of what the fit knows of a coefficient, what another estimate knows."""
+        return 0.0 if other.lost else float(self.std[self.slots[index]] ** 2 / other.std**2)
 
     def _scatter_count(self, index: int) -> float:
         """Degrees of freedom of the scatter that the data show, and one."""

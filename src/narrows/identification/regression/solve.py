@@ -74,12 +74,10 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
         Bounds.
     """
     start, left = active_set(h[None], g[None], lower, upper)
-    solution = _settled(h, g, start[0], lower, upper)
-    return (
-        solution
-        if solution.kkt.satisfied and not left.size
-        else _settled(h, g, _bvls(h, g, lower, upper), lower, upper)
-    )
+    quick = _settled(h, g, start[0], lower, upper)
+    if quick.kkt.satisfied and not left.size:
+        return quick
+    return _settled(h, g, _bvls(h, g, lower, upper), lower, upper)
 
 
 def _settled(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
