@@ -174,24 +174,20 @@ def test_an_inverse_over_what_has_data() -> None:
     np.testing.assert_allclose(columns @ inverse @ columns.T, projection, atol=1e-9)
 
 
-def test_covariance_has_the_standard_errors_and_keeps_what_the_data_determine(case) -> None:
-    """At least the square of each, exactly that of some; more than the error model's in no direction less."""
+def test_covariance_is_the_error_models(case) -> None:
+    """Widened by one number for each force, so that correlations are those of the fit; at the median as the errors."""
     _, fit, _, _ = case
     slots = [fit.problem.slot[name] for name in nw.PAPER.names]
-    scale = fit.problem.scale[slots]
-    plain = fit.error_model.of_theta[np.ix_(slots, slots)] / np.outer(scale, scale)
+    plain = fit.error_model.of_theta[np.ix_(slots, slots)]
     known = (np.diag(plain) > 0) & ~fit.unbounded.held
+    own, theirs = (
+        m[np.ix_(known, known)] / np.sqrt(np.outer(np.diag(m)[known], np.diag(m)[known]))
+        for m in (fit.covariance, plain)
+    )
+    np.testing.assert_allclose(own, theirs, atol=1e-9)
     ratio = np.sqrt(np.diag(fit.covariance))[known] / fit.unbounded.std[known]
-    assert ratio.min() == pytest.approx(1.0, rel=1e-9) or ratio.min() > 1
-    assert np.isclose(ratio, 1.0, rtol=1e-9).any()
-    size = np.sqrt(np.diag(fit.covariance)[known])
-    more = (fit.covariance - plain)[np.ix_(known, known)] / np.outer(size, size)
-    assert np.linalg.eigvalsh(more).min() > -1e-9
-    stretch = fit.unbounded.std[known] / np.sqrt(np.diag(plain)[known])
-    own, axes = np.linalg.eigh(plain[np.ix_(known, known)] / np.outer(size, size))
-    best = axes[:, np.flatnonzero(own > 1e-9 * own[-1])[0]]
-    apart = plain[np.ix_(known, known)] * np.outer(stretch, stretch) / np.outer(size, size)
-    assert best @ more @ best <= best @ apart @ best + 1e-12
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.1)
+    assert np.linalg.eigvalsh(fit.covariance / np.abs(fit.covariance).max()).min() > -1e-12
 
 
 def test_covariance_is_the_error_models_where_runs_do_not_differ() -> None:

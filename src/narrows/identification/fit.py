@@ -156,8 +156,9 @@ class Fit(Prediction):
     def covariance(self) -> np.ndarray:
         """Covariance (n, n) by the errors of runs, as in ``terms.names``: what ensembles and the envelope draw from.
 
-        Its diagonal is the square of ``std``, or more where a coefficient moves with a wider one that it trades
-        against; zero where the data reject a bound and the coefficient is held there.
+        That of the error model, each force's block times one number: the median, over its coefficients, of ``std`` over
+        the error model's, squared. So what coefficients determine together stays determined, and its diagonal is not
+        the square of ``std`` where only some intervals reach farther; zero where a rejected bound is held.
         """
         return self.unbounded.covariance
 

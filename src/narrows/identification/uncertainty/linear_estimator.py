@@ -88,7 +88,9 @@ class Comparison:
     known: np.ndarray
 
 
-def compared_with(fit: np.ndarray, other: LinearEstimator, y: np.ndarray, v: np.ndarray, shown: np.ndarray) -> Comparison:
+def compared_with(
+    fit: np.ndarray, other: LinearEstimator, y: np.ndarray, v: np.ndarray, shown: np.ndarray
+) -> Comparison:
     """Compare another estimator with the fit (ours).
 
     Parameters

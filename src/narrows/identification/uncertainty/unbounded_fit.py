@@ -137,8 +137,9 @@ class UnboundedFit:
         Standard errors by the error model, or by what each motion moves where that reaches farther, and over what other
         fits show; of a held coefficient 0.
     covariance : array (n, n)
-        By the error model, widened until its diagonal is the square of ``std``, or more where a coefficient moves with
-        a wider one that it trades against: what they determine together stays determined. Zero for those that are held.
+        By the error model, each force's block times the median of its ``std`` over the error model's, squared: one
+        number for each force, so that what coefficients determine together stays determined. So its diagonal is not
+        the square of ``std`` where only some intervals reach farther; zero for those that are held.
     held : array (n,) of bool
         Which are held at a bound that the data reject.
     counts : array (n,)
@@ -230,27 +231,23 @@ def unbounded_fit(problem: Problem, model: ErrorModel, std: np.ndarray, counts: 
     """
     slots = np.array([problem.slot[name] for name in problem.terms.names])
     scale, held = problem.scale[slots], model.held[slots]
+    plain = np.sqrt(np.maximum(np.diag(model.of_theta), 0.0))[slots]
     std = np.where(held, 0.0, std)
-    asked = np.array([std[slots == slot].max(initial=0.0) for slot in range(len(model.held))])
-    covariance = _widened(model.of_theta, asked)[np.ix_(slots, slots)] / np.outer(scale, scale)
+    stretch = _of_forces(problem, np.where(plain > 0, std / np.where(plain > 0, plain, 1.0), np.nan)) / scale
+    covariance = model.of_theta[np.ix_(slots, slots)] * np.outer(stretch, stretch)
     return UnboundedFit(problem.coefficients(model.theta), std / scale, covariance, held, counts)
 
 
-def _widened(covariance: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Widen until the diagonal has these standard errors at least.
-
-    What a parameter lacks is added along the way in which the others follow it, so that sums which the data determine
-    gain little: stretching each by itself would undo them.
-    """
-    plain, wide = np.diag(covariance), covariance.copy()
-    live = plain > 0
-    for _ in range(len(plain)):
-        lack = np.where(live, (std**2 - np.diag(wide)) / np.where(live, plain, 1.0), 0.0)
-        most = int(lack.argmax())
-        if lack[most] <= 0:
-            break
-        wide += lack[most] / plain[most] * np.outer(covariance[most], covariance[most])
-    return wide
+def _of_forces(problem: Problem, stretch: np.ndarray) -> np.ndarray:
+    """The median of each force's coefficients, (n,): one for all, so that what trades against each other cancels."""
+    middle, start = np.ones(len(stretch)), 0
+    for part in problem.terms.forces.values():
+        own = stretch[start : start + len(part)]
+        if np.isfinite(own).any():
+            middle[start : start + len(part)] = np.nanmedian(own)
+        start += len(part)
+    slots = np.array([problem.slot[name] for name in problem.terms.names])
+    return np.array([middle[slots == slot].max() for slot in slots])
 
 
 def freedoms(problem: Problem, model: ErrorModel) -> np.ndarray:
