@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.control.local_motion import MOVED, LocalMotion
+from narrows.control.margins import loop_margins
 from narrows.errors import InputError, check_choice, needs
 from narrows.results import Shown
 
@@ -344,46 +345,6 @@ class LinearSystem(Shown):
         speed = float(self.course["u"])
         sizes = {"y": self.length, "u": speed, "v": speed, "r": speed / self.length}
         return np.array([sizes.get(name, 1.0) for name in self.states])
-
-
-def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, float]:
-    """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input (ours).
-
-    Parameters
-    ----------
-    A : array (n, n)
-        Rates by states.
-    B : array (n, 1)
-        Rates by the input.
-    gains : array (n,)
-        Input for each state off.
-
-    Returns
-    -------
-    dict of str to float
-        ``gain`` and ``gain_down`` [1], factors on the gain that bring it to instability from above and from below;
-        ``phase_deg``; ``delay`` [s]; ``distance`` [1], the least size of 1 + loop. Infinite (or 0, ``gain_down``) where
-        nothing does.
-
-    Raises
-    ------
-    InputError
-        Where python-control is not there (``pip install narrows[control]``).
-    """
-    with needs("control", "margins"):
-        import control
-    loop = control.ss(A, B, gains[None, :], 0)
-    gain, phase, distance, _, at_gain, _ = control.stability_margins(loop, returnall=True)
-    over, under = gain[gain > 1], gain[(gain > 0) & (gain < 1)]
-    # A delay turns the loop clockwise: a phase margin counts by how far it is to half a turn, clockwise.
-    delays = np.radians(np.mod(phase, 360.0)) / np.where(at_gain > 0, at_gain, np.inf)
-    return {
-        "gain": float(over.min(initial=np.inf)),
-        "gain_down": float(under.max(initial=0.0)),
-        "phase_deg": float(np.abs(phase).min(initial=np.inf)),
-        "delay": float(delays[delays > 0].min(initial=np.inf)),
-        "distance": float(np.min(distance, initial=np.inf)),
-    }
 
 
 def _column(entries: Iterable[str]) -> str:
