@@ -1,9 +1,11 @@
 """Controllers and steering gear: limits of angle and rate, a ramp against SciPy, a zigzag's own rules."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import narrows as nw
 from narrows.terms.about import TermKind
@@ -35,6 +37,32 @@ def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order(dtc: nw.Model) 
     assert turned(0.0, -1.0) == pytest.approx(-0.5 * gear.rate)
     assert turned(0.1, 0.12) == pytest.approx(0.12)
     assert turned(gear.limit, 2.0) == gear.limit
+
+
+class Turning:
+    """A law whose number is called as one of a gear's own limits is."""
+
+    def __init__(self, turn_rate: xr.DataArray | float) -> None:
+        self.turn_rate = turn_rate
+
+    def parameters(self) -> dict[str, xr.DataArray | float]:
+        return {"turn_rate": self.turn_rate}
+
+    def memory(self, start: object) -> dict[str, float]:
+        return {}
+
+    def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, float]]:
+        return {"rudder": at.rudder + at.turn_rate * at.dt}, {}
+
+
+def test_a_number_of_a_law_may_be_called_a_rate_and_vary_over_a_fleet(dtc: nw.Model) -> None:
+    model, rates = steered(dtc), (0.01, -0.02)
+    fleet = nw.ensemble(
+        model, u=1.0, duration=4.0, dt=0.1, controller=Turning(xr.DataArray([*rates], dims="rate")), workers=1
+    )
+    for number, rate in enumerate(rates):
+        alone = nw.simulate(model, u=1.0, duration=4.0, dt=0.1, controller=Turning(rate))
+        assert fleet.r_end.values[number] == pytest.approx(alone.r[-1], rel=1e-9)
 
 
 def test_unless_given_it_is_the_rules(dtc: nw.Model) -> None:

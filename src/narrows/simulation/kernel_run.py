@@ -192,7 +192,7 @@ def _vessel_inputs(system: System, inputs: Mapping[str, Any], steering: Steering
         tuple(steering.parameters) if steering else (),
         (*INPUTS.values(), PUSH_END),
         tuple(n for n in inputs if n.startswith(("half_", "wall_", "outline_"))),
-        tuple(n for n in inputs if n.endswith(("_limit", "_rate"))),
+        tuple(f"{a.name}_{end}" for a in (steering.law.ordered if steering else ()) for end in ("limit", "rate")),
     ]
     names: list[str] = []
     for number, group in enumerate(groups):
