@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from narrows.simulation.usual import UsualVoyage
     from narrows.waterway import Waterway
 
-HELMS = ("regulator", "track")
+HELMS = ("regulator", "predictive", "track")
 OFFSETS = 101
 """Of a map, where none are given."""
 
@@ -55,7 +55,7 @@ def simulate(
     ] = 0.0,
     hold: Annotated[float | None, typer.Option(help="Offset that a helm holds [m], for models with a rudder.")] = None,
     controller: Annotated[
-        str | None, typer.Option(help="That helm: regulator, or track for the one without an integral.")
+        str | None, typer.Option(help="That helm: regulator, predictive, or track for the one without an integral.")
     ] = None,
     duration: Duration = None,
     dt: TimeStep = None,
@@ -123,6 +123,10 @@ def _helm(model: "Model", name: str | None, hold: float | None, u: float, x: flo
         return None
     if name in (None, "regulator"):
         return regulator(model, hold, u, waterway=way, at=0.0 if way is None else x)
+    if name == "predictive":
+        from narrows.control.predictive import PredictiveHelm
+
+        return PredictiveHelm(model, hold, u, way)
     if way is None:
         return track_pilot(model, hold, u)
     from dataclasses import replace
