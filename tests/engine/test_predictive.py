@@ -1,8 +1,10 @@
 """The predictive helm: beside the linear-quadratic regulator, under pushes, in bends; and what must never happen."""
 
+import json
 import math
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -318,3 +320,19 @@ def test_a_propeller_that_turns_faster_asks_for_less_rudder() -> None:
 def test_it_says_what_it_holds() -> None:
     assert repr(helm()) == f"<PredictiveHelm: {helm().summary()}>"
     assert "holds y = 0.6 m at 1 m/s, plans 9.56 s ahead every 0.064 s" in helm().summary()
+
+
+def test_the_command_line_steers_with_it(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from narrows.cli import app
+
+    path = tmp_path / "ship.toml"
+    nw.save_model(ship(), path)
+    told = ["simulate", str(path), "--y", "1.2", "--speed", "1m/s", "--duration", "4", "--dt", "0.1", "--hold", "0.6"]
+    ends = {}
+    for name in ("predictive", "regulator"):
+        result = CliRunner().invoke(app, [*told, "--controller", name, "--json"])
+        assert result.exit_code == 0, result.output
+        ends[name] = json.loads(result.output)
+    assert ends["predictive"] != ends["regulator"]
