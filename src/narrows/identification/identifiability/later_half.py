@@ -3,12 +3,12 @@
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.error_model import covariance
-from narrows.identification.uncertainty.linear_estimator import OtherEstimate, compared_with, estimator
+from narrows.identification.uncertainty.linear_estimator import SecondEstimate, compared_with, estimator
 from narrows.identification.uncertainty.second_level import in_halves
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 
-def of_later_half(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> OtherEstimate:
+def of_later_half(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> SecondEstimate:
     """Compare the fit with that to the later half of each run (ours).
 
     Both halves have a run's gain and zero, so that these do not part the two fits; a form error of each half does.

@@ -11,7 +11,7 @@ from narrows.identification.identifiability.other_estimates import Alternative, 
 from narrows.identification.motions import EDGE, DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.error_model import pseudo_inverse, whitened
-from narrows.identification.uncertainty.linear_estimator import OtherEstimate, compared_with, estimator
+from narrows.identification.uncertainty.linear_estimator import SecondEstimate, compared_with, estimator
 from narrows.identification.uncertainty.second_level import SecondLevel
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
@@ -106,7 +106,7 @@ class Strata:
         return Alternative(kind, label, value, stratum, _size(weights, self.v), _size(change, self.shown))
 
     @cached_property
-    def _of_all(self) -> list[tuple[Kind, str, OtherEstimate]]:
+    def _of_all(self) -> list[tuple[Kind, str, SecondEstimate]]:
         """The fit weighted by the error model, without each motion, and to later halves, of all parameters at once."""
         level = self.level
         white = whitened(self.v, level.d)

@@ -67,7 +67,7 @@ def estimator(z: np.ndarray, d: np.ndarray | None = None) -> LinearEstimator:
 
 
 @dataclass(frozen=True)
-class OtherEstimate:
+class SecondEstimate:
     """Another estimate of every parameter beside the fit's.
 
     Parameters
@@ -90,7 +90,7 @@ class OtherEstimate:
 
 def compared_with(
     fit: np.ndarray, other: LinearEstimator, y: np.ndarray, v: np.ndarray, shown: np.ndarray
-) -> OtherEstimate:
+) -> SecondEstimate:
     """Compare another estimator with the fit (ours).
 
     Parameters
@@ -105,7 +105,7 @@ def compared_with(
         Its covariance, for the error of the estimate and for that of the difference.
     """
     weights = other.z @ other.inverse.T
-    return OtherEstimate(other.values(y), sizes(weights, v), sizes(weights - fit, shown), other.known)
+    return SecondEstimate(other.values(y), sizes(weights, v), sizes(weights - fit, shown), other.known)
 
 
 def sizes(weights: np.ndarray, v: np.ndarray) -> np.ndarray:
