@@ -51,6 +51,14 @@ class Alternative(OtherEstimate):
 
     Parameters
     ----------
+    kind : Kind
+        What it is made of.
+    label : str
+        In words.
+    value : float
+        NaN where nothing is left of the coefficient.
+    stratum : pair of str and float, optional
+        Which one alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
     std : float
         Its standard error by the error model.
     gap : float
@@ -67,6 +75,14 @@ class ComparedEstimate(OtherEstimate):
 
     Parameters
     ----------
+    kind : Kind
+        What it is made of.
+    label : str
+        In words.
+    value : float
+        NaN where nothing is left of the coefficient.
+    stratum : pair of str and float, optional
+        Which one alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
     reach : float
         Half of its 95 % interval.
     share : float [1]
