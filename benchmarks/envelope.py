@@ -5,6 +5,7 @@ python benchmarks/envelope.py [DRAWS] [--small]
 
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from common import median_seconds, show, sizes
@@ -13,7 +14,8 @@ from scipy.optimize import root
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.held_trials import LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.held_trials import LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
+from narrows.safety.pilots import PILOTS
 from narrows.terms.tables import table_named
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
@@ -56,9 +58,11 @@ def winding() -> Waterway:
 def main(draws: int, poses: int) -> None:
     """Measure and print."""
     model, calm = full_scale(), np.zeros(len(SPEEDS))
-    trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0)
+    # One pilot, as one by one; an answer tries another beside it, who knows each ship.
+    one_pilot: dict[str, Any] = {"chosen": ChosenPilot(PILOTS["track"], None), "knowing": False}
+    trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0, **one_pilot)
     start = time.perf_counter()
-    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), draws, 0)["held"].size
+    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), draws, 0, **one_pilot)["held"].size
     each = (time.perf_counter() - start) / points
     alone = median_seconds(lambda: one_by_one(model, 20.0, 5.0), 3)
     rows = [("narrows", each, f"{points} points in {each * points:.1f} s"), ("one by one, plain Python", alone, "")]

@@ -17,7 +17,8 @@ from narrows.control.track_pilot import track_gains
 from narrows.model.data_range import DataRange
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.edges import crossing, first_run, largest_rectangle
-from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, trials
+from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
+from narrows.safety.pilots import PILOTS
 from narrows.safety.sampling import is_settled, share_interval
 from narrows.safety.underkeel import keel_at
 from narrows.simulation.ship import SimulatedShip
@@ -26,6 +27,7 @@ from narrows.terms.tables import table_named, with_helm
 OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 BEAM, LENGTH = 32.2, 230.0
+TRACK = ChosenPilot(PILOTS["track"], None)
 
 
 @pytest.fixture(scope="module")
@@ -198,7 +200,7 @@ class TestTrials:
         """Brute force: the same trials, one at a time, by another march in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=6e5, gust_lever=20.0, gust_time=90.0)
         offsets, samples = np.array([-70.0, -25.0, 0.0, 10.0, 45.0, 85.0]), 4
-        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5)
+        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5, chosen=TRACK)
         thrown = gust.drawn(samples, 5)
         fates = set()
         for y in offsets:
@@ -219,7 +221,9 @@ class TestTrials:
         wall = (reach[to_starboard].min() + reach[~to_starboard].max()) / 2
         assert reach[to_starboard].min() > reach[~to_starboard].max() + 1.0
         free, walled = (
-            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, samples, 0, walls=walls)["held"].to_numpy().ravel()
+            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, samples, 0, walls, TRACK)["held"]
+            .to_numpy()
+            .ravel()
             for walls in ((np.inf, np.inf), (np.inf, wall))
         )
         assert free.all()

@@ -26,6 +26,9 @@ def envelope(
     speed: Annotated[
         str | None, typer.Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
     ] = None,
+    controller: Annotated[
+        str, typer.Option(help="Who is tried: regulator, human or track (that of earlier versions).")
+    ] = "regulator",
     bank: Annotated[
         str, typer.Option(help="Kind of bank, for the rules of designers: gentle, sloping or steep.")
     ] = "steep",
@@ -49,9 +52,6 @@ def envelope(
     most_revolutions: Annotated[
         float | None, typer.Option(help="Of the engine [1/s], for a model with a propeller.")
     ] = None,
-    controller: Annotated[
-        str, typer.Option(help="The helm that holds it: regulator, or track for the one without an integral.")
-    ] = "regulator",
     samples: Annotated[
         int | None,
         typer.Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
@@ -88,8 +88,7 @@ def envelope(
         None if y is None else numbers("--y", y),
         None if speed is None else speeds("--speed", speed),
         disturbance=disturbance, reserve=reserve, keel=keel, most_revolutions=most_revolutions,
-        controller=controller,
-        samples=samples, seed=seed, walls=walls, bank=bank,
+        samples=samples, seed=seed, walls=walls, bank=bank, controller=controller,
         progress=sys.stderr.isatty() and not json,
     )  # fmt: skip
     if where:

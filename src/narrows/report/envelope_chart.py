@@ -51,7 +51,10 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     if len(y) > 1 and len(u) > 1:
         held = data["held"].to_numpy().T
-        axes.contourf(y, u, held, levels=[MEDIAN, SURE_SHARE, 1.01], colors=[PALER, PALE])
+        known = data["known"].to_numpy().T
+        axes.contourf(y, u, known, levels=[SURE_SHARE, 1.01], colors=[PALER])
+        axes.contourf(y, u, held, levels=[SURE_SHARE, 1.01], colors=[PALE])
+        _line(axes, y, u, known, SURE_SHARE, "-", 0.9, BLUE)
         _line(axes, y, u, held, SURE_SHARE, "-", 1.8)
         _line(axes, y, u, held, MEDIAN, "--", 1.0)
         for name in ("held_low", "held_high"):
@@ -69,15 +72,18 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.grid(alpha=0.3)
 
 
-def _line(axes: Axes, y: np.ndarray, u: np.ndarray, share: np.ndarray, level: float, style: str, width: float) -> None:
+def _line(
+    axes: Axes, y: np.ndarray, u: np.ndarray, share: np.ndarray, level: float, style: str, width: float,
+    colour: str = BLACK,
+) -> None:  # fmt: skip
     if share.min() < level < share.max():
-        axes.contour(y, u, share, levels=[level], colors=[BLACK], linestyles=[style], linewidths=[width])
+        axes.contour(y, u, share, levels=[level], colors=[colour], linestyles=[style], linewidths=[width])
 
 
 def _draw_marks(axes: Axes, envelope: SafeEnvelope) -> None:
     """A single offset or speed: a mark where the model has it safe."""
-    for share, colour in ((MEDIAN, PALER), (SURE_SHARE, PALE)):
-        where = envelope.by_model(share).stack(place=("y", "u"))
+    for safe, colour in ((envelope.by_some_helm(), PALER), (envelope.by_model(), PALE)):
+        where = safe.stack(place=("y", "u"))
         safe = where[where.to_numpy()]
         axes.scatter(safe["y"], safe["u"] / KNOT, color=colour, edgecolor=BLACK, lw=0.6, s=40, zorder=3)
 
@@ -133,8 +139,9 @@ def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
 
 def _speed_legend() -> list[Any]:
     return [
-        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 19 cases of 20"),
-        Patch(facecolor=PALER, edgecolor=BLACK, ls="--", label="safe in half of the cases or more"),
+        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 19 cases of 20, by one pilot for all"),
+        Patch(facecolor=PALER, edgecolor=BLUE, lw=0.9, label="by a pilot who knew the ship"),
+        Line2D([], [], color=BLACK, ls="--", lw=1.0, label="safe in half of the cases"),
         Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
         Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
         Line2D([], [], color=BLACK, ls=":", lw=1.0, label="how well the edge is known by the cases tried"),
@@ -183,15 +190,19 @@ def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
     rows = envelope.offset_rows()
     stride = -(-len(rows) // MOST_ROWS)
     rows = rows[(len(rows) // 2) % stride :: stride]
-    heads = ["offset\n[m]", "safe speeds\n[knots]", "rudder, 19 of 20\ncases within [deg]", "what limits it"]
+    heads = ["offset\n[m]", "safe speeds\n[knots]", "held: by one\nfor all, knowing", "rudder, 19 of\n20 within [deg]",
+             "what limits it"]  # fmt: skip
     cells = [
-        [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]), _degrees(row["rudder_95"]),
+        [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]),
+         f"{100 * row['held']:.0f} %, {100 * row['known']:.0f} %", _degrees(row["rudder_95"]),
          row["limited_by"]]
         for row in rows
     ]  # fmt: skip
-    table = axes.table(cells, colLabels=heads, loc="upper center", cellLoc="center", colWidths=(0.15, 0.24, 0.26, 0.35))
+    table = axes.table(
+        cells, colLabels=heads, loc="upper center", cellLoc="center", colWidths=(0.11, 0.17, 0.21, 0.2, 0.31)
+    )
     table.auto_set_font_size(False)
-    table.set_fontsize(7.5)
+    table.set_fontsize(7.2)
     for (row, _), cell in table.get_celld().items():
         cell.set_linewidth(0.3)
         cell.set_height(0.055 if row == 0 else 0.03)

@@ -18,7 +18,7 @@ def print_envelope(envelope: SafeEnvelope) -> None:
         The answer.
     """
     console = Console(highlight=False, markup=False)
-    console.width = max(console.width, 110)
+    console.width = max(console.width, 130)
     console.print(envelope.summary())
     console.print(f"{envelope.description}; {envelope.weather}; {envelope.samples} cases tried at each place.")
     console.print(_by_offset(envelope))
@@ -37,15 +37,18 @@ def _by_offset(envelope: SafeEnvelope) -> Table:
         "rudder [deg]",
         "19 of 20 within [deg]",
         "held",
+        "by one who knows it",
         "safe [kn]",
+        "if it were known [kn]",
         "in half the cases [kn]",
     ):
         table.add_column(head, justify="right")
-    table.add_column("limited by")
+    table.add_column("limited by", no_wrap=True)
     for row in envelope.offset_rows():
         table.add_row(
             f"{row['offset']:+.1f}", _cell(row["rudder"], "+.1f"), _cell(row["rudder_95"], ".1f"),
-            f"{100 * row['held']:.0f} %", _span(row["lowest_speed"], row["highest_speed"]),
+            f"{100 * row['held']:.0f} %", f"{100 * row['known']:.0f} %",
+            _span(row["lowest_speed"], row["highest_speed"]), _cell(row["highest_speed_known"], ".1f"),
             _cell(row["highest_speed_median"], ".1f"), row["limited_by"],
         )  # fmt: skip
     return table

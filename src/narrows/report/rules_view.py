@@ -89,7 +89,7 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
         if row["speed_limit"] is not None and low <= row["speed_limit"] <= high:
             axes.axhline(row["speed_limit"], xmin=0.97, color=GREEN, lw=1.6, clip_on=False)
             axes.text(
-                1.01, row["speed_limit"], row["rule"].replace(", ", ",\n"), transform=axes.get_yaxis_transform(),
+                1.01, row["speed_limit"], row["rule"], transform=axes.get_yaxis_transform(),
                 va="center", fontsize=6.5, color=BLACK,
             )  # fmt: skip
 
@@ -111,7 +111,7 @@ def rules_figure(rules: OutsideRules) -> Figure:
     for wall in (-rules.port, rules.starboard):
         panel.axvline(wall, color=BLACK, lw=3)
     panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
-    panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     panel.grid(alpha=0.3)
     return figure
 

@@ -9,6 +9,7 @@ import xarray as xr
 
 from narrows.quantities.constants import KNOT
 from narrows.results import Shown
+from narrows.safety.causes import RANGE, cause
 from narrows.safety.edges import first_run
 from narrows.safety.headline import headline
 from narrows.safety.outside_rules import OutsideRules, rules_of
@@ -20,11 +21,6 @@ MEDIAN, SURE_SHARE = 0.5, 0.95
 """Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a place is called safe."""
 SAME, TURNED = 1e-6, 1e-4
 """Rudder angles [rad] that are one, and the least that says something."""
-CHOKED, AGROUND, ENGINE, RUDDER, PILOT, TESTS, RANGE, NONE = (
-    "the canal chokes", "the keel", "the engine", "the rudder", "the autopilot", "the tests end",
-    "faster was not asked", "no rudder holds it",
-)  # fmt: skip
-"""What ends the range of safe speeds."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,13 +33,16 @@ class SafeEnvelope(Shown):
         Over y [m] and u [m/s]: ``rudder`` [rad] of the steady course, the median of the samples; ``rudder_low`` and
         ``rudder_high`` [rad], that 90 % of the samples are between; ``rudder_95`` [rad], the size that 95 % stay
         within, infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose
-        course leaves the reserve; ``held``, the share that the autopilot also holds, ``held_low`` and ``held_high``
-        its 95 % interval for the number of samples; whether the tests covered it, ``tested``; ``rudder_kick`` [rad]
-        of the steady course with the engine at its most, where that is known; over u: ``clearance`` [m] under the
-        keel and whether keel, canal and engine are ``clear``. Its attributes are ship and canal, the weather, the
-        notes, where a keel meets the banks [m], the beam [m], the limit of the rudder [rad] and the reserve of it, the
-        number of samples, the speeds [m/s] and offsets [m] of the tests, in what the section was not tested, what
-        the tests do not settle of the banks, and what the rules from outside ask for.
+        course leaves the reserve; ``held``, the share that the one pilot also holds, who does not know the
+        coefficients; ``known``, the share that some helm holds: that pilot, or one who knows them; of both ``_low`` and
+        ``_high``, the 95 % interval for the number of samples; ``certain``, the share of disturbances in which one who
+        knows holds the ship of the most likely coefficients, and ``rudder_likely`` [rad] of its course; whether the
+        tests covered it, ``tested``; ``rudder_kick`` [rad] of the steady course with the engine at its most, where that
+        is known; over u: ``clearance`` [m] under the keel and whether keel, canal and engine are ``clear``. Its
+        attributes are ship and canal, the weather, the notes, the pilot, where a keel meets the banks [m], the beam
+        [m], the limit of the rudder [rad] and the reserve of it, the number of samples, the speeds [m/s] and offsets
+        [m] of the tests, in what the section was not tested, what the tests do not settle of the banks, and what the
+        rules from outside ask for.
     """
 
     data: xr.Dataset
@@ -67,6 +66,7 @@ class SafeEnvelope(Shown):
             "summary": self.summary(),
             "setting": self.description,
             "weather": self.weather,
+            "pilot": self.pilot,
             "untested": self.untested,
             "samples": self.samples,
             "offsets": self.offset_rows(),
@@ -94,6 +94,11 @@ class SafeEnvelope(Shown):
     def trust(self) -> str:
         """What the model's tests do not settle of the banks, in a sentence; nothing where they do."""
         return str(self.data.attrs.get("trust", ""))
+
+    @property
+    def pilot(self) -> str:
+        """Who is tried, in words."""
+        return str(self.data.attrs["pilot_words"])
 
     @property
     def samples(self) -> int:
@@ -134,6 +139,16 @@ class SafeEnvelope(Shown):
             Of the samples.
         """
         return (self.data["held"] >= share) & self.data["clear"]
+
+    def by_some_helm(self, share: float = SURE_SHARE) -> xr.DataArray:
+        """Say where some helm has it safe, tested or not: keel clear, and held by one who knows the coefficients.
+
+        Parameters
+        ----------
+        share : float [1]
+            Of the samples.
+        """
+        return (self.data["known"] >= share) & self.data["clear"]
 
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Say at which offsets and speeds it is safe: by the model, and within the speeds and offsets of its tests.
@@ -198,17 +213,19 @@ class SafeEnvelope(Shown):
         return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME)
 
     def summary(self) -> str:
-        """Say from where to where it is safe, where the tests end, and what they do not settle of the banks."""
+        """Say from where to where it is safe and what ends that, and what the tests do not settle of the banks."""
         return f"{headline(self.data, SURE_SHARE)} {self.trust}".strip()
 
     def offset_rows(self) -> list[dict[str, Any]]:
         """Give a row an offset: rudder [deg], speeds between which it is safe [knots], and what limits them."""
         top, likely, bottom = self.highest_speed(), self.highest_speed(MEDIAN), self.lowest_speed()
+        helm = self._tops((self.by_some_helm() & self.data["tested"]).transpose("y", "u").to_numpy())
         return [
             {
                 **self._rudder(index, float(top[index]), float(likely[index])),
                 "lowest_speed": float(bottom[index]) / KNOT,
                 "highest_speed": float(top[index]) / KNOT,
+                "highest_speed_known": helm[index] / KNOT,
                 "highest_speed_median": float(likely[index]) / KNOT,
                 "limited_by": why,
             }
@@ -222,7 +239,8 @@ class SafeEnvelope(Shown):
         kick = {"rudder_kick": math.degrees(here["rudder_kick"])} if "rudder_kick" in here else {}
         return {
             "offset": float(here["y"]), "rudder": math.degrees(here["rudder"]),
-            "rudder_95": math.degrees(here["rudder_95"]), **kick, "held": float(here["held"]),
+            "rudder_95": math.degrees(here["rudder_95"]), **kick,
+            "held": float(here["held"]), "known": float(here["known"]),
         }  # fmt: skip
 
     def speed_rows(self) -> list[dict[str, Any]]:
@@ -246,19 +264,12 @@ class SafeEnvelope(Shown):
         ends_of = [math.nan if ends is None else float(speeds[ends[end]]) for ends in self._ends(share)]
         return xr.DataArray(ends_of, coords={"y": self.data["y"]}, dims="y", attrs={"units": "m/s"})
 
+    def _tops(self, safe: np.ndarray) -> list[float]:
+        speeds, runs = self.data["u"].to_numpy(), map(first_run, safe)
+        return [math.nan if ends is None else float(speeds[ends[1]]) for ends in runs]
+
     def _reason(self, index: int, ends: tuple[int, int] | None, share: float) -> str:
         if ends is not None and ends[1] == self.data.sizes["u"] - 1:
             return RANGE
         next_up = self.data.isel(y=index, u=0 if ends is None else ends[1] + 1)
-        if not bool(next_up["clear"]):
-            return self._blocked(next_up)
-        if float(next_up["found"]) < share:
-            return NONE
-        if float(next_up["holds"]) < share:
-            return RUDDER
-        return PILOT if float(next_up["held"]) < share else TESTS
-
-    def _blocked(self, here: xr.Dataset) -> str:
-        if not bool(here.get("driven", True)):
-            return ENGINE
-        return CHOKED if math.isnan(float(here["clearance"])) else AGROUND
+        return cause(next_up, share, (1 - self.data.attrs["reserve"]) * self.data.attrs["rudder_limit"])

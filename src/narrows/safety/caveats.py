@@ -4,6 +4,7 @@ from narrows.model.model import Model
 from narrows.safety.answer import SURE_SHARE, SafeEnvelope
 from narrows.safety.bolder import bolder_than
 from narrows.safety.outside_rules import outside_rules
+from narrows.safety.pilots import PILOTS
 from narrows.safety.question import EnvelopeQuestion
 from narrows.safety.tested import beyond_tests, tested_ranges, untested_section
 from narrows.safety.underkeel import Keel
@@ -46,6 +47,8 @@ def with_caveats(found: SafeEnvelope, question: EnvelopeQuestion, under: Keel, s
         "wall_starboard": question.walls[1],
         "rudder_limit": configuration.gear.limit,
         "reserve": question.reserve,
+        "pilot": question.pilot,
+        "pilot_words": PILOTS[question.pilot].words,
         "samples": samples,
         "untested": untested_section(model),
         "trust": model.trust_note,
@@ -71,6 +74,7 @@ def envelope_notes(question: EnvelopeQuestion, under: Keel) -> tuple[str, ...]:
         notes.append("no covariance of the coefficients is known: the samples are of disturbances alone")
     if configuration.canal.depth is not None:
         notes.append(f"{question.clearance:.2g} m are to be left under the keel")
+    notes.append(f"one pilot for all cases: {PILOTS[question.pilot].words}")
     gear = configuration.gear
     notes.append(f"rudder to {gear.limit_deg:.3g} degrees at {gear.rate_deg:.3g} degrees a second")
     if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:

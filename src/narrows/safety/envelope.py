@@ -1,5 +1,6 @@
 """The safe envelope: how fast, and how far off the middle of a canal, a ship is still in hand."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,11 +12,13 @@ from narrows.safety.bounds import bounds_of, rudder_of_a_kick
 from narrows.safety.caveats import with_caveats
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import trials
+from narrows.safety.pilot_choice import check_pilot, choose_pilot
 from narrows.safety.question import Walls, envelope_question
-from narrows.safety.shares import settled_trials, shares_of
-from narrows.safety.trial_helms import IN_WORDS, REGULATOR
+from narrows.safety.shares import likely_shares, settled_trials, shares_of
 from narrows.simulation.inputs import check_workers
 
+LIKELY_SAMPLES = 200
+"""Of disturbances alone, that the ship of the most likely coefficients is tried in."""
 RESERVE = 1 / 3
 """Of the rudder, to be left when the ship is steady."""
 
@@ -24,13 +27,14 @@ def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = RESERVE, keel: float | None = None,
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
-    bank: str = "steep", controller: str = REGULATOR, workers: int | None = None, progress: bool = False,
+    bank: str = "steep", controller: str = "regulator", workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
     """Find how fast and how far off the middle a ship is still in hand (ours).
 
     At each offset and speed the steady course is sought that holds it: rudder, heading and drift in balance. The ship
-    is safe there where that course leaves a reserve of rudder, an autopilot with the real gear holds it against
-    disturbances, the keel is clear and the canal is not choked. Coefficients are drawn from the covariance of the fit.
+    is safe there where that course leaves a reserve of rudder, one pilot with the real gear, who does not know the
+    coefficients, holds it against disturbances, the keel is clear and the canal is not choked. Beside that stands where
+    a pilot who knows them would. Coefficients are drawn from the covariance of the fit.
 
     Parameters
     ----------
@@ -58,7 +62,8 @@ def safe_envelope(
     bank : str
         Kind of bank, for the rules from outside that the answer stands beside: ``gentle``, ``sloping`` or ``steep``.
     controller : str
-        The helm that holds it: ``regulator``, or ``track`` for the track pilot without an integral.
+        Who does not know the coefficients: ``regulator``, the best that is offered; ``track``, that of earlier
+        versions; ``human``, a hand at the wheel with its delay, whole degrees and a cap.
     workers : int, optional
         Threads; all cores unless given.
     progress : bool
@@ -67,22 +72,24 @@ def safe_envelope(
     Raises
     ------
     InputError
-        Where the model has no rudder, nothing says how fast, a number is out of range, or there is no such bank, or no
-        such helm.
+        Where the model has no rudder, nothing says how fast, a number is out of range, or a bank or pilot is unknown.
     """
     check_rudder(model)
     check_workers(workers)
-    question = envelope_question(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank)
+    check_pilot(controller)
+    question = envelope_question(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller)
     bounds = bounds_of(question)
     try_more = partial(
-        trials, model, question.offsets, question.speeds, bounds.under.midship, question.disturbance,
-        walls=question.walls, workers=workers, progress=progress, controller=controller,
+        trials, y=question.offsets, u=question.speeds, heave=bounds.under.midship, disturbance=question.disturbance,
+        walls=question.walls, chosen=choose_pilot(question, bounds, seed, workers), workers=workers, progress=progress,
     )  # fmt: skip
-    tried = settled_trials(try_more, samples, seed, question.rudder_limit, bounds.clear & bounds.tested)
+    tried = settled_trials(partial(try_more, model), samples, seed, question.rudder_limit, bounds.clear & bounds.tested)
+    likely = tried
+    if model.covariance is not None:
+        likely = try_more(replace(model, covariance=None), samples=LIKELY_SAMPLES, seed=seed)
     data = shares_of(tried, question.rudder_limit).assign(bounds.columns())
+    data = data.assign(likely_shares(likely, question.rudder_limit))
     if most_revolutions is not None:
         data = data.assign(rudder_kick=rudder_of_a_kick(question, bounds.under))
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
-    envelope = with_caveats(SafeEnvelope(data), question, bounds.under, tried.sizes["sample"])
-    notes = (*envelope.notes, f"held by {IN_WORDS[controller]}")
-    return SafeEnvelope(envelope.data.assign_attrs(notes="\n".join(notes)))
+    return with_caveats(SafeEnvelope(data), question, bounds.under, tried.sizes["sample"])

@@ -1,20 +1,26 @@
-"""Trials of a helm: ships thrown off their steady courses, at every offset, speed and sample at once."""
+"""Trials of pilots: ships thrown off their steady courses, at every offset, speed and sample at once."""
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from narrows.control.regulator_law import FELT
 from narrows.control.self_propulsion import with_propulsion
+from narrows.control.stacked_regulators import Tightness, stacked_gains
 from narrows.control.steady_course import solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.safety.disturbance import Disturbance
+from narrows.safety.judged_law import JudgedLaw
+from narrows.safety.likely_courses import LikelyCourses
+from narrows.safety.pilots import PILOTS, Pilot, regulator_of
 from narrows.safety.question import Walls
-from narrows.safety.trial_helms import REGULATOR, TrialHelm, Watched, trial_helm
+from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
@@ -27,20 +33,42 @@ STEPS_A_LENGTH = 40
 BLOCK = 65_536
 MOST = 50_000_000
 """Points of one call: beyond it the answer does not fit in memory."""
-KEPT = ("rudder", "held")
-OF_THE_HELM = "helm_"
+KEPT = ("rudder", "held", "known")
+OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
+"""What the columns call what throws a ship off, the numbers of the pilot, and the gains of one who knows it."""
+Columns = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ChosenPilot:
+    """A pilot with what was chosen of it.
+
+    Parameters
+    ----------
+    pilot : Pilot
+        Who is tried.
+    tuning : Any
+        One of its own.
+    """
+
+    pilot: Pilot
+    tuning: Any
+
+
+USUAL = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
 
 
 def trials(
     model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, samples: int, seed: int,
-    walls: Walls = (math.inf, math.inf), workers: int | None = None, progress: bool = False,
-    controller: str = REGULATOR,
+    walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = USUAL, knowing: bool = True,
+    workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, its coefficients drawn where their covariance is known.
 
     Every sample starts from the steady course that its own coefficients ask for, and is thrown off it. A ship is held
     where it touches no bank, stays within 85 degrees of the canal, and is back within half a beam of its line for the
-    last three ship lengths of the trial (ours).
+    last three ship lengths of the trial (ours). That is tried twice: by one pilot, who is made for the most likely
+    coefficients, and by one who knows those that were drawn.
 
     Parameters
     ----------
@@ -60,82 +88,147 @@ def trials(
         Of the samples.
     walls : pair of float [m]
         Where the keel meets the banks, to port and to starboard of the middle, if nearer than the walls of the canal.
+    chosen : ChosenPilot
+        Who does not know the coefficients.
+    knowing : bool
+        Whether one who knows them is tried too.
     workers : int, optional
         Threads; all cores unless given.
     progress : bool
         Show a bar.
-    controller : str
-        The helm: ``regulator``, or ``track`` for the track pilot without an integral.
 
     Returns
     -------
     xarray.Dataset
-        Over y, u and sample: ``rudder`` [rad] of the steady course (NaN where there is none), and ``held``.
+        Over y, u and sample: ``rudder`` [rad] of the steady course (NaN where there is none), ``held`` by the one
+        pilot, and ``known``, by that one or by the one who knows the coefficients.
 
     Raises
     ------
     InputError
-        Where the model has no rudder, there is no sample, there are more points than fit, or no helm of that name holds
-        the ship.
+        Where the model has no rudder, its rudder turns nothing, there is no sample, or there are more points than fit.
     """
     if samples * len(y) * len(u) > MOST:
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST}; take fewer samples, offsets or speeds")
-    ship = SimulatedShip(model)
-    drawn = samples if model.covariance is not None else 0
     thrown = disturbance.drawn(samples, seed)
-    along = xr.DataArray(np.zeros(samples), dims="sample")
-    steady = {"y": y, "u": u, "heave": xr.DataArray(heave, dims="u"), "x": along}
-    grid = grid_of(model, with_propulsion(model, steady), drawn, seed)
-    helm = trial_helm(controller, ship, grid, y, u)
+    ship, grid = SimulatedShip(model), _grid(model, y, u, heave, samples, seed)
+    numbers = chosen.pilot.numbers(LikelyCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave)), chosen.tuning)
     # Off to the other side on the other side of the middle: a canal that mirrors itself gets an answer that does.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
-    extra = {f"off_{name}": side * column for name, column in thrown.items()}
-    extra |= {f"{OF_THE_HELM}{name}": column for name, column in helm.numbers.items()}
-    whole = Grid({**grid.values, **extra}, grid.sizes)
-    kept = {name: np.empty(tuple(grid.sizes.values())) for name in KEPT}
-    with bar(grid.vessels, progress) as advance:
-        for block in whole.blocks(BLOCK):
-            values, shape = whole.flat(block)
-            sailed = _sailed(ship, helm, values, math.prod(shape), disturbance.gust_time, walls, workers)
-            for name, column in sailed.items():
-                kept[name][whole.region(block)] = column.reshape(shape)
-            advance(math.prod(shape))
+    extra = {OFF(name): side * column for name, column in thrown.items()}
+    extra |= {BY(name): xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
+    extra |= _knowing(ship, grid, workers) if knowing else {}
+    trial = _Trial(ship, chosen.pilot, disturbance.gust_time, walls, workers)
+    kept = _tried(trial, Grid({**grid.values, **extra}, grid.sizes), progress)
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
     tried = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
-    return tried.assign(held=tried["held"] > 0)
+    return tried.assign(held=tried["held"] > 0, known=tried["known"] > 0)
 
 
-def _sailed(
-    ship: SimulatedShip, helm: TrialHelm, values: Mapping[str, Any], count: int, gust_time: float, walls: Walls,
-    workers: int | None,
-) -> dict[str, np.ndarray]:  # fmt: skip
-    extra = {name: value for name, value in values.items() if name.startswith(("off_", OF_THE_HELM))}
-    course = {name: value for name, value in values.items() if name not in extra}
-    v, rudder = solved(ship, course, count, workers)
-    hull, gear = ship.model.configuration.ship, ship.model.configuration.gear
-    steady = np.abs(rudder) <= gear.limit  # false where there is none
-    hold = {"v": np.where(steady, v, 0.0), "rudder": np.where(steady, rudder, 0.0), "y": course["y"]}
-    hold["psi"] = -np.arctan(hold["v"] / course["u"])
-    pace = hull.length / (STEPS_A_LENGTH * np.asarray(course["u"]))
-    gusty = gust_time if np.any(extra["off_Y"]) else 0.0
-    # No course to hold: no steps are sailed.
-    steps = np.where(steady, np.ceil(gusty / pace) + LENGTHS * STEPS_A_LENGTH, 0)
-    law = {"watched_y": hold["y"], "late_from": (steps - LATE * STEPS_A_LENGTH) * pace}
-    law |= {called: hold[name] for name, called in helm.line.items()}
-    law |= {name: extra[f"{OF_THE_HELM}{name}"] for name in helm.numbers}
-    push = {"X": 0.0, "Y": extra["off_Y"], "N": extra["off_N"], "push_end": gusty} if gusty else {}
-    half = np.asarray(course["width"]) / 2
-    inputs = {
-        **course, **push, **{PARAMETER(name): value for name, value in law.items()}, "rudder": hold["rudder"],
-        "y": course["y"] + extra["off_y"], "v": hold["v"], "psi": hold["psi"] + extra["off_psi"],
-        "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
-    }  # fmt: skip
-    steering = steering_of(Watched(helm.law), ship.actuators)
-    run = KernelRun(ship, steps * pace, pace, steering=steering)
-    prepared = run.prepared(inputs, count, workers)
-    prepared()
-    ended = run.ended(prepared, inputs)
-    late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - course["y"]))
-    held = steady & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2)
-    return {"rudder": rudder, "held": held}
+def _grid(model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, samples: int, seed: int) -> Grid:
+    along = xr.DataArray(np.zeros(samples), dims="sample")
+    steady = {"y": y, "u": u, "heave": xr.DataArray(heave, dims="u"), "x": along}
+    return grid_of(model, with_propulsion(model, steady), samples if model.covariance is not None else 0, seed)
+
+
+def _tried(trial: "_Trial", whole: Grid, progress: bool) -> dict[str, np.ndarray]:
+    """What is kept of every trial, block by block."""
+    kept = {name: np.empty(tuple(whole.sizes.values())) for name in KEPT}
+    with bar(whole.vessels, progress) as advance:
+        for block in whole.blocks(BLOCK):
+            values, shape = whole.flat(block)
+            for name, column in trial.sailed(values, math.prod(shape)).items():
+                kept[name][whole.region(block)] = column.reshape(shape)
+            advance(math.prod(shape))
+    return kept
+
+
+def _knowing(ship: SimulatedShip, grid: Grid, workers: int | None) -> dict[str, xr.DataArray]:
+    """Gains of a regulator for each offset and sample, made for the middle one of the speeds."""
+    at = grid.sizes["u"] // 2
+    values = {name: value.isel(u=at, drop=True) if "u" in value.dims else value for name, value in grid.values.items()}
+    one = Grid(values, {name: size for name, size in grid.sizes.items() if name != "u"})
+    gains = np.empty((*one.sizes.values(), len(FELT)))
+    for block in one.blocks(BLOCK):
+        columns, shape = one.flat(block)
+        count = math.prod(shape)
+        v, rudder = solved(ship, columns, count, workers)
+        found = np.abs(rudder) <= ship.model.configuration.gear.limit
+        course = {name: columns[name] for name in ("y", *(a.name for a in ship.actuators)) if name in columns}
+        course |= {"u": np.broadcast_to(columns["u"], count)}
+        course |= {"v": np.where(found, v, np.nan), "rudder": np.where(found, rudder, np.nan)}
+        gains[one.region(block)] = stacked_gains(ship, columns, course, Tightness(knowing=True)).reshape(*shape, -1)
+    parts = {KNOWING(name): xr.DataArray(gains[..., i], dims=list(one.sizes)) for i, name in enumerate(FELT)}
+    return {**parts, KNOWING("made_for"): xr.DataArray(float(values["u"]))}
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """How a block of trials is sailed: by one pilot, and by one who knows each ship."""
+
+    ship: SimulatedShip
+    pilot: Pilot
+    gust_time: float
+    walls: Walls
+    workers: int | None
+
+    def sailed(self, values: Columns, count: int) -> dict[str, np.ndarray]:
+        course = {n: v for n, v in values.items() if not n.startswith((OFF(""), BY(""), KNOWING("")))}
+        v, rudder = solved(self.ship, course, count, self.workers)
+        found = np.abs(rudder) <= self.ship.model.configuration.gear.limit  # false where there is none
+        held = {"y": course["y"], "u": np.broadcast_to(course["u"], count), "v": np.where(found, v, 0.0)}
+        held |= {"rudder": np.where(found, rudder, 0.0), "psi": -np.arctan(held["v"] / held["u"])}
+        numbers = {n.removeprefix(BY("")): np.broadcast_to(c, count) for n, c in values.items() if n.startswith(BY(""))}
+        start = {**course, **{name: held[name] for name in ("v", "rudder")}}
+        start |= {"y": course["y"] + values[OFF("y")], "psi": held["psi"] + values[OFF("psi")]}
+        sail = _Sail(self, start, held, {name: values[OFF(name)] for name in ("Y", "N")}, count)
+        one = sail.held(self.pilot.law(self.ship, numbers, held), found)
+        known = one
+        if KNOWING("y") in values:
+            gains = [np.broadcast_to(values[KNOWING(name)], count) for name in FELT]
+            made = found & np.isfinite(gains).all(axis=0) & ~one
+            law = self._knowing_law(
+                [np.where(made, gain, 1.0) for gain in gains], held, float(np.ravel(values[KNOWING("made_for")])[0])
+            )
+            known = one | sail.held(law, made)
+        return {"rudder": rudder, "held": one, "known": known}
+
+    def _knowing_law(self, gains: list[np.ndarray], held: Columns, made_for: float) -> ControlLaw:
+        # Its law takes the course at the speed that it is made for, and the sway velocity goes with the speed.
+        at_that_speed = {**held, "v": held["v"] * made_for / held["u"]}
+        return regulator_of(self.ship, gains, at_that_speed, np.full(len(held["u"]), made_for))
+
+
+@dataclass(frozen=True)
+class _Sail:
+    """A block of ships, thrown off their courses, to be steered by one law or another."""
+
+    trial: _Trial
+    start: Columns
+    held_course: Columns
+    push: Columns
+    count: int
+
+    def held(self, law: ControlLaw, sailed: np.ndarray) -> np.ndarray:
+        """Whether each is held; where nothing is sailed, no steps are taken and it is not."""
+        ship, start, walls = self.trial.ship, self.start, self.trial.walls
+        hull = ship.model.configuration.ship
+        pace = hull.length / (STEPS_A_LENGTH * np.asarray(self.held_course["u"]))
+        gusty = self.trial.gust_time if np.any(self.push["Y"]) else 0.0
+        steps = np.where(sailed, np.ceil(gusty / pace) + LENGTHS * STEPS_A_LENGTH, 0)
+        judged = JudgedLaw(law, self.held_course["y"], (steps - LATE * STEPS_A_LENGTH) * pace)
+        steering = steering_of(judged, ship.actuators)
+        half = np.asarray(start["width"]) / 2
+        inputs = {
+            **start, **({"X": 0.0, **self.push, "push_end": gusty} if gusty else {}),
+            **{PARAMETER(name): value for name, value in judged.parameters().items()},
+            "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
+        }  # fmt: skip
+        run = KernelRun(ship, steps * pace, pace, steering=steering)
+        prepared = run.prepared(inputs, self.count, self.trial.workers)
+        prepared()
+        ended = run.ended(prepared, inputs)
+        line = self.held_course["y"]
+        late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - line))
+        return np.asarray(sailed & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2))

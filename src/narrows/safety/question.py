@@ -44,6 +44,8 @@ class EnvelopeQuestion:
         Where the keel meets the banks, to port and to starboard of the middle.
     bank : str
         Kind of bank, for the rules from outside.
+    pilot : str
+        Who is tried.
     """
 
     model: Model
@@ -55,6 +57,7 @@ class EnvelopeQuestion:
     most_revolutions: float | None
     walls: Walls
     bank: str = "steep"
+    pilot: str = "regulator"
 
     @property
     def rudder_limit(self) -> float:
@@ -65,6 +68,7 @@ class EnvelopeQuestion:
 def envelope_question(
     model: Model, y: np.ndarray | None, u: np.ndarray | None, disturbance: Disturbance | None, reserve: float,
     keel: float | None, most_revolutions: float | None, walls: Walls | None, bank: str = "steep",
+    pilot: str = "regulator",
 ) -> EnvelopeQuestion:  # fmt: skip
     """Return what is asked, with what suits the ship and its canal where nothing is given (ours).
 
@@ -88,6 +92,8 @@ def envelope_question(
         The walls of the canal unless given.
     bank : str
         ``gentle``, ``sloping`` or ``steep``.
+    pilot : str
+        A name of ``PILOTS``.
 
     Raises
     ------
@@ -107,7 +113,7 @@ def envelope_question(
     speeds = _speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
     _check(offsets, speeds, room, ship.beam)
     return EnvelopeQuestion(
-        model, offsets, speeds, disturbance or Disturbance(), reserve, least, most_revolutions, room, bank
+        model, offsets, speeds, disturbance or Disturbance(), reserve, least, most_revolutions, room, bank, pilot
     )
 
 

@@ -11,7 +11,7 @@ from narrows.safety.sampling import is_settled, share_interval
 FIRST_SAMPLES, MOST_SAMPLES = 400, 6400
 """Tried at first where no number is given, and doubled until the edge is settled, up to so many."""
 Trial = Callable[..., xr.Dataset]
-"""Trials of so many ``samples`` from a ``seed``: the rudder [rad] and whether it is held, over y, u and sample."""
+"""Trials of so many ``samples`` from a ``seed``, over y, u and sample."""
 
 
 def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float, clear: np.ndarray) -> xr.Dataset:
@@ -34,7 +34,7 @@ def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float
         return try_more(samples=samples, seed=seed)
     tried, rounds = try_more(samples=FIRST_SAMPLES, seed=seed), 0
     while (count := tried.sizes["sample"]) < MOST_SAMPLES:
-        held = _safe(tried, limit).mean("sample").transpose("y", "u").to_numpy()
+        held = safely(tried, limit, "held").mean("sample").transpose("y", "u").to_numpy()
         if is_settled(*share_interval(held, count), SURE_SHARE, clear):
             break
         rounds += 1
@@ -51,19 +51,45 @@ def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
     Parameters
     ----------
     tried : xarray.Dataset
-        Over y, u and sample: ``rudder`` [rad], NaN where there is no course, and ``held``.
+        Over y, u and sample: ``rudder`` [rad], NaN where there is no course, ``held`` and ``known``.
     limit : float [rad]
         The most rudder of a steady course.
     """
     found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
     shares = {"found": found.mean("sample"), "holds": holds.mean("sample")}
-    shares |= _counted("held", _safe(tried, limit))
+    for name in ("held", "known"):
+        shares |= _counted(name, safely(tried, limit, name))
     counted = {name: share.assign_attrs(units="1") for name, share in shares.items()}
     return xr.Dataset(_quantiles(tried["rudder"]) | counted).transpose("y", "u")
 
 
-def _safe(tried: xr.Dataset, limit: float) -> xr.DataArray:
-    return (np.abs(tried["rudder"]) <= limit) & tried["held"]
+def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
+    """Return in which trials a ship is held on a course that leaves the reserve.
+
+    Parameters
+    ----------
+    tried : xarray.Dataset
+        As for ``shares_of``.
+    limit : float [rad]
+        The most rudder of a steady course.
+    name : str
+        By whom: ``held`` or ``known``.
+    """
+    return (np.abs(tried["rudder"]) <= limit) & tried[name]
+
+
+def likely_shares(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
+    """Return what the ship of the most likely coefficients says, over y and u: ``certain``, ``rudder_likely`` (ours).
+
+    Parameters
+    ----------
+    tried : xarray.Dataset
+        Of coefficients that are not drawn.
+    limit : float [rad]
+        The most rudder of a steady course.
+    """
+    share = safely(tried, limit, "known").mean("sample").assign_attrs(units="1")
+    return {"certain": share, "rudder_likely": tried["rudder"].isel(sample=0).assign_attrs(units="rad")}
 
 
 def _counted(name: str, counted: xr.DataArray) -> dict[str, xr.DataArray]:

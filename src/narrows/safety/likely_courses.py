@@ -1,0 +1,107 @@
+"""Steady courses of the most likely coefficients: what a pilot who does not know the drawn ones goes by."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+
+from narrows.control.self_propulsion import with_propulsion
+from narrows.control.steady_course import solved
+from narrows.control.track_pilot import IN_VAIN
+from narrows.errors import InputError
+from narrows.simulation.grid import grid_of
+from narrows.simulation.ship import SimulatedShip
+
+Columns = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class LikelyCourses:
+    """Courses at offsets and speeds, and on the middle beside them.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        With its most likely coefficients.
+    offsets : array (offsets,) [m]
+        To starboard of the middle.
+    speeds : array (speeds,) [m/s]
+        Through the water.
+    heave : array (speeds,) [m]
+        Midship sinkage.
+    """
+
+    ship: SimulatedShip
+    offsets: np.ndarray
+    speeds: np.ndarray
+    heave: np.ndarray
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """The offsets, and the middle as the last [m]."""
+        return np.append(self.offsets, 0.0)
+
+    @cached_property
+    def values(self) -> Columns:
+        """Numbers of the ship, and what goes with the speed, a column each: places by speeds, row by row."""
+        offset = xr.DataArray(self.places, dims="place")
+        asked = {"y": offset, "u": self.speeds, "heave": xr.DataArray(self.heave, dims="u")}
+        grid = grid_of(self.ship.model, with_propulsion(self.ship.model, asked), 0, 0)
+        shape = (len(self.places), len(self.speeds))
+        wide = {
+            name: value.transpose(*(d for d in ("place", "u") if d in value.dims))
+            for name, value in grid.values.items()
+        }
+        return {name: _column(value, shape) for name, value in wide.items()}
+
+    @cached_property
+    def course(self) -> Columns:
+        """y [m], u, v [m/s], rudder [rad], and what else moves; NaN where no rudder holds the ship."""
+        v, rudder = solved(self.ship, self.values, self.values["y"].size, 1)
+        within = np.abs(rudder) <= self.ship.model.configuration.gear.limit
+        course = {name: self.values[name] for name in ("y", "u")}
+        course |= {a.name: self.values[a.name] for a in self.ship.actuators if a.name in self.values}
+        return {**course, "v": np.where(within, v, np.nan), "rudder": np.where(within, rudder, np.nan)}
+
+    def held(self) -> Columns:
+        """Return rudder, psi [rad] and v [m/s] at offsets and speeds, (offsets, speeds)."""
+        course = np.stack(
+            [self.course["rudder"], -np.arctan(self.course["v"] / self.course["u"]), self.course["v"]], axis=-1
+        )
+        return dict(zip(("rudder", "psi", "v"), np.moveaxis(self.filled(course), -1, 0), strict=True))
+
+    def filled(self, columns: np.ndarray) -> np.ndarray:
+        """Return columns at offsets and speeds, (offsets, speeds, n); where one is NaN, that of the nearest place.
+
+        Parameters
+        ----------
+        columns : array (places x speeds, n)
+            Row by row.
+
+        Raises
+        ------
+        InputError
+            Where at some speed there is no place at all.
+        """
+        table = columns.reshape(len(self.places), len(self.speeds), -1)
+        known = np.isfinite(table).all(axis=-1)
+        if not known.any(axis=0).all():
+            raise InputError(IN_VAIN)
+        far = np.abs(self.places[:, None] - self.offsets[None, :])[:, :, None]
+        nearest = np.where(known[:, None, :], far, np.inf).argmin(axis=0)
+        return np.asarray(table[nearest, np.arange(len(self.speeds))])
+
+    def on_the_centreline(self) -> Iterator[tuple[float, dict[str, float]]]:
+        """Yield each speed [m/s] with what goes with it: heave [m], revolutions [1/s]."""
+        felt = [name for name in ("heave", "revolutions") if name in self.values]
+        for index, speed in enumerate(self.speeds):
+            yield float(speed), {name: float(self.values[name][index]) for name in felt}
+
+
+def _column(value: xr.DataArray, shape: tuple[int, int]) -> np.ndarray:
+    wide = value.to_numpy()
+    if "place" in value.dims and "u" not in value.dims:
+        wide = wide[:, None]
+    return np.ascontiguousarray(np.broadcast_to(wide, shape)).ravel()
