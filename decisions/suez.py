@@ -7,7 +7,10 @@ idealisation: 399.94 m long, h/T about 1.5, a canal 205 m wide and 24 m deep as 
 the published model of the DTC and the KCS as measured are brought to its length.
 """
 
+from dataclasses import replace
+
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 from pages import markdown, publish
 
@@ -15,6 +18,9 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.physics.squat_formulas import depth_froude
 from narrows.quantities.constants import KNOT
+from narrows.safety import SURE_SHARE
+from narrows.safety.edges import crossing
+from narrows.safety.pilots import PILOTS
 
 LENGTH, WIDTH, DEPTH, DENSITY = 399.94, 205.0, 24.0, 1025.0
 SHIP = nw.Ship(LENGTH, 58.8, 15.85, 0.661, name="a ship of that size")
@@ -23,6 +29,9 @@ SPEEDS = (8.0, 10.0, 12.0, 13.5, 14.0)
 OFFSETS = (5.0, 10.0, 20.0)
 START, LONGEST, STEP = 2.0, 3600.0, 0.25
 SAMPLES = 500
+TRIED = 2000
+HELD_AT = (0.0, 5.0, 10.0, 20.0)
+WHO = {"track": "the track pilot of before", "human": "a hand at the wheel", "regulator": "one regulator"}
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 
@@ -93,23 +102,56 @@ def steered(models: dict[str, nw.Model]) -> str:
     )
 
 
+def held(model: nw.Model) -> str:
+    """Shares that pilots hold at 10 knots, with the intervals of the tests and with half of them."""
+    rows = []
+    for words, width in (("as identified", 1.0), ("half as wide", 0.5)):
+        narrower = replace(model, covariance=model.covariance * width**2)
+        found = {name: tried(narrower, name) for name in PILOTS}
+        best = found["regulator"]
+        shares = {who: found[name]["held"] for name, who in WHO.items()} | {"one who knows the ship": best["known"]}
+        for who, share in shares.items():
+            percents = (f"{100 * float(share.sel(y=offset)[0]):.0f} %" for offset in HELD_AT)
+            rows.append((words, who, *percents, edge(share)))
+        course = [f"{100 * float(best['holds'].sel(y=offset)[0]):.0f} %" for offset in HELD_AT]
+        rows.append((words, "course within the reserve", *course, edge(best["holds"])))
+    heads = "intervals", "pilot", *(f"at {offset:g} m" for offset in HELD_AT), "19 of 20 to [m]"
+    return markdown(heads, rows)
+
+
+def tried(model: nw.Model, pilot: str) -> xr.Dataset:
+    """What a pilot holds, port and starboard alike, so one side is tried."""
+    offsets, speed = np.arange(0.0, 21.0, 1.0), np.array([10 * KNOT])
+    return nw.safe_envelope(model, offsets, speed, samples=TRIED, controller=pilot).data
+
+
+def edge(share: xr.DataArray) -> str:
+    """How far off the middle a share stays 19 of 20, straight between the offsets tried."""
+    y, shares = share["y"].to_numpy(), share.to_numpy()[:, 0]
+    if shares[0] < SURE_SHARE:
+        return "nowhere"
+    last = int(np.flatnonzero(shares < SURE_SHARE)[0]) - 1 if (shares < SURE_SHARE).any() else len(y) - 1
+    return f"{crossing(y, shares, last, last + 1, SURE_SHARE):.0f}" if last + 1 < len(y) else f"{y[-1]:.0f} and on"
+
+
 def said(angle: float, limit: float) -> str:
     """An angle, or that it is beyond the gear."""
     return f"{angle:+.1f}" if abs(angle) <= limit else "beyond the gear"
 
 
 def text() -> str:
-    """Three tables."""
+    """Four tables."""
     hulls = measured()
     kcs = {f"KCS, {CLEARANCES[label]}": model for label, model in hulls.items()}
     dtc = published()
     borrowed = {"DTC as published, rudder of the KCS": nw.borrow_rudder(dtc, hulls["C0101A02"])}
-    return "\n\n".join((water(), adrift({"DTC as published": dtc, **kcs}), steered({**borrowed, **kcs})))
+    tables = water(), adrift({"DTC as published": dtc, **kcs}), steered({**borrowed, **kcs}), held(hulls["C0101A02"])
+    return "\n\n".join(tables)
 
 
 def figure() -> Figure:
     """The envelope of the KCS at 50 %, on which the depth over the draft is the canal's."""
-    return nw.safe_envelope(measured()["C0101A02"], np.linspace(-40, 40, 33)).plot()
+    return nw.safe_envelope(measured()["C0101A02"], np.linspace(-40, 40, 33), bank="sloping").plot()
 
 
 if __name__ == "__main__":
