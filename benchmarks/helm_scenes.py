@@ -261,17 +261,22 @@ def main(truths: int, across: int) -> None:
         "rudder travel deg",
         "aground of 1000",
         "lost of 1000",
+        "ratio",
         "us an order",
     )
     for header in headers:
         table.add_column(header, justify="left" if header in headers[:2] else "right")
-    for (scene, kind), row in flown(model, truths).items():
+    rows = flown(model, truths)
+    first = {scene: row for (scene, _), row in reversed(rows.items())}  # the helm that the others are compared with
+    for (scene, kind), row in rows.items():
+        before = first[scene]["lost"]
         numbers = [
             row["deviation"],
             row["deviation_95"],
             row["travel"],
             1000 * row["aground"],
             1000 * row["lost"],
+            row["lost"] / before if before else float("nan"),
             row["order_us"],
         ]
         table.add_row(scene, kind, *(f"{number:.3g}" for number in numbers))

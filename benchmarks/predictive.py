@@ -170,11 +170,15 @@ def main(count: int, small: bool) -> None:
         for number in range(count)
     ]
     table = Table(title=f"a predictive helm, {count} truths a scene", caption=machine())
-    for header in ("scene", "aground", "knowing", "not back", "off [m]", "95 %", "travel [deg]", "order [ms]"):
+    for header in ("scene", "aground", "knowing", "not back", "off [m]", "95 %", "travel [deg]", "order [ms]", "ratio"):
         table.add_column(header, justify="left" if header == "scene" else "right")
     fly = partial(row, model, truths, duration=100.0 if small else DURATION)
+    first = ""
     for name, told in scenes(model).items():
-        table.add_row(name, *fly(told))
+        cells = fly(told)
+        first = first or cells[-1]
+        ratio = f"{float(cells[-1]) / float(first):.2f}" if "-" not in (first, cells[-1]) else "-"
+        table.add_row(name, *cells, ratio)
     Console().print(table)
 
 
