@@ -114,7 +114,7 @@ def by_dual_numbers(march: TangentMarch, times: np.ndarray) -> np.ndarray:
     from narrows.codegen.choices import ROW
 
     table = march.march.channel.water.table
-    system = march.ship.system(**march._choices)
+    system = march._system
     scope = system._plain(functions(table, ROW))
     unit = {name: np.array([float(name == other) for other in march.by]) for name in march.by}
     none = np.zeros(len(march.by))

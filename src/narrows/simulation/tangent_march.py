@@ -11,6 +11,7 @@ import numpy as np
 from narrows.codegen.choices import COUNTED, LENGTH
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.lines import FUNCTIONS
+from narrows.codegen.system import System
 from narrows.codegen.tape import tape_of
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
@@ -106,7 +107,7 @@ class TangentMarch:
     @cached_property
     def values(self) -> dict[str, float]:
         """Everything that can be differentiated by, and what it is."""
-        parameters = self.ship.system(**self._choices).parameters
+        parameters = self._system.parameters
         particulars = {name: self._ship_values[name] for name in parameters if name in self._particulars}
         law = self.steering.parameters if self.steering else {}
         return {
@@ -128,10 +129,10 @@ class TangentMarch:
     def _particulars(self) -> tuple[str, ...]:
         return tuple(self.ship.model.configuration.values())
 
-    @property
-    def _choices(self) -> dict[str, Any]:
+    @cached_property
+    def _system(self) -> System:
         choices = self.march.choices
-        return {"waterway": choices.waterway, "law": choices.law, "pushed": choices.pushed}
+        return self.ship.system(choices.waterway, choices.law, choices.pushed)
 
     def _position(self, name: str) -> float:
         kept = self.march.choices.kept
@@ -182,8 +183,7 @@ class TangentMarch:
                 angle = self._position(actuator.name)
                 parameters[f"cos_{actuator.name}"] = -math.sin(angle) * self._unit(actuator.name)
                 parameters[f"sin_{actuator.name}"] = math.cos(angle) * self._unit(actuator.name)
-        system = self.ship.system(**self._choices)
-        constants = system.constants_slopes(self._ship_values, parameters)
+        constants = self._system.constants_slopes(self._ship_values, parameters)
         law = {PARAMETER(name): self._unit(name) for name in self.by}
         pushes = {INPUTS[name]: self._unit(name) for name in PUSHED}
         moving = {**constants, **parameters, **law, **pushes}
@@ -205,7 +205,7 @@ class TangentMarch:
         return np.stack([column["x"], column["y"], turned, *(column[name] for name in ("u", "v", "r"))], axis=1)
 
     def _marched(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        system, moving = self.ship.system(**self._choices), self.input_slopes()
+        system, moving = self._system, self.input_slopes()
         module = system.tangent(tuple(filter(self._may_move, system.scalar.STEP_INPUTS)))
         inputs = {LENGTH: 0.0, **self.march.inputs}
         values = np.array([float(inputs[name]) for name in module.INPUTS])
@@ -224,7 +224,7 @@ class TangentMarch:
     def _may_move(self, name: str) -> bool:
         """Whether an input of the lines can have a slope: all that can have one, so that few modules are ever made."""
         law = self.steering.parameters if self.steering else {}
-        constants = self.ship.system(**self._choices).scalar.CONSTANTS
+        constants = self._system.scalar.CONSTANTS
         return name in (*constants, *law, *INPUTS.values(), *self._particulars, "current")
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
