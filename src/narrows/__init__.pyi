@@ -24,6 +24,9 @@ from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_conditions as identify_conditions
+from .logbook import ShipLog as ShipLog
+from .logbook import ShipRecord as ShipRecord
+from .logbook import Signal as Signal
 from .manoeuvres import Trials as Trials
 from .manoeuvres import Turning as Turning
 from .manoeuvres import overshoots as overshoots

@@ -88,6 +88,11 @@ def hull(ship: nw.Ship) -> Any:
     return sailed(model, coriolis=True, rudder=0.1, r=0.02), sailed(heavy, rudder=0.2), sunk, ship.name
 
 
+def logged(log: nw.ShipLog) -> Any:
+    record = log.records[0]
+    return str(log.to_dict()), log.to_dataframe().to_csv(), record.antenna
+
+
 def along(waterway: nw.Waterway) -> Any:
     told = {"x": 20.0, "u": 1.0, "waterway": waterway}
     return sailed(shallow(), **told), waterway.name, waterway.origin
@@ -108,6 +113,8 @@ def built() -> dict[str, Built]:
     disturbed = nw.Disturbance(15.0, 0.8, 30.0, 1.0, 5.0)
     yawing = nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1)
     own = replace(model.configuration.ship, inertia=ship.inertia, x_g=ship.x_g)
+    signal = nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))
+    record = nw.ShipRecord("A", {"u": signal})
     return {
         "Autopilot": Built(
             nw.Autopilot(0.3, (0.1, 1.0, 0.4, 2.0), 0.01, 0.005, -0.01), controlled,
@@ -156,6 +163,18 @@ def built() -> dict[str, Built]:
         "StraightRun": Built(
             straight, measured,
             {"name": "B", "offset": 0.6, "speed": 0.9, "duration": 20.0, "drift": 0.1, "depth": 0.4},
+        ),
+        "Signal": Built(
+            signal, lambda told: logged(nw.ShipLog((nw.ShipRecord("A", {"u": told}),))),
+            {"t": np.array([0.0, 2.0]), "values": np.array([2.0, 4.0])},
+        ),
+        "ShipRecord": Built(
+            record, lambda told: logged(nw.ShipLog((told,))),
+            {"name": "B", "signals": {"v": signal}, "antenna": (3.0, 0.0), "condition": {"draft": 10.0}},
+        ),
+        "ShipLog": Built(
+            nw.ShipLog((record,)), logged,
+            {"records": (replace(record, name="B"),), "waterway": waterway_for("paper"), "notes": ("so",)},
         ),
         "Tank": Built(
             nw.Tank(), planned,

@@ -1,0 +1,61 @@
+"""Pictures of a ship's own records: where it went, and how rudder, heading and speed went with it."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from narrows.logbook import ShipLog, Signal
+from narrows.report.style import BLUE, GREEN, GREY, ORANGE, PURPLE, panels
+
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+MOST_POINTS = 4000
+"""Of a curve."""
+MOST_RECORDS = 12
+LEGEND_RECORDS = 5
+
+
+def log_figure(log: ShipLog) -> Figure:
+    """Draw the records of a ship: tracks above; rudder, heading, yaw rate and speed over time below.
+
+    Parameters
+    ----------
+    log : ShipLog
+        What to draw; its first records where there are many.
+    """
+    figure, axes = panels(3, 2, 6.4)
+    track, *others = axes.ravel()
+    for place, record in enumerate(log.records[:MOST_RECORDS]):
+        colour = COLOURS[place % len(COLOURS)]
+        if "x" in record and "y" in record:
+            x, y = _thinned(record["x"]), record["y"]
+            track.plot(x.values, y.at(x.t), color=colour, linewidth=1.0, label=record.name)
+        for panel, (name, factor, _) in zip(others, CURVES, strict=True):
+            if name in record:
+                curve = _thinned(record[name])
+                panel.plot(curve.t - record.start, factor * curve.values, color=colour, linewidth=0.8)
+    _finish(track, "along x [m]", "to starboard y [m]")
+    if len(log) <= LEGEND_RECORDS and track.lines:
+        track.legend(frameon=False)
+    for panel, (_, _, label) in zip(others, CURVES, strict=True):
+        _finish(panel, "time of the record [s]", label)
+    return figure
+
+
+CURVES = (
+    ("rudder", 180 / np.pi, "rudder [deg]"),
+    ("psi", 180 / np.pi, "heading [deg]"),
+    ("r", 180 / np.pi, "yaw rate [deg/s]"),
+    ("u", 1.0, "surge u through the water [m/s]"),
+    ("speed_over_ground", 1.0, "speed over ground [m/s]"),
+)
+"""Signal, factor and label of each panel below the track."""
+
+
+def _thinned(signal: Signal) -> Signal:
+    step = max(1, len(signal) // MOST_POINTS)
+    return Signal(signal.t[::step], signal.values[::step])
+
+
+def _finish(axes: Axes, below: str, beside: str) -> None:
+    axes.set(xlabel=below, ylabel=beside)
+    axes.grid(alpha=0.3)

@@ -1,0 +1,61 @@
+"""Records of a ship in memory: what they hold, what is refused, and a table that says the same."""
+
+import numpy as np
+import pytest
+
+import narrows as nw
+
+
+def record(name: str = "A", **signals: nw.Signal) -> nw.ShipRecord:
+    t = np.arange(5.0)
+    return nw.ShipRecord(name, {"x": nw.Signal(t, 4.0 * t), "y": nw.Signal(t[::2], np.zeros(3)), **signals})
+
+
+def test_a_signal_is_joined_over_small_gaps_only() -> None:
+    signal = nw.Signal(np.array([0.0, 1.0, 5.0]), np.array([0.0, 2.0, 10.0]))
+    assert signal.at(np.array([-1.0, 0.5, 3.0, 5.0])).tolist() == pytest.approx([np.nan, 1.0, 6.0, 10.0], nan_ok=True)
+    assert np.isnan(signal.at(np.array([3.0]), longest=2.0)).all()
+    assert signal.at(np.array([1.0, 5.0]), longest=2.0).tolist() == [2.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: nw.Signal(np.arange(3.0), np.arange(2.0)), "3 times and 2 values"),
+        (lambda: nw.Signal(np.arange(2.0), np.array([1.0, np.nan])), "not finite"),
+        (lambda: nw.ShipRecord("A", {"ruder": nw.Signal(np.zeros(1), np.zeros(1))}), "did you mean 'rudder'"),
+        (lambda: nw.ShipRecord("A", {"x": np.zeros(1)}), "give nw.Signal"),
+        (lambda: nw.ShipRecord("A", {}, antenna=(1.0,)), "give both"),
+        (lambda: record()["psi"], "no signal 'psi'"),
+        (lambda: nw.ShipLog((record("A"), record("A"))), "two records are called 'A'"),
+        (lambda: nw.ShipLog((record("A"),))["B"], "no record 'B'"),
+        (lambda: nw.ShipLog((record("A"),))[1], "no record 1"),
+        (lambda: nw.ShipLog((record("A"),)).drop("A"), "no record is left"),
+    ],
+)
+def test_what_is_wrong_is_said(make: object, told: str) -> None:
+    with pytest.raises(nw.InputError, match=told):
+        make()
+
+
+def test_a_log_selects_counts_and_shows_itself() -> None:
+    log = nw.ShipLog((record("A"), record("B"), record("C")))
+    assert [own.name for own in log] == ["A", "B", "C"]
+    assert log.drop("B").names == log.select("A", "C").names == ("A", "C")
+    assert log.counts == {"x": 15, "y": 9}
+    assert log.summary() == "3 records, 0.2 min together, with x, y."
+    assert log[-1] is log["C"]
+    assert log["A"].between(1.0, 3.0).start == 1.0
+
+
+def test_its_table_has_a_row_for_each_time_and_says_what_was_not_measured() -> None:
+    rows = nw.ShipLog((record("A"), record("B"))).to_dataframe()
+    assert rows.columns.tolist() == ["record", "t", "x", "y"]
+    assert len(rows) == 10
+    assert rows["y"].isna().sum() == 4
+    data = nw.ShipLog((record("A"),)).dataset()
+    assert data["x"].attrs["units"] == "m"
+
+
+def test_it_is_drawn() -> None:
+    assert len(nw.ShipLog((record("A"),)).plot().axes) == 6
