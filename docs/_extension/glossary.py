@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 from _extension.markdown import table
-from narrows.captive.columns import COLUMNS, USUAL
+from narrows.captive.columns import COLUMNS
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
+from narrows.readers.headers import USUAL
 from narrows.ship.actuators import STANDARD
 
 

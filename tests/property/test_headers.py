@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.captive.columns import COLUMNS, parse_header
+from narrows.captive.columns import COLUMNS
+from narrows.readers.headers import parse_header
 from tables import short_twin, written
 
 UNITS = {
@@ -37,7 +38,7 @@ SUFFIXED = {
 
 @pytest.mark.parametrize(("name", "unit"), [(name, unit) for name, units in UNITS.items() for unit in units])
 def test_bracketed_unit(name: str, unit: str) -> None:
-    column = parse_header(f"{name} [{unit}]")
+    column = parse_header(f"{name} [{unit}]", COLUMNS)
     assert column is not None
     assert (column.quantity, column.stated) == (name, True)
     assert column.scale == pytest.approx(UNITS[name][unit], rel=1e-12)
@@ -45,7 +46,7 @@ def test_bracketed_unit(name: str, unit: str) -> None:
 
 @pytest.mark.parametrize("header", SUFFIXED)
 def test_suffixed_unit(header: str) -> None:
-    column = parse_header(header)
+    column = parse_header(header, COLUMNS)
     assert column is not None
     assert (column.quantity, column.stated) == (header.split("_")[0], True)
     assert column.scale == pytest.approx(SUFFIXED[header], rel=1e-12)
@@ -53,12 +54,12 @@ def test_suffixed_unit(header: str) -> None:
 
 @pytest.mark.parametrize("name", COLUMNS)
 def test_bare_name_is_si(name: str) -> None:
-    assert parse_header(f" {name} ") == (f" {name} ", name, 1.0, False)
+    assert parse_header(f" {name} ", COLUMNS) == (f" {name} ", name, 1.0, False)
 
 
 @pytest.mark.parametrize("header", ["comment", "rud_given", "psi_true", "u_mean", "Xrud_N", "test", "y2", "cos_psi"])
 def test_other_headers_are_passed_over(header: str) -> None:
-    assert parse_header(header) is None
+    assert parse_header(header, COLUMNS) is None
 
 
 @given(units=CHOICES)
@@ -86,6 +87,6 @@ def test_suffixes_and_brackets_mix(short: nw.CaptiveTests, table: pd.DataFrame, 
     ("header", "scale"), [("revolutions [rpm]", 1 / 60), ("revolutions_rpm", 1 / 60), ("revolutions [rps]", 1)]
 )
 def test_a_revolution_is_one_turn(header: str, scale: float) -> None:
-    column = parse_header(header)
+    column = parse_header(header, COLUMNS)
     assert column is not None
     assert column.scale == pytest.approx(scale)

@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.captive.columns import COLUMNS, parse_header
+from narrows.captive.columns import COLUMNS
 from narrows.model.model_file import load_model
+from narrows.readers.headers import parse_header
 from tables import DTC_SHIP, frame_of, short_twin
 
 CELLS = st.one_of(
@@ -50,7 +51,7 @@ def test_units(name: str, unit: str) -> None:
 
     def parse() -> None:
         nonlocal column
-        column = parse_header(f"{name} [{unit}]")
+        column = parse_header(f"{name} [{unit}]", COLUMNS)
 
     assert one_line(refusal(parse))
     assert column is None or (column.quantity == name and column.stated)

@@ -14,8 +14,8 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.captive.matlab import check_elements
 from narrows.errors import InputError, reason, shown
+from narrows.readers.matlab import check_elements
 from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")

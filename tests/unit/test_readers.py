@@ -120,7 +120,7 @@ def test_another_ships_table_in_the_fhr_layout(short: nw.CaptiveTests, ship_file
 def test_usual_units_are_those_of_the_units_library() -> None:
     import pint
 
-    from narrows.captive.columns import SPELLINGS, USUAL, _powers
+    from narrows.readers.headers import SPELLINGS, USUAL, _powers
 
     registry = pint.UnitRegistry()
     for si, units in USUAL.items():

@@ -1,13 +1,7 @@
-"""Headers: which column is which quantity, in which unit, and what one of it is in SI."""
+"""What tables of captive tests carry: quantities, each with its unit, and labels."""
 
-import math
-import re
-from collections.abc import Iterable, Mapping
-from functools import cache
-from typing import NamedTuple
+from collections.abc import Iterable
 
-from narrows.errors import InputError
-from narrows.quantities.constants import KNOT
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
 from narrows.ship.actuator import Actuator
 from narrows.ship.actuators import STANDARD
@@ -25,64 +19,6 @@ COLUMNS = {
 LABELS = ("test", "condition")
 """Columns that name things: the test, and the condition (a water depth, say) that it was run under."""
 
-DEGREE = math.pi / 180
-# How headers spell units, where that is not how the units library does.
-SPELLINGS = {
-    "1": "dimensionless", "°": "deg", "Nm": "N*m", "N m": "N*m", "kNm": "kN*m", "Nmm": "N*mm", "kn": "knot",
-    # A revolution is one turn here, and not 2 pi of anything.
-    "rpm": "1/minute", "rps": "1/s",
-    "mps": "m/s", "mps2": "m/s^2", "degps": "deg/s", "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2",
-}  # fmt: skip
-USUAL = {
-    "m": {"mm": 1e-3, "cm": 1e-2}, "m/s": {"mm/s": 1e-3, "mps": 1.0, "kn": KNOT, "knot": KNOT},
-    "m/s2": {"mps2": 1.0, "mm/s2": 1e-3, "m/s^2": 1.0},
-    "rad": {"deg": DEGREE, "°": DEGREE}, "rad/s": {"radps": 1.0, "deg/s": DEGREE, "degps": DEGREE, "°/s": DEGREE},
-    "rad/s2": {"radps2": 1.0, "deg/s2": DEGREE, "degps2": DEGREE, "rad/s^2": 1.0, "deg/s^2": DEGREE},
-    "N": {"kN": 1e3}, "N m": {"Nm": 1.0, "kNm": 1e3, "N*m": 1.0, "Nmm": 1e-3}, "1/s": {"rpm": 1 / 60, "rps": 1.0},
-}  # fmt: skip
-"""How many of an SI unit one of another is, for those that most tables have: the units library takes long to load."""
-SUFFIXES = (
-    "m",
-    "mm",
-    "deg",
-    "rad",
-    "mps",
-    "mps2",
-    "degps",
-    "degps2",
-    "radps",
-    "radps2",
-    "s",
-    "N",
-    "kN",
-    "Nm",
-    "kNm",
-    "kn",
-    "rpm",
-    "rps",
-)
-
-
-class Column(NamedTuple):
-    """A column of the user's table.
-
-    Parameters
-    ----------
-    header : str
-        As in the table.
-    quantity : str
-        Of the vocabulary.
-    scale : float [1]
-        How many SI units one of it is.
-    stated : bool
-        Whether the header carries a unit.
-    """
-
-    header: str
-    quantity: str
-    scale: float
-    stated: bool
-
 
 def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     """Return what a table may carry where there are actuators beside those of the package (ours).
@@ -93,96 +29,3 @@ def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
         The others.
     """
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
-
-
-def parse_header(header: str, known: Mapping[str, Quantity] = COLUMNS) -> Column | None:
-    """Read one header: ``psi``, ``psi [deg]``, ``psi (deg)`` or ``psi_deg`` (ours).
-
-    Parameters
-    ----------
-    header : str
-        As in the table.
-    known : mapping of str to Quantity
-        What the table may carry.
-
-    Returns
-    -------
-    Column or None
-        None where the header is no quantity of the vocabulary.
-
-    Raises
-    ------
-    InputError
-        Where the unit is unknown or is of another kind than the quantity.
-    """
-    name, unit = _split(header.strip(), known)
-    if name not in known:
-        return None
-    si = known[name].unit
-    return Column(header, name, 1.0 if unit is None else _scale(header, unit, si), unit is not None)
-
-
-def unit_of(header: str) -> str:
-    """Return the unit that any header carries, be it of a quantity or not; empty where it carries none (ours).
-
-    Parameters
-    ----------
-    header : str
-        As in the table.
-    """
-    if match := re.search(r"(?:\[([^\]]*)\]|\(([^)]*)\))\s*$", header):
-        return (match[1] or match[2] or "").strip()
-    name, _, suffix = header.strip().rpartition("_")
-    return suffix if name and suffix in SUFFIXES else ""
-
-
-def _split(header: str, known: Mapping[str, Quantity]) -> tuple[str, str | None]:
-    if match := re.fullmatch(r"(\w+)\s*(?:\[(.*)\]|\((.*)\))", header):
-        return match[1], (match[2] or match[3] or "").strip()
-    name, _, suffix = header.rpartition("_")
-    return (name, suffix) if name in known and suffix in SUFFIXES else (header, None)
-
-
-@cache
-def _scale(header: str, unit: str, si: str) -> float:
-    if unit == si or unit in USUAL.get(si, ()):
-        return USUAL.get(si, {}).get(unit, 1.0)
-
-    import pint
-
-    registry = _registry()
-    try:
-        parsed, target = (registry(SPELLINGS.get(word, _powers(word))) for word in (unit, si))
-        return float((1 * parsed).to(target.units).magnitude)
-    except pint.DimensionalityError:
-        raise InputError(f"column {header!r}: {unit} is not a unit of this quantity; give it in {si}") from None
-    except Exception:  # The units library raises nearly anything on what is no unit.
-        raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]") from None
-
-
-def _powers(unit: str) -> str:
-    """Spell ``m/s2`` as ``m/s^2``."""
-    return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace("°", "deg")
-
-
-@cache
-def is_unit(word: str) -> bool:
-    """Say whether a word is a unit of anything (ours).
-
-    Parameters
-    ----------
-    word : str
-        As written, without brackets.
-    """
-    try:
-        _registry()(SPELLINGS.get(word, _powers(word)))
-    except Exception:  # The units library raises nearly anything on what is no unit.
-        return False
-    return any(character.isalpha() or character == "°" for character in word)
-
-
-@cache
-def _registry():  # type: ignore[no-untyped-def]
-    import pint
-
-    return pint.UnitRegistry()

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.captive.columns import COLUMNS, Column
+from narrows.captive.columns import COLUMNS
 from narrows.captive.tests import cuts
 from narrows.errors import InputError
+from narrows.readers.headers import Column
 
 Columns = Mapping[str, np.ndarray]
 

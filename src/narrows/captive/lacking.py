@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import fields
 
 from narrows.captive.columns import columns_with
-from narrows.captive.table_head import seen
 from narrows.captive.tests import Headers
 from narrows.errors import near_miss
 from narrows.quantities.names import PARTICULARS
+from narrows.readers.table_head import seen
 from narrows.ship.actuator import Actuator, places_of
 from narrows.ship.actuators import STANDARD, particulars_with
 from narrows.ship.particulars import Canal, Ship, Water

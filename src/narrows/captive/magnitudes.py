@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from narrows.captive.check import row_number
-from narrows.captive.columns import Column
 from narrows.errors import InputError
 from narrows.model.masses import displacement
 from narrows.quantities.constants import GRAVITY
+from narrows.readers.cells import row_number
+from narrows.readers.headers import Column
 from narrows.ship.particulars import Configuration
 
 Columns = Mapping[str, np.ndarray]

@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from narrows.captive.dataframes import as_sheet, name_of, sha256_of_frame
-from narrows.captive.frames import guarded, read_frame
-from narrows.captive.mapping import ColumnMapping, read_mapping
 from narrows.captive.rows import Reading, checked, gathered, prepared
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.model.model import Source
 from narrows.progress import file_stage
+from narrows.readers.dataframes import as_sheet, name_of, sha256_of_frame
+from narrows.readers.frames import guarded, read_frame
+from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuator import Actuator
 from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
 

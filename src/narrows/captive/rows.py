@@ -1,21 +1,22 @@
 """Rows of a table in the documented columns: recognised, checked, in SI, by test."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from narrows.captive import check, magnitudes
-from narrows.captive.columns import Column, columns_with, parse_header
+from narrows.captive.columns import COLUMNS, LABELS, columns_with
 from narrows.captive.formats import layouts
 from narrows.captive.kinematics import MotionColumns, check_kinematics
-from narrows.captive.mapping import ColumnMapping
 from narrows.captive.selection import chosen_early, chosen_late
 from narrows.captive.tests import CaptiveTests, Headers
-from narrows.errors import InputError
 from narrows.model.model import Source
 from narrows.quantities.names import Quantity
+from narrows.readers import cells
+from narrows.readers.headers import Column, Vocabulary, recognised_in
+from narrows.readers.mapping import ColumnMapping
 from narrows.ship.actuator import Actuator
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration
@@ -88,7 +89,7 @@ def prepared(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str
         Where the selection cannot be understood, or the mapping does not fit.
     """
     table, where = asked.table, asked.where
-    mapped, notes = asked.mapping.applied(raw, table, asked.known) if asked.mapping else (raw, ())
+    mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
     early = chosen_early(mapped, where, table)
     frame, of_layout = layouts.translated(mapped if early is None else mapped[early], where or "", table)
     if early is None and where:
@@ -122,10 +123,10 @@ def checked(
     """
     movers = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
     known = columns_with(movers.values())
-    recognised = _recognised(frame, known, table)
+    recognised = recognised_in(frame, known, table)
     headers = [str(header) for header in frame.columns]
-    check.check_once(recognised, headers, table)
-    columns = {c.quantity: check.numbers(frame, c.header, table) * c.scale for c in recognised}
+    cells.check_once(recognised, headers, COLUMNS, table)
+    columns = {c.quantity: cells.numbers(frame, c.header, table) * c.scale for c in recognised}
     test = tests_of(frame, table)
     by_name = {c.quantity: c for c in recognised}
     if "t" in columns:
@@ -201,14 +202,7 @@ def tests_of(frame: pd.DataFrame, table: str) -> np.ndarray:
     table : str
         The file.
     """
-    return check.labels(frame, "test", table) if "test" in frame else np.full(len(frame), "all", dtype=object)
-
-
-def _recognised(frame: pd.DataFrame, known: Mapping[str, Quantity], table: str) -> list[Column]:
-    try:
-        return [column for header in frame.columns if (column := parse_header(str(header), known))]
-    except InputError as error:
-        raise InputError(f"{table}: {error}") from None
+    return cells.labels(frame, "test", table) if "test" in frame else np.full(len(frame), "all", dtype=object)
 
 
 def _conditions(
@@ -216,7 +210,7 @@ def _conditions(
 ) -> np.ndarray:
     """Each row's condition; a condition that the ship file gives a depth gets it as a column."""
     if "condition" in frame:
-        condition = check.labels(frame, "condition", table)
+        condition = cells.labels(frame, "condition", table)
         if "depth" not in columns and configuration.depths and set(condition) <= configuration.depths.keys():
             columns["depth"] = np.array([configuration.depths[name] for name in condition], dtype=float)
         return condition

@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import tests
-from narrows.captive.frames import notes_of, read_chunks
-from narrows.captive.mapping import ColumnMapping, read_mapping
 from narrows.captive.read import sha256_of
 from narrows.captive.rows import Reading, Rows, checked, prepared, tests_of
 from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError, path_of
 from narrows.model.model import Source
+from narrows.readers.frames import notes_of, read_chunks
+from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuator import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from

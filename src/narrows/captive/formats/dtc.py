@@ -7,9 +7,9 @@ low-passed positions; forces stay as measured.
 import numpy as np
 import pandas as pd
 
-from narrows.captive import check
 from narrows.captive.smooth import rates
 from narrows.errors import InputError
+from narrows.readers import cells
 
 CUTOFF = 0.5
 """Of the low-pass [Hz]: ramps last seconds, the tank's carriage shakes above one hertz (ours)."""
@@ -46,7 +46,7 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
     InputError
         Where a cell is no number, or the record is short or unevenly spaced.
     """
-    t, x, y, degrees = (check.numbers(frame, header, table) for header in HEADERS[:4])
+    t, x, y, degrees = (cells.numbers(frame, header, table) for header in HEADERS[:4])
     psi = np.unwrap(np.radians(degrees))
     try:
         (north, ahead), (east, aside), (r, rdot) = (rates(t, position, CUTOFF) for position in (x, y, psi))

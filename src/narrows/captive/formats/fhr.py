@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from narrows.captive import check
+from narrows.readers import cells
 
 HARMONIC = ("PMMY2", "PMMPSI2")
 """Harmonic sway and harmonic yaw: the tests that the paper's terms can explain."""
@@ -53,7 +53,7 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
     table : str
         The file.
     """
-    turned = -check.numbers(frame, "rud_given_deg", table)
+    turned = -cells.numbers(frame, "rud_given_deg", table)
     frame = frame.assign(rud_given_deg=turned).rename(columns=RENAMED)
     if SPEAKS_OF.search(chosen):
         return frame, (TURNED,)

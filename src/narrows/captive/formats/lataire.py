@@ -7,8 +7,8 @@ leaves the same section at the row's own depth: width and offset are of the cana
 import numpy as np
 import pandas as pd
 
-from narrows.captive import check
 from narrows.errors import InputError
+from narrows.readers import cells
 from narrows.ship.cross_section import equivalent_wall
 
 RENAMED = {
@@ -56,8 +56,8 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
     table : str
         The file.
     """
-    ahead = frame[np.abs(check.numbers(frame, "psi", table)) < 90].rename(columns=RENAMED)
-    fore, aft = (check.numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
+    ahead = frame[np.abs(cells.numbers(frame, "psi", table)) < 90].rename(columns=RENAMED)
+    fore, aft = (cells.numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
     ahead["heave [mm]"] = (fore + aft) / 2
     ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
     ahead["condition"] = "banks"
@@ -72,7 +72,7 @@ def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
     for name in frame["bank"]:
         if name not in BANKS:
             raise InputError(f"{table}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
-    depths = check.numbers(frame, "depth [m]", table)
+    depths = cells.numbers(frame, "depth [m]", table)
     walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(frame["bank"], depths, strict=True)])
-    y = check.numbers(frame, "y [m]", table) - (walls - WALL) / 2
+    y = cells.numbers(frame, "y [m]", table) - (walls - WALL) / 2
     return frame.assign(**{"width [m]": walls + WALL, "y [m]": y})

@@ -8,10 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from narrows.captive import check
-from narrows.captive.columns import COLUMNS, LABELS, parse_header, unit_of
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.quantities.names import Quantity
+from narrows.readers import cells
+from narrows.readers.headers import Vocabulary, parse_header, unit_of
 from narrows.ship.ship_file import check_table, load_toml
 
 WAYS = {
@@ -66,9 +65,7 @@ class ColumnMapping:
         for name, way in self.positive.items():
             _sign(name, way, self.name)
 
-    def applied(
-        self, frame: pd.DataFrame, table: str, known: Mapping[str, Quantity] = COLUMNS
-    ) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    def applied(self, frame: pd.DataFrame, table: str, vocabulary: Vocabulary) -> tuple[pd.DataFrame, tuple[str, ...]]:
         """Bring a frame to the documented headers, units and signs, with a sentence of what was done (ours).
 
         Parameters
@@ -77,7 +74,7 @@ class ColumnMapping:
             As read.
         table : str
             The file.
-        known : mapping of str to Quantity
+        vocabulary : Vocabulary
             What a table may carry.
 
         Raises
@@ -85,42 +82,44 @@ class ColumnMapping:
         InputError
             Where a name is unknown, or the table has no such column.
         """
-        sources = self._sources(frame, table, known)
+        headers = {str(header): _parsed(str(header), vocabulary) for header in frame.columns}
+        sources = self._sources(headers, table, vocabulary)
         notes = []
         new = {}
         for name, header in sources.items():
             unit = self.units.get(name) or unit_of(header)
             turned = name in self.positive and _sign(name, self.positive[name], self.name) < 0
-            new[f"{name} [{unit}]" if unit and name not in LABELS else name] = (
-                -check.numbers(frame, header, table) if turned else frame[header]
+            new[f"{name} [{unit}]" if unit and name not in vocabulary.labels else name] = (
+                -cells.numbers(frame, header, table, vocabulary.blanks) if turned else frame[header]
             )
             way = f", its sign turned as it counts {_towards(self.positive[name])}" if turned else ""
             notes.append(f"{name} is {header!r}{way}")
-        others = frame.drop(columns=list(sources.values()))
-        others = others[[header for header in others if not self._replaced(str(header), sources, known)]]
+        others = [
+            header for header, quantity in headers.items()
+            if header not in sources.values() and not self._replaced(quantity, sources)
+        ]  # fmt: skip
         note = (f"by {self.name}: {'; '.join(notes)}",) if notes else ()
-        return pd.concat([others, pd.DataFrame(new, index=frame.index)], axis="columns"), note
+        return pd.concat([frame[others], pd.DataFrame(new, index=frame.index)], axis="columns"), note
 
-    def _sources(self, frame: pd.DataFrame, table: str, known: Mapping[str, Quantity]) -> dict[str, str]:
+    def _sources(self, headers: Mapping[str, str | None], table: str, vocabulary: Vocabulary) -> dict[str, str]:
         """The header of each quantity that the mapping speaks of."""
+        known = (*vocabulary.quantities, *vocabulary.labels)
         sources = {}
         for name in dict.fromkeys([*self.columns, *self.units, *self.positive]):
-            if name not in known and name not in LABELS:
-                raise InputError(
-                    f"{self.name}: {name!r} is no documented column{did_you_mean(name, [*known, *LABELS])}"
-                )
+            if name not in known:
+                raise InputError(f"{self.name}: {name!r} is no documented column{did_you_mean(name, known)}")
             if self.columns.get(name) != "":
-                sources[name] = self._header(name, [str(header) for header in frame.columns], table, known)
+                sources[name] = self._header(name, headers, table)
         twice = [header for header in sources.values() if list(sources.values()).count(header) > 1]
         if twice:
             names = " and ".join(name for name, header in sources.items() if header == twice[0])
             raise InputError(f"{self.name}: {twice[0]!r} is read as {names}; give it one name")
         return sources
 
-    def _header(self, name: str, headers: list[str], table: str, known: Mapping[str, Quantity]) -> str:
+    def _header(self, name: str, headers: Mapping[str, str | None], table: str) -> str:
         asked = self.columns.get(name)
         if asked is None:
-            matching = [header for header in headers if _parsed(header, known) == name]
+            matching = [header for header, quantity in headers.items() if quantity == name]
         else:
             # A row of units may have been put to the name.
             matching = [asked] if asked in headers else [header for header in headers if _bare(header) == asked.strip()]
@@ -131,9 +130,8 @@ class ColumnMapping:
             )
         return matching[0]
 
-    def _replaced(self, header: str, sources: Mapping[str, str], known: Mapping[str, Quantity]) -> bool:
+    def _replaced(self, name: str | None, sources: Mapping[str, str]) -> bool:
         """Whether a column that the mapping does not read would pass for one that it does, or says to be none."""
-        name = _parsed(header, known)
         return name in sources or self.columns.get(name or "") == ""
 
 
@@ -172,12 +170,12 @@ def _sign(name: str, way: str, table: str) -> float:
     raise InputError(f"{table}: [positive] {name} = {way!r} is no way that it may count{did_you_mean(way, known)}")
 
 
-def _parsed(header: str, known: Mapping[str, Quantity]) -> str | None:
+def _parsed(header: str, vocabulary: Vocabulary) -> str | None:
     """The quantity of a header, whatever its unit."""
-    if header in LABELS:
+    if header in vocabulary.labels:
         return header
     try:
-        column = parse_header(header, known)
+        column = parse_header(header, vocabulary.quantities)
     except InputError:
         return None
     return column.quantity if column else None

@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from narrows.captive.frames import Sheet
-from narrows.captive.text_table import FIRST_ROW
 from narrows.errors import InputError, needs, reason, shown
+from narrows.readers.frames import Sheet
+from narrows.readers.text_table import FIRST_ROW
 
 
 def as_sheet(table: object) -> Sheet:

@@ -8,8 +8,8 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
-from narrows.captive.table_head import Head, head_of, is_number, width_of
 from narrows.errors import InputError, shown
+from narrows.readers.table_head import Head, head_of, is_number, width_of
 
 SAMPLE = 1 << 18
 """Bytes that are looked at."""

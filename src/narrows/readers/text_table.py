@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from narrows.captive.dialect import REMARKS, Dialect
 from narrows.errors import InputError
 from narrows.progress import opened
+from narrows.readers.dialect import REMARKS, Dialect
 
 FIRST_ROW = 2
 """What editors call the row under a header: the index of a frame counts from there."""

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from narrows.captive.dialect import dialect_of
-from narrows.captive.matlab import check_elements
-from narrows.captive.table_head import head_of
-from narrows.captive.text_table import FIRST_ROW, read_text, text_chunks
 from narrows.errors import InputError, needs, reason
 from narrows.progress import file_stage
+from narrows.readers.dialect import dialect_of
+from narrows.readers.matlab import check_elements
+from narrows.readers.table_head import head_of
+from narrows.readers.text_table import FIRST_ROW, read_text, text_chunks
 
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
 READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
