@@ -75,6 +75,12 @@ def by_depth() -> nw.Model:
 
 
 @cache
+def held_legs(rudder: float = 0.03) -> dict[str, list[float]]:
+    """A ship held to either side."""
+    return {"y": [0.5, -0.5], "u": [0.5, 0.5], "rudder": [rudder, -rudder], "drift": [0.02, -0.02]}
+
+
+@cache
 def other_tests() -> nw.CaptiveTests:
     return short_twin(seed=1)
 
@@ -165,7 +171,9 @@ class Table:
     @cached_property
     def entries(self) -> dict[str, Entry]:
         """By the name of the function."""
-        return {**self.simulation, **self.safety, **self.models, **self.identification, **self.files}
+        return {
+            **self.simulation, **self.safety, **self.logbook, **self.models, **self.identification, **self.files,
+        }  # fmt: skip
 
     @property
     def simulation(self) -> dict[str, Entry]:
@@ -249,6 +257,33 @@ class Table:
             ),
             "wind_force": Entry(
                 {"speed": 10.0, "area": 5.0, "coefficient": 1.0}, {"speed": 11.0, "area": 6.0, "coefficient": 0.9}
+            ),
+        }  # fmt: skip
+
+    @property
+    def logbook(self) -> dict[str, Entry]:
+        surer = replace(by_depth(), covariance=by_depth().covariance / 4)
+        places = {"y": [0.0, 0.6], "u": [0.4, 0.6], "samples": 4}
+        plan = {"model": by_depth(), "offsets": [0.3, 0.5], "speeds": [0.4, 0.5], "legs": 2, "samples": 20}
+        return {
+            "envelope_change": Entry(
+                {"before": by_depth(), "after": surer, **places},
+                {"before": surer, "after": by_depth(), "y": [0.0, 0.7], "u": [0.4, 0.7], "samples": 5, "seed": 1,
+                 "reserve": 0.9},
+                answer=lambda found: found.to_dict(),
+            ),
+            "learn_steady": Entry(
+                {"model": by_depth(), "observations": held_legs()},
+                {"model": surer, "observations": held_legs(0.05), "errors": nw.ReadingErrors(rudder_deg=2.0),
+                 "conditions": nw.SteadyConditions(wind=1.0)},
+                answer=lambda found: found.to_dict(),
+            ),
+            "plan_steady": Entry(
+                plan,
+                {"model": surer, "offsets": [0.4], "speeds": [0.45], "legs": 4, "targets": ("c_helm",),
+                 "errors": nw.ReadingErrors(rudder_deg=2.0), "conditions": nw.SteadyConditions(wind=1.0),
+                 "reserve": 0.9, "clearance": 1.0, "samples": 30, "seed": 1},
+                answer=lambda found: found.to_dict(),
             ),
         }  # fmt: skip
 

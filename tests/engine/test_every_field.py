@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arguments import by_depth, shallow
+from arguments import by_depth, held_legs, shallow
 from cases import mmg, paper, steered, waterway_for
 
 import narrows as nw
 
 MADE = {
-    "CaptiveTests", "Comparison", "DepthCorrected", "Explanation", "Fit", "InputError", "Jacobian", "Model", "Outcome",
-    "OutsideRules", "Plan", "SafeEnvelope", "Scaled", "Sensitivities", "Squat", "Trials", "Turning", "Voyage",
+    "CaptiveTests", "Comparison", "DepthCorrected", "EnvelopeChange", "Explanation", "Fit", "InputError", "Jacobian",
+    "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope", "Scaled", "Sensitivities", "Squat",
+    "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
 }  # fmt: skip
 """What functions return."""
 VOCABULARY = {
@@ -78,6 +79,10 @@ def planned(tank: nw.Tank) -> Any:
 def enveloped(disturbance: nw.Disturbance) -> Any:
     blown = nw.safe_envelope(by_depth(), np.array([0.6]), np.array([0.6]), samples=60, disturbance=disturbance)
     return blown.data["held"].to_numpy().tolist(), blown.weather
+
+
+def held(legs: dict[str, list[float]], **told: Any) -> Any:
+    return nw.learn_steady(by_depth(), legs, **told).to_dict()
 
 
 def hull(ship: nw.Ship) -> Any:
@@ -175,6 +180,18 @@ def built() -> dict[str, Built]:
         "ShipLog": Built(
             nw.ShipLog((record,)), logged,
             {"records": (replace(record, name="B"),), "waterway": waterway_for("paper"), "notes": ("so",)},
+        ),
+        "ReadingErrors": Built(
+            nw.ReadingErrors(0.05, 0.02, 0.5, 0.1, 0.1),
+            lambda errors: held(held_legs() | {"heading": [0.03, -0.01]}, errors=errors),
+            {"y": 0.1, "u": 0.1, "rudder_deg": 1.0, "drift_deg": 0.3, "heading_deg": 0.4},
+        ),
+        "SteadyConditions": Built(
+            nw.SteadyConditions(),
+            lambda conditions: held(held_legs() | {"heading": [0.03, -0.01]}, conditions=conditions),
+            {"wind": 4.0, "windage": 0.5, "wind_lever": 0.1, "wind_change": 0.5, "rudder_zero_deg": 2.0,
+             "drift_zero_deg": 2.0, "heading_zero_deg": 2.0, "yaw_rate_deg": 0.5, "yaw_change_deg": 5.0,
+             "sway_change": 0.2, "leg_time": 5.0},
         ),
         "Tank": Built(
             nw.Tank(), planned,

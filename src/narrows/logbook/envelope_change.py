@@ -1,0 +1,175 @@
+"""What a record changes of the safe envelope: the same places asked of the model before and of the model after."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from narrows.control.steady_course import steady_course
+from narrows.logbook.standing import ON_TWINS
+from narrows.model.model import Model
+from narrows.quantities.constants import KNOT
+from narrows.results import Shown
+from narrows.safety.answer import SafeEnvelope
+from narrows.safety.envelope import safe_envelope
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SAMPLES = 200
+"""Of coefficients and disturbances: a look, not a chart to sail by."""
+BESIDE = (0.0, 0.5, 1.0, 1.5)
+"""Offsets that are looked at, over the farthest of a record."""
+SLOWER_AND_FASTER = (0.8, 1.0, 1.2)
+"""Speeds, over the mean of a record."""
+BAND = (0.05, 0.95)
+"""Of the samples, between which a rudder angle is told."""
+
+
+@dataclass(frozen=True, repr=False)
+class EnvelopeChange(Shown):
+    """The safe envelope before a record and after it.
+
+    Parameters
+    ----------
+    before, after : SafeEnvelope
+        At the same offsets and speeds, against the same disturbances.
+    rudder_before, rudder_after : array (offsets, 3) [rad]
+        Of the steady course at the middle of the speeds: what 5 %, half and 95 % of the samples stay below; infinite
+        where no rudder holds them.
+    """
+
+    before: SafeEnvelope
+    after: SafeEnvelope
+    rudder_before: np.ndarray
+    rudder_after: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"<EnvelopeChange of {self.before.description}>"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """How many cases were tried, and what it rests on."""
+        return (
+            f"{self.before.samples} cases at each place: a look; narrows envelope settles the edges.",
+            ON_TWINS,
+        )
+
+    def summary(self) -> str:
+        """Say what was safe before, and what is now."""
+        return f"Before: {self.before.summary()}\nAfter: {self.after.summary()}"
+
+    def rows(self) -> list[dict[str, float]]:
+        """Give a row an offset [m]: at the middle speed rudder [deg] and share held, and the highest speed [knots]."""
+        middle = self.before.data.sizes["u"] // 2
+        tops = {"before": _tops(self.before), "after": _tops(self.after)}
+        shares = {when: env.data["held"].isel(u=middle).to_numpy()
+                  for when, env in (("before", self.before), ("after", self.after))}  # fmt: skip
+        angles = {"before": self.rudder_before, "after": self.rudder_after}
+        return [
+            {"offset": float(y), "speed": float(self.before.data["u"][middle]) / KNOT}
+            | {key: math.degrees(angle) for when in angles for key, angle in _named(when, angles[when][i]).items()}
+            | {f"held_{when}": float(shares[when][i]) for when in shares}
+            | {f"highest_speed_{when}": tops[when][i] for when in tops}
+            for i, y in enumerate(self.before.data["y"].to_numpy())
+        ]  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the rows as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows()).set_index("offset")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: part of what ``learn --json`` prints."""
+        return {
+            "summary": self.summary(),
+            "samples": self.before.samples,
+            "offsets": self.rows(),
+            "notes": list(self.notes),
+        }
+
+
+def envelope_change(
+    before: Model, after: Model, y: Sequence[float], u: Sequence[float], *, samples: int = SAMPLES, seed: int = 0,
+    **envelope: Any,
+) -> EnvelopeChange:  # fmt: skip
+    """Ask the same safe envelope of a model before a record and after it (ours).
+
+    Parameters
+    ----------
+    before, after : Model
+        The ship in one canal.
+    y : sequence of float [m]
+        Offsets to starboard of the middle, rising.
+    u : sequence of float [m/s]
+        Speeds through the water, rising.
+    samples : int
+        Of coefficients and disturbances.
+    seed : int
+        Of the samples.
+    **envelope : Any
+        As for ``safe_envelope``.
+
+    Raises
+    ------
+    InputError
+        As ``safe_envelope``.
+    """
+    offsets, speeds = np.asarray(y, float), np.asarray(u, float)
+    found = [safe_envelope(model, offsets, speeds, samples=samples, seed=seed, **envelope) for model in (before, after)]
+    angles = [rudder_band(model, offsets, float(speeds[len(speeds) // 2]), samples, seed) for model in (before, after)]
+    return EnvelopeChange(found[0], found[1], angles[0], angles[1])
+
+
+def places_of(y: np.ndarray, u: np.ndarray, room: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return offsets [m] and speeds [m/s] at which to look, of those of a record (ours).
+
+    Parameters
+    ----------
+    y : array (n,) [m]
+        Off the middle in the record.
+    u : array (n,) [m/s]
+        Through the water.
+    room : float [m]
+        How far off the middle the ship can be at all.
+    """
+    far = float(np.abs(y).max()) or room / 4
+    offsets = far * np.array(BESIDE)
+    return offsets[offsets < room], float(u.mean()) * np.array(SLOWER_AND_FASTER)
+
+
+def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = SAMPLES, seed: int = 0) -> np.ndarray:
+    """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (offsets, 3) (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With a covariance.
+    y : array (offsets,) [m]
+        To starboard of the middle.
+    u : float [m/s]
+        Through the water.
+    samples : int
+        Of the coefficients.
+    seed : int
+        Of the samples.
+    """
+    rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=samples, seed=seed)["rudder"]
+    ordered = np.nan_to_num(rudder.transpose("place", "sample").to_numpy(), nan=np.inf)
+    low, high = BAND
+    return np.asarray(np.quantile(ordered, (low, 0.5, high), axis=1, method="higher").T)
+
+
+def _named(when: str, angles: np.ndarray) -> dict[str, float]:
+    names = (f"rudder_{name}_{when}" for name in ("low", "median", "high"))
+    return dict(zip(names, angles.tolist(), strict=True))
+
+
+def _tops(envelope: SafeEnvelope) -> list[float]:
+    """The highest speed that the model has safe at each offset [knots], tested or not; NaN where there is none."""
+    safe, speeds = envelope.by_model().transpose("y", "u").to_numpy(), envelope.data["u"].to_numpy() / KNOT
+    return [float(speeds[np.flatnonzero(row)[-1]]) if row.any() else math.nan for row in safe]

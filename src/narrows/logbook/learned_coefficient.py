@@ -1,0 +1,140 @@
+"""What a record taught of each coefficient beyond what was known: one word, from thresholds stated here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identification.identifiability.verdict import IDENTIFIED
+from narrows.model.model import Model
+
+LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
+LEARNED_TO, SHARPENED_TO = 0.5, 0.9
+"""Of the standard error before, what is left where a record has three quarters or a fifth of the information."""
+WIDE = 1.959964
+"""Standard errors either way, 95 % of a normal distribution."""
+TELLING = 0.7
+"""Correlation over which two coefficients are told as a pair."""
+
+
+@dataclass(frozen=True)
+class LearnedCoefficient:
+    """A coefficient before a record and after it.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    unit : str
+        Of its values.
+    prior, prior_std : float
+        Value and standard error before.
+    value, std : float
+        After.
+    from_bank : bool
+        Whether its term is one of the bank.
+    """
+
+    name: str
+    unit: str
+    prior: float
+    prior_std: float
+    value: float
+    std: float
+    from_bank: bool
+
+    @property
+    def left(self) -> float:
+        """Of the standard error before, what is left; 1 where nothing was open."""
+        return self.std / self.prior_std if self.prior_std > 0 else 1.0
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval after."""
+        return self.value - WIDE * self.std, self.value + WIDE * self.std
+
+    @property
+    def holds_zero(self) -> bool:
+        """Whether the interval holds 0."""
+        low, high = self.interval
+        return low <= 0 <= high
+
+    @property
+    def word(self) -> str:
+        """``learned``, ``sharpened`` or ``from the prior``."""
+        return LEARNED if self.left <= LEARNED_TO else SHARPENED if self.left <= SHARPENED_TO else PRIOR
+
+    @property
+    def verdict(self) -> str:
+        """The word, and of a bank's coefficient whose interval holds 0 that it is unresolved."""
+        return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.holds_zero else self.word
+
+    def sentence(self) -> str:
+        """Say what was learned of it."""
+        low, high = self.interval
+        told = f"{self.name} is {low:.3g} to {high:.3g} (standard error {self.std:.2g}, {self.prior_std:.2g} before)"
+        return f"{told}: unresolved, for 0 is among it" if self.from_bank and self.holds_zero else told
+
+
+def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarray) -> dict[str, LearnedCoefficient]:
+    """Return each coefficient before and after (ours).
+
+    Parameters
+    ----------
+    prior : Model
+        With its covariance.
+    values : array (n,)
+        After, in the order of the table.
+    covariance : array (n, n)
+        After.
+    """
+    before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
+    return {
+        term.name: LearnedCoefficient(
+            term.name, term.dimension.unit, prior.coefficients[term.name], float(before[i]), float(values[i]),
+            float(after[i]), term.from_bank,
+        )
+        for i, term in enumerate(prior.terms.terms)
+    }  # fmt: skip
+
+
+def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray) -> list[tuple[str, str, float]]:
+    """Return what was learned only together with another: a name, its nearest partner, their correlation (ours).
+
+    Parameters
+    ----------
+    coefficients : mapping of str to LearnedCoefficient
+        In the order of the covariance.
+    covariance : array (n, n)
+        After.
+    """
+    names, size = list(coefficients), np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale = np.where(size > 0, size, np.inf)
+    correlation = covariance / np.outer(scale, scale)
+    np.fill_diagonal(correlation, 0.0)
+    found: dict[frozenset[str], tuple[str, str, float]] = {}
+    for i, name in enumerate(names):
+        j = int(np.abs(correlation[i]).argmax())
+        if coefficients[name].word != PRIOR and abs(correlation[i, j]) >= TELLING:
+            found.setdefault(frozenset((name, names[j])), (name, names[j], float(correlation[i, j])))
+    return list(found.values())
+
+
+def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient], contradicted: bool) -> dict[str, str]:
+    """Return the verdicts of the model that comes out: those of the tests, but for what was learned (ours).
+
+    Parameters
+    ----------
+    prior : Model
+        With the verdicts of its tests.
+    coefficients : mapping of str to LearnedCoefficient
+        What was learned.
+    contradicted : bool
+        Whether the record contradicts the model.
+    """
+    learned = [name for name, coefficient in coefficients.items() if coefficient.word == LEARNED]
+    if contradicted:
+        return {**prior.verdicts, **dict.fromkeys(learned, "contradicted by the ship's own record")}
+    open_still = {name for name in learned if UNRESOLVED in coefficients[name].verdict}
+    settled = {name: f"{UNRESOLVED} by the ship's own record" if name in open_still else IDENTIFIED for name in learned}
+    return {**prior.verdicts, **settled}

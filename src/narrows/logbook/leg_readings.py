@@ -1,0 +1,117 @@
+"""Legs as linear readings: the balances about where the ship was, and what errors of readings do to them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.logbook.gaussian_update import Blocks
+from narrows.logbook.steady_balance import BALANCED, LATENT, SteadyBalance
+from narrows.logbook.steady_conditions import UNKNOWN
+from narrows.logbook.steady_readings import SteadyReadings
+
+ZEROS = {"rudder": 2, "drift": 3, "heading": 4}
+"""Which of ``UNKNOWN`` adds to a reading."""
+
+
+@dataclass(frozen=True)
+class LegReadings:
+    """Readings as columns: y, u, rudder, direction, and a second direction or none.
+
+    Parameters
+    ----------
+    value, size : array (legs, 4 or 5)
+        Read, and standard deviations.
+    zeros : tuple of int or None
+        Which of ``UNKNOWN`` adds to each column.
+    """
+
+    value: np.ndarray
+    size: np.ndarray
+    zeros: tuple[int | None, ...]
+
+    @classmethod
+    def of(cls, readings: SteadyReadings) -> "LegReadings":
+        """Return the columns of readings.
+
+        Parameters
+        ----------
+        readings : SteadyReadings
+            By name.
+        """
+        names = ("y", "u", "rudder", *readings.directions)
+        value, size = (np.stack([part[name] for name in names], axis=1) for part in (readings.values, readings.errors))
+        return cls(value, size, tuple(ZEROS.get(name) for name in names))
+
+    @property
+    def balances(self) -> int:
+        """Of a leg: sway and yaw, and of two directions that they are one."""
+        return int(self.value.shape[1]) - len(LATENT) + len(BALANCED)
+
+    def first(self) -> np.ndarray:
+        """Return where the ship was by the readings."""
+        return self.value[:, : len(LATENT)]
+
+    def blocks(
+        self, balance: SteadyBalance, latent: np.ndarray, unknowns: np.ndarray, left_over: np.ndarray
+    ) -> tuple[Blocks, np.ndarray]:
+        """Return the balances written out about places, and their slopes by what was read.
+
+        Parameters
+        ----------
+        balance : SteadyBalance
+            Of the model.
+        latent : array (legs, 4)
+            The places.
+        unknowns : array (n,)
+            Coefficients, then ``UNKNOWN``, that slopes are taken at.
+        left_over : array (5,)
+            Of ``SteadyConditions.left_over``.
+        """
+        count, forces = len(unknowns) - len(UNKNOWN), slice(len(BALANCED))
+        slopes, by_turning, mass = balance.slopes(latent, unknowns[:count])
+        through = np.zeros((len(self.value), self.balances, self.value.shape[1]))
+        through[:, forces, : len(LATENT)] = slopes
+        if self.balances > len(BALANCED):
+            through[:, -1, -2:] = -1.0, 1.0
+        design = np.zeros((len(self.value), self.balances, len(unknowns)))
+        design[:, forces, :count] = balance.columns(latent)
+        design[:, forces, count : count + len(BALANCED)] = np.eye(len(BALANCED))
+        for column, zero in enumerate(self.zeros):
+            if zero is not None:
+                design[:, :, count + zero] -= through[:, :, column]
+        covariance = np.einsum("lqi,li,lri->lqr", through, self.size**2, through)
+        covariance[:, forces, forces] += _left_over(by_turning, mass, left_over)
+        value = -np.einsum("lqi,li->lq", through, self.value - self._read_at(latent))
+        return Blocks(value, design, covariance), through
+
+    def corrected(self, blocks: Blocks, through: np.ndarray, unknowns: np.ndarray) -> np.ndarray:
+        """Return where the ship was most likely: the readings less zeros and their share of what is out of balance.
+
+        Parameters
+        ----------
+        blocks : Blocks
+            As ``blocks`` gives them, with ``through``.
+        through : array (legs, balances, columns)
+            Slopes by what was read.
+        unknowns : array (n,)
+            Most likely.
+        """
+        rest = blocks.value - blocks.design @ unknowns
+        errors = -(self.size**2) * np.einsum(
+            "lqi,lq->li", through, np.linalg.solve(blocks.covariance, rest[..., None])[..., 0]
+        )
+        shared = unknowns[len(unknowns) - len(UNKNOWN) :]
+        zeros = np.array([0.0 if zero is None else shared[zero] for zero in self.zeros])
+        return np.asarray((self.value - zeros - errors)[:, : len(LATENT)])
+
+    def _read_at(self, latent: np.ndarray) -> np.ndarray:
+        """What would be read without errors: the direction as often as it is read."""
+        again = latent[:, len(LATENT) - 1 :].repeat(self.value.shape[1] - len(LATENT), axis=1)
+        return np.concatenate([latent, again], axis=1)
+
+
+def _left_over(by_turning: np.ndarray, mass: np.ndarray, left_over: np.ndarray) -> np.ndarray:
+    """Covariance of what wind and a rest of motion leave out of balance, (legs, 2, 2)."""
+    wind, turning, accelerations = left_over[:2], left_over[2], left_over[3:]
+    moved, turned = mass * accelerations, turning * by_turning
+    return np.asarray(np.diag(wind**2) + turned[:, :, None] * turned[:, None] + moved @ np.swapaxes(moved, 1, 2))

@@ -1,0 +1,106 @@
+"""The balance of sway and yaw on steady legs: linear in the coefficients, with exact slopes by what was read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.codegen.linearisation import LINEARISED, controlled
+from narrows.control.self_propulsion import self_propulsion
+from narrows.model.model import Model
+from narrows.quantities.names import Number
+from narrows.safety.underkeel import keel_at
+from narrows.ship.motion import Motion
+from narrows.simulation.ship import SimulatedShip
+
+LATENT = ("y", "u", "rudder", "psi")
+"""What a leg is, truly: what its readings are readings of."""
+BALANCED = {"Y": "v", "N": "r"}
+"""Forces that a steady leg has in balance, and the velocity whose rate each makes."""
+
+
+@dataclass(frozen=True)
+class SteadyBalance:
+    """Sway force and yaw moment of a model on legs, and their slopes.
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    felt : mapping of str to array (legs,)
+        Heave [m], and revolutions [1/s] where the terms ask for them.
+    """
+
+    model: Model
+    felt: Mapping[str, np.ndarray]
+
+    def columns(self, latent: np.ndarray) -> np.ndarray:
+        """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients).
+
+        Parameters
+        ----------
+        latent : array (legs, 4)
+            ``LATENT`` of each leg.
+        """
+        names = self.model.terms.names
+        values, columns = self._values(latent), np.zeros((len(latent), len(BALANCED), len(names)))
+        for row, force in enumerate(BALANCED):
+            for term in self.model.terms.forces[force]:
+                columns[:, row, names.index(term.name)] = term.column(values)
+        return columns
+
+    def slopes(self, latent: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return slopes by ``LATENT`` (legs, 2, 4) and by the yaw rate (legs, 2), and the mass (legs, 2, 2).
+
+        Along a straight course: the sway velocity goes with heading and speed.
+
+        Parameters
+        ----------
+        latent : array (legs, 4)
+            ``LATENT`` of each leg.
+        coefficients : array (coefficients,)
+            In the order of the table.
+        """
+        ship = SimulatedShip(
+            self.model.with_coefficients(**dict(zip(self.model.terms.names, coefficients, strict=True)))
+        )
+        y, u, rudder, psi = latent.T
+        at = {"y": y, "u": u, "v": -u * np.tan(psi), "psi": psi, "rudder": rudder, **self.felt}
+        # The rates are the forces over the mass, which no place changes.
+        rates = ship.linearisation({**ship.values(), **self.felt}).linear(at)[
+            :, [LINEARISED.index(n) for n in BALANCED.values()]
+        ]
+        names = (*LINEARISED, *controlled(ship.actuators))
+        mass = np.linalg.inv(rates[:, :, [names.index("Y_in"), names.index("N_in")]])
+        by = dict(zip(names, np.moveaxis(mass @ rates, 2, 0), strict=True))
+        by_u = by["u"] - by["v"] * np.tan(psi)[:, None]
+        by_psi = by["psi"] - by["v"] * (u / np.cos(psi) ** 2)[:, None]
+        return np.stack([by["y"], by_u, by["rudder"], by_psi], axis=-1), by["r"], mass
+
+    def _values(self, latent: np.ndarray) -> dict[str, Number]:
+        y, u, rudder, psi = latent.T
+        values = dict(SimulatedShip(self.model).values())
+        values |= {**Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.felt}
+        for actuator in self.model.terms.actuators:
+            if actuator.name == "rudder":
+                values |= actuator.placed(rudder)
+        return values
+
+
+def felt_on(model: Model, speeds: np.ndarray, told: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return what goes with the speed of legs: heave [m], and revolutions [1/s] where the terms ask for them (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    speeds : array (legs,) [m/s]
+        Through the water.
+    told : mapping of str to array (legs,)
+        What was read of them.
+    """
+    felt = {"heave": told["heave"] if "heave" in told else keel_at(model, speeds).midship}
+    if model.terms.propelled:
+        turns = [self_propulsion(model, float(speed)) for speed in speeds] if "revolutions" not in told else None
+        felt["revolutions"] = told["revolutions"] if turns is None else np.array(turns)
+    return felt

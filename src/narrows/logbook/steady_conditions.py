@@ -1,0 +1,105 @@
+"""What all legs of a held ship share and nobody measured: wind, the zeros of the instruments, a rest of motion."""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from narrows.errors import Described, InputError
+from narrows.model.model import Model
+from narrows.safety.disturbance import wind_force
+
+WINDAGE, LEVER = 0.1, 0.1
+"""Lateral area over the square of the length, of a loaded container ship about, and where the wind's force acts, over
+the length: used where none is given (ours)."""
+UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero")
+"""What is estimated beside the coefficients: force [N] and moment [N m] of the wind, and three zeros [rad]."""
+
+
+@dataclass(frozen=True, repr=False)
+class SteadyConditions(Described):
+    """How much what all legs share may be, as standard deviations, and what changes from leg to leg (ours).
+
+    Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so
+    are the zeros. Opposite sides cancel all of them. What still moves on a leg is a force of its own.
+
+    Parameters
+    ----------
+    wind : float [m/s]
+        Speed of a beam wind of one standard deviation, from either side.
+    windage : float [m2], optional
+        Lateral area above the water; a tenth of the square of the length unless given.
+    wind_lever : float [m], optional
+        Standard deviation of where the wind's force acts, off midship; a tenth of the length unless given.
+    wind_change : float [1]
+        Of force and moment of the wind, from leg to leg.
+    rudder_zero_deg, drift_zero_deg, heading_zero_deg : float [deg]
+        Of the readings, the same on every leg.
+    yaw_rate_deg : float [deg/s]
+        Mean over a leg: what is left of turning.
+    yaw_change_deg : float [deg/s]
+        Of the yaw rate between the begin and the end of a leg.
+    sway_change : float [m/s]
+        Of the sway velocity, likewise.
+    leg_time : float [s]
+        How long a leg is read.
+
+    Raises
+    ------
+    InputError
+        Where a number is negative or not finite, or the time of a leg is 0.
+    """
+
+    wind: float = 8.0
+    windage: float | None = None
+    wind_lever: float | None = None
+    wind_change: float = 0.2
+    rudder_zero_deg: float = 1.0
+    drift_zero_deg: float = 1.0
+    heading_zero_deg: float = 1.0
+    yaw_rate_deg: float = 0.005
+    yaw_change_deg: float = 0.01
+    sway_change: float = 0.02
+    leg_time: float = 120.0
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if (value is not None and not (0 <= value < math.inf)) or (entry.name == "leg_time" and value == 0):
+                raise InputError(f"conditions of legs: {entry.name} = {value} must be a finite number from 0")
+
+    def summary(self) -> str:
+        """Say them."""
+        return (
+            f"beam wind {self.wind:g} m/s, its force changing by {100 * self.wind_change:.0f} % from leg to leg; zeros "
+            f"of rudder {self.rudder_zero_deg:g}, drift {self.drift_zero_deg:g} and heading {self.heading_zero_deg:g} "
+            f"deg; turning at {self.yaw_rate_deg:g} deg/s (standard deviations)"
+        )
+
+    def shared(self, model: Model) -> np.ndarray:
+        """Return the standard deviations of ``UNKNOWN`` for a ship, (5,) [N, N m, rad, rad, rad].
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        """
+        zeros = np.radians([self.rudder_zero_deg, self.drift_zero_deg, self.heading_zero_deg])
+        return np.array([*self._wind(model), *zeros])
+
+    def left_over(self, model: Model) -> np.ndarray:
+        """Return what is left on each leg: force and moment [N, N m], yaw rate [rad/s], accelerations [m/s2, rad/s2].
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        """
+        gust = self.wind_change * self._wind(model)
+        rates = self.sway_change / self.leg_time, math.radians(self.yaw_change_deg) / self.leg_time
+        return np.array([*gust, math.radians(self.yaw_rate_deg), *rates])
+
+    def _wind(self, model: Model) -> np.ndarray:
+        length = model.configuration.ship.length
+        force = wind_force(self.wind, WINDAGE * length**2 if self.windage is None else self.windage)
+        return np.array([force, force * (LEVER * length if self.wind_lever is None else self.wind_lever)])

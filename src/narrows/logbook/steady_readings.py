@@ -1,0 +1,226 @@
+"""What was read while a ship was held: a row a leg, from a file, a DataFrame or a mapping, with the error of each."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.errors import Described, InputError, did_you_mean, shown
+from narrows.quantities.names import Quantity
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+READ = {
+    "y": Quantity("m", "midship to starboard of the middle of the canal"),
+    "u": Quantity("m/s", "surge velocity through the water"),
+    "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
+    "drift": Quantity("rad", "heading less course over ground, positive where the bow is to starboard of the course"),
+    "heading": Quantity("rad", "heading to the canal's direction, clockwise seen from above"),
+}
+"""What is read on a leg."""
+FELT = {
+    "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
+    "revolutions": Quantity("1/s", "of the propeller, for terms that ask for it"),
+}
+"""What a leg may say beside it."""
+LABEL = "leg"
+ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
+COLUMNS = {**READ, **FELT, **ERRORS}
+MOST_ANGLE = 1.2
+"""Of a rudder, a drift or a heading [rad] that can be meant."""
+
+
+@dataclass(frozen=True, repr=False)
+class ReadingErrors(Described):
+    """Standard deviations of what is read on a leg, the same to both sides or not, where a table does not say (ours).
+
+    They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
+
+    Parameters
+    ----------
+    y : float [m]
+        Of the offset.
+    u : float [m/s]
+        Of the speed through the water.
+    rudder_deg, drift_deg, heading_deg : float [deg]
+        Of the angles.
+
+    Raises
+    ------
+    InputError
+        Where one is negative or not finite, or that of the rudder, the drift or the heading is 0.
+    """
+
+    y: float = 1.0
+    u: float = 0.1
+    rudder_deg: float = 1.0
+    drift_deg: float = 0.2
+    heading_deg: float = 0.2
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            least = "over 0" if entry.name.endswith("_deg") else "from 0"
+            if not (np.isfinite(value) and value >= 0) or (least == "over 0" and value == 0):
+                raise InputError(f"a reading's error {entry.name} = {value}: give a finite number {least}")
+
+    def summary(self) -> str:
+        """Say them."""
+        return (
+            f"offset to {self.y:g} m, speed to {self.u:g} m/s, rudder to {self.rudder_deg:g} deg, drift to "
+            f"{self.drift_deg:g} deg, heading to {self.heading_deg:g} deg (standard deviations of a leg's mean)"
+        )
+
+    def of(self, name: str) -> float:
+        """Return that of a quantity, in SI.
+
+        Parameters
+        ----------
+        name : str
+            ``y``, ``u``, ``rudder``, ``drift`` or ``heading``.
+        """
+        angle = READ[name].unit == "rad"
+        return float(np.radians(getattr(self, f"{name}_deg")) if angle else getattr(self, name))
+
+
+@dataclass(frozen=True, repr=False)
+class SteadyReadings(Described):
+    """Legs on which a ship was held, in SI.
+
+    Parameters
+    ----------
+    legs : tuple of str
+        What each is called.
+    values : mapping of str to array (legs,)
+        ``y``, ``u``, ``rudder``, ``drift`` or ``heading`` or both; ``heave``, ``revolutions`` where they were read.
+    errors : mapping of str to array (legs,)
+        Standard deviations of the first five.
+    source : str
+        The file, or what it was.
+    sha256 : str
+        Of the rows.
+    """
+
+    legs: tuple[str, ...]
+    values: Mapping[str, np.ndarray]
+    errors: Mapping[str, np.ndarray]
+    source: str = ""
+    sha256: str = ""
+
+    def __len__(self) -> int:
+        """How many legs."""
+        return len(self.legs)
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """What tells the direction of the ship: ``drift``, ``heading`` or both."""
+        return tuple(name for name in ("drift", "heading") if name in self.values)
+
+    @property
+    def both_sides(self) -> bool:
+        """Whether the ship was held to starboard of one leg's offset and to port of another's, the middle between."""
+        y = self.values["y"]
+        return bool(y.min() < 0 < y.max())
+
+    def summary(self) -> str:
+        """Say how many legs, from where to where and how fast."""
+        y, u = self.values["y"], self.values["u"]
+        speeds = " to ".join(dict.fromkeys(f"{end:.3g}" for end in (u.min(), u.max())))
+        return f"{len(self)} legs from {y.min():+.3g} to {y.max():+.3g} m off the middle at {speeds} m/s"
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give them as a table, angles in degrees."""
+        import pandas as pd
+
+        columns = {**self.values, **{f"{name}_error": value for name, value in self.errors.items()}}
+        shown_as = {
+            f"{name}_deg" if COLUMNS[name].unit == "rad" else name: np.degrees(value)
+            if COLUMNS[name].unit == "rad" else value
+            for name, value in columns.items()
+        }  # fmt: skip
+        return pd.DataFrame(shown_as, index=pd.Index(self.legs, name=LABEL))
+
+
+def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
+    """Read the legs of a ship that was held (ours).
+
+    Parameters
+    ----------
+    table : str, Path, DataFrame or mapping of str to array
+        With the columns ``y``, ``u``, ``rudder`` and ``drift`` or ``heading``, and where they are known ``y_error``,
+        ``rudder_error`` and so on, ``heave``, ``revolutions`` and ``leg``; in SI and radians unless a header says
+        otherwise (``rudder [deg]``, ``u [kn]``).
+    errors : ReadingErrors, optional
+        Where the table does not say.
+
+    Raises
+    ------
+    InputError
+        Where it is no such table, or a number is none that can be meant.
+    """
+    from narrows.readers.dataframes import as_sheet, name_of, sha256_of_frame
+    from narrows.readers.frames import read_frame
+
+    if isinstance(table, SteadyReadings):
+        return table
+    is_file = isinstance(table, str | Path)
+    frame = (read_frame(Path(table)) if is_file else as_sheet(table)).frame
+    source = Path(table).name if is_file else name_of(table)
+    if frame.empty:
+        raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
+    columns = _columns(frame, source)
+    readings = SteadyReadings(
+        _labels(frame, source), {name: columns[name] for name in (*READ, *FELT) if name in columns},
+        _errors(columns, errors or ReadingErrors(), source), source, sha256_of_frame(frame),
+    )  # fmt: skip
+    _check(readings)
+    return readings
+
+
+def _labels(frame: "pd.DataFrame", source: str) -> tuple[str, ...]:
+    from narrows.readers.cells import labels
+
+    names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
+    return tuple(str(name) for name in names)
+
+
+def _columns(frame: "pd.DataFrame", source: str) -> dict[str, np.ndarray]:
+    """Columns of the vocabulary in SI; others are passed over."""
+    from narrows.readers.cells import check_once, numbers
+    from narrows.readers.headers import parse_header
+
+    headers = [str(header) for header in frame.columns]
+    known = [column for header in headers if (column := parse_header(header, COLUMNS)) is not None]
+    check_once(known, headers, COLUMNS, source)
+    columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
+    for name in ("y", "u", "rudder"):
+        if name not in columns:
+            raise InputError(f"{source}: no column is {name}{did_you_mean(name, headers)}")
+    if not {"drift", "heading"} & set(columns):
+        raise InputError(f"{source}: no column is drift or heading; give one of them, as in 'drift [deg]'")
+    return columns
+
+
+def _errors(columns: Mapping[str, np.ndarray], errors: ReadingErrors, source: str) -> dict[str, np.ndarray]:
+    legs = len(columns["y"])
+    stated = {name: columns.get(f"{name}_error", np.full(legs, errors.of(name))) for name in READ if name in columns}
+    for name, column in stated.items():
+        least = "over 0" if READ[name].unit == "rad" else "from 0"
+        if not (np.isfinite(column) & (column > 0 if least == "over 0" else column >= 0)).all():
+            raise InputError(f"{source}: {name}_error is a finite number {least} on every leg; mend it")
+    return stated
+
+
+def _check(readings: SteadyReadings) -> None:
+    for name in ("rudder", *readings.directions):
+        for leg, angle in zip(readings.legs, readings.values[name].tolist(), strict=True):
+            if abs(angle) > MOST_ANGLE:
+                raise InputError(
+                    f"{readings.source}: leg {leg} has a {name} of {shown(angle)} rad; if these are degrees, head the "
+                    f"column '{name} [deg]'"
+                )
+    if not (readings.values["u"] > 0).all():
+        raise InputError(f"{readings.source}: a leg has no speed ahead; give u over 0, through the water")

@@ -1,0 +1,89 @@
+"""Coefficients from steady legs: the balance of sway and yaw, linear in the coefficients, between readings with errors.
+
+The legs' true offsets, speeds and angles are unknown too. With a row's reading ``m = l + zeros + e`` and the balance
+``f(l, coefficients) + wind + rest = 0``, the balance is written out about the best l so far and its error is that of
+the readings through its slopes (Gauss and Helmert's form of least squares); the best l is found anew until nothing
+moves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.logbook.gaussian_update import NormalPrior, Posterior, updated
+from narrows.logbook.leg_readings import LegReadings
+from narrows.logbook.steady_balance import SteadyBalance, felt_on
+from narrows.logbook.steady_conditions import UNKNOWN, SteadyConditions
+from narrows.logbook.steady_readings import SteadyReadings
+from narrows.model.model import Model
+
+ROUNDS, SETTLED = 50, 1e-9
+"""Of standard deviations, by which the last round may still move anything."""
+
+
+@dataclass(frozen=True)
+class SteadyUpdate:
+    """What the legs tell.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        Of the coefficients, then of ``UNKNOWN``.
+    latent : array (legs, 4)
+        Where the ship truly was, most likely: ``LATENT``.
+    settled : bool
+        Whether the rounds came to rest.
+    counted : int
+        Of independent balances and readings: degrees of freedom of the sum of squares.
+    """
+
+    posterior: Posterior
+    latent: np.ndarray
+    settled: bool
+    counted: int
+
+
+def steady_prior(model: Model, conditions: SteadyConditions) -> NormalPrior:
+    """Return what is known before: the model's coefficients with all of their covariance, and what legs share (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With a covariance.
+    conditions : SteadyConditions
+        What legs share.
+    """
+    coefficients = np.array([model.coefficients[name] for name in model.terms.names])
+    tests, shared = NormalPrior.of(coefficients, np.asarray(model.covariance)), conditions.shared(model)
+    root = np.zeros((len(coefficients) + len(UNKNOWN), tests.root.shape[1] + len(UNKNOWN)))
+    root[: len(coefficients), : tests.root.shape[1]] = tests.root
+    root[len(coefficients) :, tests.root.shape[1] :] = np.diag(shared)
+    return NormalPrior(np.concatenate([coefficients, np.zeros(len(UNKNOWN))]), root)
+
+
+def steady_update(model: Model, readings: SteadyReadings, conditions: SteadyConditions) -> SteadyUpdate:
+    """Update a model's coefficients by steady legs (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder and a covariance.
+    readings : SteadyReadings
+        The legs.
+    conditions : SteadyConditions
+        What they share, and what is left on each.
+    """
+    prior, read = steady_prior(model, conditions), LegReadings.of(readings)
+    balance = SteadyBalance(model, felt_on(model, readings.values["u"], readings.values))
+    open_ended = [(-np.inf, np.inf)] * len(UNKNOWN)
+    bounds = np.array([*(term.bound for term in model.terms.terms), *open_ended])
+    left_over, latent, unknowns, settled = conditions.left_over(model), read.first(), prior.mean, False
+    size, rounds = np.sqrt(np.diag(prior.covariance)), 0
+    while not settled and rounds < ROUNDS:
+        blocks, through = read.blocks(balance, latent, unknowns, left_over)
+        posterior = updated(prior, blocks, bounds)
+        nearer = read.corrected(blocks, through, posterior.mean)
+        moved = np.abs(posterior.mean - unknowns) <= SETTLED * size
+        settled = bool(moved.all() and np.allclose(nearer, latent, rtol=SETTLED, atol=SETTLED))
+        latent, unknowns, rounds = nearer, posterior.mean, rounds + 1
+    return SteadyUpdate(posterior, latent, settled, len(readings) * read.balances)

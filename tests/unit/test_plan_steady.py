@@ -1,0 +1,114 @@
+"""A plan of steady legs keeps to its limits, and tells beforehand what the legs then teach."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from engine_models import steered
+from narrows.logbook.envelope_change import envelope_change, places_of
+from narrows.logbook.steady_candidates import usual_offsets, usual_speeds
+
+CALM = nw.SteadyConditions(wind=0.5, yaw_rate_deg=0.02, sway_change=0.001)
+ERRORS = nw.ReadingErrors(y=0.02, u=0.01, rudder_deg=0.5, drift_deg=0.1)
+
+
+@cache
+def ship(bank: float = 0.03) -> nw.Model:
+    model = steered().with_coefficients(b_bank=0.3, c_bank=0.04)
+    values = np.array([model.coefficients[name] for name in model.terms.names])
+    std = np.array(
+        [bank if term.name == "c_bank" else 0.05 * value for term, value in zip(model.terms.terms, values, strict=True)]
+    )
+    known = replace(model, covariance=np.diag(std**2), data_range=nw.DataRange(speed=(0.5, 1.0), abs_y=(0.0, 1.0)))
+    return replace(known, configuration=replace(known.configuration, canal=nw.Canal(7.0, 0.4)))
+
+
+@cache
+def plan(**told) -> nw.SteadyPlan:
+    return nw.plan_steady(ship(), errors=ERRORS, conditions=CALM, **told)
+
+
+def test_legs_come_in_pairs_nearest_first_and_each_side_begins_in_turn() -> None:
+    offsets = [leg.offset for leg in plan(legs=6).legs]
+    assert np.all(np.diff(np.abs(offsets[::2])) >= 0)
+    for number, (first, other) in enumerate(zip(offsets[::2], offsets[1::2], strict=True)):
+        assert first == -other
+        assert (first > 0) == (number % 2 == 0)
+
+
+def test_every_leg_leaves_rudder_side_and_keel() -> None:
+    found = plan()
+    limit, canal = found.most_rudder, ship().configuration.canal
+    for leg in found.legs:
+        course = nw.steady_course(ship(), y=leg.offset, u=leg.speed, samples=2000, seed=9)
+        assert np.mean(np.abs(course["rudder"]) <= limit) >= 0.93
+        assert canal.width / 2 - abs(leg.offset) - ship().configuration.ship.beam / 2 >= found.clearance
+        assert leg.speed < nw.choke_speed(ship().configuration)
+
+
+def test_what_it_tells_is_what_the_legs_teach() -> None:
+    """Legs that read as the most likely coefficients have it."""
+    found = plan()
+    assert found.std["c_bank"][-1] < 0.5 * found.std["c_bank"][0]
+    assert np.all(np.diff(found.std["c_bank"]) <= 0)
+    y, u = (np.array([getattr(leg, name) for leg in found.legs]) for name in ("offset", "speed"))
+    heave = np.array([nw.squat(ship().configuration, speed).sinkage for speed in u])
+    held = [nw.steady_course(ship(), y=a, u=b, heave=c) for a, b, c in zip(y, u, heave, strict=True)]
+    read = {"y": y, "u": u, "rudder": [float(c["rudder"]) for c in held], "drift": [float(c["psi"]) for c in held]}
+    learned = nw.learn_steady(ship(), read, errors=ERRORS, conditions=CALM)
+    for name in found.targets:
+        assert found.std[name][-1] == pytest.approx(learned.std[name], rel=1e-3)
+
+
+def test_a_plan_is_no_worse_than_as_many_legs_elsewhere() -> None:
+    best = plan(targets="c_bank")
+    for offset, speed in ((0.2, 0.5), (0.4, 0.55)):
+        other = nw.plan_steady(ship(), [offset], [speed], errors=ERRORS, conditions=CALM, targets="c_bank")
+        assert other.legs
+        assert other.std["c_bank"][-1] >= best.std["c_bank"][-1]
+
+
+def test_where_no_leg_is_allowed_there_is_none_and_the_answer_says_why() -> None:
+    found = nw.plan_steady(ship(bank=3.0), errors=ERRORS, conditions=CALM)
+    assert found.legs == ()
+    assert "No leg off the middle is allowed" in found.summary()
+    assert "not allowed for the rudder" in " ".join(found.notes)
+
+
+def test_offsets_and_speeds_are_round_and_within_the_canal() -> None:
+    offsets, speeds = usual_offsets(ship(), 0.3), usual_speeds(ship())
+    assert offsets[-1] <= 3.5 - 0.286 - 0.3
+    assert np.allclose(offsets / offsets[0], np.arange(1, len(offsets) + 1))
+    assert speeds.min() >= 0.45
+    assert speeds.max() <= 1.05
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({"legs": 3}, "even number"),
+        ({"legs": 0}, "whole number"),
+        ({"reserve": 1.0}, "share under 1"),
+        ({"clearance": 9.0}, "leaves no offset"),
+        ({"offsets": [0.0]}, "over 0"),
+        ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),
+    ],
+)
+def test_a_plan_that_cannot_be_is_refused_in_a_sentence(told: dict, said: str) -> None:
+    with pytest.raises(nw.InputError, match=said):
+        nw.plan_steady(ship(), **told)
+
+
+def test_a_surer_model_changes_the_envelope() -> None:
+    surer = replace(ship(0.2), covariance=ship(0.2).covariance / 100)
+    offsets, speeds = places_of(np.array([0.5, -0.5]), np.array([0.5]), 3.0)
+    found = envelope_change(ship(0.2), surer, offsets[:3], speeds[1:], samples=40)
+    rows = found.rows()
+    wide, narrow = (rows[-1][f"rudder_high_{when}"] - rows[-1][f"rudder_low_{when}"] for when in ("before", "after"))
+    assert narrow < wide
+    assert rows[-1]["held_after"] >= rows[-1]["held_before"]
+    assert found.summary().startswith("Before: ")
+    assert "on twins only" in found.notes[-1]
