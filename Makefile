@@ -54,7 +54,7 @@ bench: .venv/dev
 package: .venv/package
 	PYTHON=$(PYTHON) .ci/package
 
-# The demo and quick tests on python3.15 or python3.14, where the machine has one; two minutes.
+# The demo and quick tests on python3.15 or python3.14, where the machine has one; under two minutes.
 newest:
 	PYTHON=$(PYTHON) .ci/newest
 
