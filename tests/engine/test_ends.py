@@ -58,6 +58,9 @@ ENDINGS = {
     "across to port": Ending("left validity", {**AHEAD, "psi": -0.3}, ("schedule", ((0.0, 0.0), (3.33, -0.4)))),
     "out by the far end": Ending("left the waterway", {**AHEAD, "x": 105.0}, PILOT, "waterway", 0.3),
     "out by the beginning": Ending("left the waterway", {**AHEAD, "x": 6.0}, PILOT, "waterway", -1.7),
+    "time is up, from the first point of the line": Ending(
+        "afloat", {**AHEAD, "x": 0.0}, PILOT, "waterway", 0.3, duration=5.0
+    ),
     "time is up within a step": Ending("afloat", {**AHEAD, "y": 3.0}, PILOT, duration=7.123),
     "time is up with a step": Ending("afloat", {**AHEAD, "y": 3.0}, PILOT, duration=7.2),
     "time is up within the first step": Ending("afloat", {**AHEAD, "y": 3.0}, PILOT, duration=0.7, dt=2.0),

@@ -23,6 +23,7 @@ from narrows.safety.sampling import is_settled, share_interval
 from narrows.safety.underkeel import keel_at
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
+from pictures import assert_readable
 
 OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
@@ -415,9 +416,10 @@ class TestTruth:
     def test_what_a_pilot_does_not_say_is_not_written(self, asked: nw.SafeEnvelope) -> None:
         from io import StringIO
 
-        memory = StringIO()
-        asked.plot().savefig(memory, format="svg")
-        texts = [text.get_text() for text in asked.plot().findobj(Text)]
+        memory, chart = StringIO(), asked.plot()
+        chart.savefig(memory, format="svg")
+        assert_readable(chart)
+        texts = [text.get_text() for text in chart.findobj(Text)]
         for word in ("draws", "5 % line", "even odds", "sample", " she "):
             assert not any(word in text for text in [asked.summary(), *texts])
         assert any("no wind" in text for text in texts)

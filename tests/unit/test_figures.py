@@ -1,5 +1,6 @@
 """Pictures of voyages and maps say what they show: ship, canal, speed, what was tested, and words where nothing is."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +14,19 @@ from narrows.report.map_figures import map_figure
 from narrows.report.voyage_figures import hull, voyage_figure
 from narrows.simulation.usual import usual_voyage
 from narrows.waterway import Bank, Centreline, Waterway
+from pictures import assert_readable
 
 
 def words(figure: Figure) -> str:
     """Everything that is written on a picture."""
     return " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split())
+
+
+def straight() -> Waterway:
+    """As wide as the DTC's tank, eastward."""
+    ends = np.array([0.0, 500.0])
+    banks = (Bank(side, ends, np.full(2, 3.5)) for side in ("starboard", "port"))
+    return Waterway(Centreline(np.array([[0.0, 0.0], [500.0, 0.0]])), *banks, name="canal", origin=(7.6, 52.0))
 
 
 @pytest.fixture
@@ -75,10 +84,7 @@ class TestVoyage:
                 assert np.abs(drawn[:, 1]).max() == pytest.approx(dtc.configuration.canal.width / 2, abs=1e-8)
 
     def test_in_a_waterway_it_is_on_the_map(self, dtc: nw.Model) -> None:
-        ends = np.array([0.0, 500.0])
-        banks = (Bank(side, ends, np.full(2, 3.5)) for side in ("starboard", "port"))
-        line = Centreline(np.array([[0.0, 0.0], [500.0, 0.0]]))
-        voyage = nw.simulate(dtc, x=10.0, y=0.5, waterway=Waterway(line, *banks, name="canal", origin=(7.6, 52.0)))
+        voyage = nw.simulate(dtc, x=10.0, y=0.5, waterway=straight())
         written = words(voyage_figure(voyage))
         assert "in canal" in written
         assert "east of 7.6 E, 52 N [m]" in written
@@ -86,3 +92,30 @@ class TestVoyage:
         metres = np.cos(np.radians(52.0)) * 2 * np.pi * 6.39e6 / 360  # the line goes east
         assert float(data["longitude"][-1] - 7.6) * metres == pytest.approx(float(voyage.x[-1]), rel=2e-3)
         assert float(data["latitude"][0]) == pytest.approx(52.0 - 0.5 / 111_300, abs=1e-7)
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """A picture of each kind, for what holds of all of them."""
+
+    dtc: nw.Model
+
+    def voyage(self) -> Figure:
+        return voyage_figure(nw.simulate(self.dtc, y=0.5))
+
+    def voyage_on_a_map(self) -> Figure:
+        return voyage_figure(nw.simulate(self.dtc, x=10.0, y=0.5, waterway=straight()))
+
+    def long_voyage(self) -> Figure:
+        return voyage_figure(nw.simulate(self.dtc, y=0.0, duration=200.0))
+
+    def map(self) -> Figure:
+        return map_figure(nw.ensemble(self.dtc, y=np.linspace(-2.5, 2.5, 11), u=[0.8, 1.0]), self.dtc)
+
+    def line(self) -> Figure:
+        return map_figure(nw.ensemble(self.dtc, y=np.linspace(-2.5, 2.5, 11)), self.dtc, start={"u": 1.0})
+
+
+@pytest.mark.parametrize("name", [name for name in vars(Pictures) if not name.startswith("_")])
+def test_every_word_is_on_the_page_and_can_be_read(dtc: nw.Model, name: str) -> None:
+    assert_readable(getattr(Pictures(dtc), name)())

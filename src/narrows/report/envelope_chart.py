@@ -1,9 +1,9 @@
 """The chart that a pilot would pin up: where the ship is safe, the rudder that holds it there, and a table of both."""
 
-import textwrap
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,15 +11,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.constants import KNOT
+from narrows.report.envelope_column import draw_column
 from narrows.report.rules_view import draw_rudders, draw_speeds, draw_widths
-from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture
+from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture, headed
 from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
 UNTESTED = ".."
 PAGE = (11.7, 8.3)
 """A4, lying [in]."""
-MOST_ROWS = 17
 
 
 def envelope_chart(envelope: SafeEnvelope) -> Figure:
@@ -32,21 +32,21 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
     """
     with rc_context(FONT):
         figure = Picture(figsize=PAGE, layout="constrained")
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.55, 1), height_ratios=(3, 2))
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.4, 1), height_ratios=(3, 2))
         speeds = figure.add_subplot(grid[0, 0])
         rudder = figure.add_subplot(grid[1, 0], sharex=speeds)
-        _draw_speeds(speeds, envelope)
+        keys = _draw_speeds(speeds, envelope)
         _draw_rudder(rudder, envelope)
         for panel in (speeds, rudder):
             _draw_banks(panel, envelope)
-        _draw_table(figure.add_subplot(grid[:, 1]), envelope)
-        title = "\n".join([envelope.description, envelope.weather, *textwrap.wrap(envelope.summary(), 150)])
-        figure.suptitle(title, fontsize=9.5)
+        draw_column(figure.add_subplot(grid[:, 1]), envelope)
+        figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=4)
+        headed(figure, envelope.description, [envelope.weather, envelope.summary()])
     return figure
 
 
-def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
-    """Shares of the cases straight between the offsets and speeds that were tried; no line where nobody asked on."""
+def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
+    """Draw shares of the cases straight between what was tried, no line where nobody asked on; return further keys."""
     data = envelope.data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     if len(y) > 1 and len(u) > 1:
@@ -66,10 +66,8 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
     handles += draw_widths(axes, envelope.rules)
     draw_speeds(axes, envelope.rules)
-    axes.legend(
-        handles=[*_speed_legend(), *handles], loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2
-    )
     axes.grid(alpha=0.3)
+    return handles
 
 
 def _line(
@@ -150,29 +148,42 @@ def _speed_legend() -> list[Any]:
 
 
 def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
-    limit, reserve = np.degrees(envelope.data.attrs["rudder_limit"]), envelope.data.attrs["reserve"]
-    data, y = envelope.data, envelope.data["y"].to_numpy()
+    limit, reserve = float(np.degrees(envelope.data.attrs["rudder_limit"])), envelope.data.attrs["reserve"]
+    data = envelope.data
     sailed = np.flatnonzero(data["clear"].to_numpy() | ~data["clear"].to_numpy().any())
     ends = np.unique(sailed[[0, -1]])[:: -1 if envelope.speed_free else 1]
-    for style, index in zip(DASHES, ends[: 1 if envelope.speed_free else None].tolist(), strict=False):
+    for shade, style, index in zip(
+        (0.15, 0.0, 0.0, 0.0), DASHES, ends[: 1 if envelope.speed_free else None].tolist(), strict=False
+    ):
         here = data.isel(u=index)
         label = "at every speed" if envelope.speed_free else f"at {float(here['u']) / KNOT:.1f} knots"
-        axes.plot(y, np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
-        for name, words in (("rudder_low", f"9 cases of 10 between, {label}"), ("rudder_high", None)):
-            axes.plot(y, np.degrees(here[name].where(np.isfinite(here[name]))), color=ORANGE, ls=style, label=words)
-    for sign in (1, -1):
-        axes.axhline(sign * limit, color=BLACK, lw=1.4)
-        axes.axhline(sign * limit * (1 - reserve), color=GREY, lw=1.0, ls="--")
-    axes.text(
-        0.01, limit * (1 - reserve), " reserve begins", transform=axes.get_yaxis_transform(), va="bottom", color=GREY
-    )
-    axes.text(0.01, limit, " hard over", transform=axes.get_yaxis_transform(), va="bottom")
+        _draw_band(axes, here, 1.2 * limit, f"9 cases of 10 within, {label}", style, shade)
+        axes.plot(here["y"], np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
+    _draw_limit(axes, limit, "hard over", BLACK, "-")
+    _draw_limit(axes, limit * (1 - reserve), "reserve begins", GREY, "--")
     draw_rudders(axes, envelope.rules)
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
     axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
     axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     axes.grid(alpha=0.3)
+
+
+def _draw_band(axes: Axes, here: xr.Dataset, edge: float, label: str, style: str, shade: float) -> None:
+    """Draw what 9 cases of 10 are within, beyond the gear where more ask for it; none where half find no course."""
+    here = here.isel(y=np.isfinite(here["rudder"].to_numpy()))
+    low, high = (np.degrees(here[name].to_numpy()) for name in ("rudder_low", "rudder_high"))
+    low, high = np.nan_to_num(low, nan=-edge, neginf=-edge), np.nan_to_num(high, nan=edge, posinf=edge)
+    axes.fill_between(here["y"], low, high, facecolor=ORANGE, alpha=shade, lw=0)
+    for side in (low, high):
+        axes.plot(here["y"], side, color=ORANGE, ls=style, lw=1.0, label=label if side is low else None)
+
+
+def _draw_limit(axes: Axes, angle: float, words: str, colour: str, style: str) -> None:
+    for sign in (1, -1):
+        axes.axhline(sign * angle, color=colour, ls=style, lw=1.2)
+    left = axes.get_yaxis_transform()
+    axes.text(0.01, angle, f" {words}", transform=left, va="bottom", fontsize=7.5, color=colour)
 
 
 def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
@@ -182,37 +193,3 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
         axes.axvspan(sign * (wall - side), sign * wall, color=GREY, alpha=0.35, lw=0)
         axes.axvline(sign * wall, color=BLACK, lw=3)
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
-
-
-def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
-    """Offset, speeds, rudder, what limits: at most so many rows, the middle among them."""
-    axes.axis("off")
-    rows = envelope.offset_rows()
-    stride = -(-len(rows) // MOST_ROWS)
-    rows = rows[(len(rows) // 2) % stride :: stride]
-    heads = ["offset\n[m]", "safe speeds\n[knots]", "held: by one\nfor all, knowing", "rudder, 19 of\n20 within [deg]",
-             "what limits it"]  # fmt: skip
-    cells = [
-        [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]),
-         f"{100 * row['held']:.0f} %, {100 * row['known']:.0f} %", _degrees(row["rudder_95"]),
-         row["limited_by"]]
-        for row in rows
-    ]  # fmt: skip
-    table = axes.table(
-        cells, colLabels=heads, loc="upper center", cellLoc="center", colWidths=(0.11, 0.17, 0.21, 0.2, 0.31)
-    )
-    table.auto_set_font_size(False)
-    table.set_fontsize(7.2)
-    for (row, _), cell in table.get_celld().items():
-        cell.set_linewidth(0.3)
-        cell.set_height(0.055 if row == 0 else 0.03)
-    notes = [line for note in envelope.notes for line in textwrap.wrap(note, 72, subsequent_indent="  ")]
-    axes.text(0.0, 0.0, "\n".join(notes), fontsize=6.2, va="bottom", transform=axes.transAxes)
-
-
-def _span(low: float, high: float) -> str:
-    return f"{low:.1f} to {high:.1f}" if np.isfinite(low) and np.isfinite(high) else "-"
-
-
-def _degrees(angle: float) -> str:
-    return f"{angle:.0f}" if np.isfinite(angle) else "none"

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from narrows.estimation.consistency import Consistency
 from narrows.estimation.estimated_track import EstimatedTrack
 from narrows.estimation.states import STATES
-from narrows.report.style import BLACK, BLUE, GREY, ORANGE, panels, trust_below
+from narrows.report.style import BLACK, BLUE, GREY, ORANGE, notes_below, panels
 
 IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
 SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "heading_bias")
@@ -37,7 +37,7 @@ def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figu
     handles, labels = axes[first, 0].get_legend_handles_labels()
     figure.legend(handles, labels, frameon=False, ncols=4, loc="outside upper left")
     axes[-1, 0].set_xlabel("time [s]")
-    trust_below(figure, track.notes)
+    notes_below(figure, track.notes)
     return figure
 
 
@@ -95,5 +95,5 @@ def consistency_figure(result: Consistency) -> Figure:
     right.invert_yaxis()
     for axis in (left, right):
         axis.grid(alpha=0.3)
-    trust_below(figure, result.notes)
+    notes_below(figure, result.notes)
     return figure

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -14,8 +15,8 @@ from narrows.errors import InputError
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
-from narrows.report.style import PURPLE, Picture, trust_below
-from narrows.report.voyage_figures import BLUE, SIDES
+from narrows.report.style import BLUE, FONT, GREY, PURPLE, WIDTH, Picture, headed, notes_below
+from narrows.report.voyage_figures import SIDES
 from narrows.ship.particulars import Configuration
 from narrows.simulation.maps import grounding_distance, grounding_probability, map_summary
 from narrows.waterway.waterway import Waterway
@@ -60,22 +61,25 @@ def map_figure(
     dims = [str(name) for name in quantity.dims]
     if len(dims) not in (1, 2):
         raise InputError(f"a picture has one or two dimensions, and this map has {len(dims)}: {', '.join(dims)}")
-    figure = Picture(figsize=(7.4, 4.8), layout="constrained")
-    axes = figure.subplots()
-    if quantity.notnull().any():
-        (_line if len(dims) == 1 else _field)(figure, axes, quantity, voyages["side"], within is None)
-    else:
-        _say_nothing_grounds(axes, quantity, str(map_summary(voyages)["summary"]))
-    axes.set_xlabel(LABELS.get(dims[0], dims[0]))
-    _mark_tested(axes, quantity, model.data_range)
-    if dims == ["y"] and within is None and waterway is None:
-        _clearance_on_top(axes, model.configuration)
-    trust_below(figure, str(voyages.attrs.get("notes", "")).splitlines())
-    figure.suptitle(_title(model.configuration, waterway, start or {}), fontsize=9.5)
+    with rc_context(FONT):
+        figure = Picture(figsize=(WIDTH, 4.8), layout="constrained")
+        axes = figure.subplots()
+        keys: list[Any] = []
+        if quantity.notnull().any():
+            keys = (_line if len(dims) == 1 else _field)(figure, axes, quantity, voyages["side"], within is None)
+        else:
+            _say_nothing_grounds(axes, quantity, str(map_summary(voyages)["summary"]))
+        axes.set_xlabel(LABELS.get(dims[0], dims[0]))
+        keys += _mark_tested(axes, quantity, model.data_range)
+        axes.legend(handles=keys, frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
+        if dims == ["y"] and within is None and waterway is None:
+            _clearance_on_top(axes, model.configuration)
+        notes_below(figure, str(voyages.attrs.get("notes", "")).splitlines())
+        headed(figure, *_title(model.configuration, waterway, start or {}))
     return figure
 
 
-def _title(configuration: Configuration, waterway: Waterway | None, start: Mapping[str, Any]) -> str:
+def _title(configuration: Configuration, waterway: Waterway | None, start: Mapping[str, Any]) -> tuple[str, list[str]]:
     """The ship at its size, where it is, and what did not vary."""
     where = waterway.name if waterway else configuration.canal.in_words
     parts = [f"{configuration.ship.in_words}, in {where}"]
@@ -84,7 +88,7 @@ def _title(configuration: Configuration, waterway: Waterway | None, start: Mappi
         parts.append(f"{held['u']:.3g} m/s ({held['u'] / KNOT:.3g} knots)")
     parts += [f"heading {np.degrees(held['psi']):.3g} deg"] if held.get("psi") else []
     parts += [f"rudder {np.degrees(held['rudder']):.3g} deg"] if held.get("rudder") else []
-    return f"{parts[0]}\n{'; '.join(parts[1:])}".rstrip()
+    return parts[0], ["; ".join(parts[1:])]
 
 
 def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> None:
@@ -96,18 +100,15 @@ def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> N
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center")
 
 
-def _mark_tested(axes: Axes, quantity: xr.DataArray, known: DataRange) -> None:
-    """Hatch where starts or speeds are beyond the tests."""
+def _mark_tested(axes: Axes, quantity: xr.DataArray, known: DataRange) -> list[Any]:
+    """Hatch where starts or speeds are beyond the tests; return the key to it."""
     tested = {"y": known.abs_y and (-known.abs_y[1], known.abs_y[1]), "u": known.speed}
     marked = False
     for axis, name in enumerate(str(name) for name in quantity.dims):
         if (covered := tested.get(name)) is not None:
             marked |= _hatch_beyond(axes, axis, covered)
-    if marked:
-        legend = axes.get_legend()
-        patch = Patch(facecolor="none", edgecolor=PURPLE, hatch="..", label="not tested: the model's guess")
-        handles = [*(legend.legend_handles if legend else []), patch]
-        axes.legend(handles=handles, frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
+    look: dict[str, Any] = {"facecolor": "none", "edgecolor": PURPLE, "hatch": ".."}
+    return [Patch(label="not tested: the model's guess", **look)] if marked else []
 
 
 def _hatch_beyond(axes: Axes, axis: int, covered: tuple[float, float]) -> bool:
@@ -128,20 +129,20 @@ def _said(quantity: xr.DataArray) -> str:
     return f"{quantity.attrs['long_name']} [{quantity.attrs['units']}]"
 
 
-def _line(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArray, by_side: bool) -> None:
+def _line(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArray, by_side: bool) -> list[Any]:
     at = _scaled(quantity, str(quantity.dims[0]))
     if by_side:
         for code, (word, colour, marker, _) in SIDES.items():
             chosen = quantity.where(side == code)
             axes.plot(at, chosen, color=colour, marker=marker, markersize=3, linewidth=1, label=f"grounds to {word}")
-        axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
     else:
         axes.plot(at, quantity, color=BLUE)
     axes.set_ylabel(_said(quantity))
     axes.grid(alpha=0.3)
+    return list(axes.get_legend_handles_labels()[0])
 
 
-def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArray, by_side: bool) -> None:
+def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArray, by_side: bool) -> list[Any]:
     across, up = (str(name) for name in quantity.dims)
     x, y = _scaled(quantity, across), _scaled(quantity, up)
     if not by_side:
@@ -154,6 +155,8 @@ def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArra
             mesh = axes.pcolormesh(x, y, part.T, cmap=colours, vmin=0, vmax=1.2 * top, shading="nearest")
             figure.colorbar(mesh, ax=axes, label=f"to {word}: {_said(quantity)}", pad=0.02)
     axes.set_ylabel(LABELS.get(up, up))
+    white = by_side and quantity.isnull().any()
+    return [Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="does not ground")] if white else []
 
 
 def _clearance_on_top(axes: Axes, configuration: Configuration) -> None:

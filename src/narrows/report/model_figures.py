@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from narrows.model.model import Model
-from narrows.report.style import BLUE, FORCE_LABELS, ORANGE, panels, trust_below
+from narrows.report.style import BLUE, FORCE_LABELS, ORANGE, notes_below, panels
 from narrows.ship.motion import Motion
 
 REACH, DRIFT, POINTS = 0.9, 20.0, 181
@@ -39,7 +39,7 @@ def model_figure(model: Model) -> Figure:
     axes[0, 0].set_title(f"{model.ship.in_words}; {speed:.3g} m/s", loc="left")
     axes[0, 0].legend(frameon=False)
     axes[-1, 0].set_xlabel(label)
-    trust_below(figure, model.notes)
+    notes_below(figure, model.notes)
     return figure
 
 

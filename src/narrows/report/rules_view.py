@@ -59,8 +59,8 @@ def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
     for row in rules.rows():
         for angle in () if row["rudder"] is None else (row["rudder"], -row["rudder"]):
             axes.axhline(angle, ls="--", **LINE)
-            words = f"{row['rule'].partition(',')[0]}: for long" if angle > 0 else ""
-            axes.text(0.99, angle, words, transform=axes.get_yaxis_transform(), va="bottom", ha="right", fontsize=6.5)
+            words = f" {row['rule'].partition(',')[0]}: at most, for long" if angle > 0 else ""
+            axes.text(0.01, angle, words, transform=axes.get_yaxis_transform(), va="bottom", fontsize=7.5)
 
 
 def doubt(row: dict[str, Any]) -> str:
@@ -90,7 +90,7 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
             axes.axhline(row["speed_limit"], xmin=0.97, color=GREEN, lw=1.6, clip_on=False)
             axes.text(
                 1.01, row["speed_limit"], row["rule"], transform=axes.get_yaxis_transform(),
-                va="center", fontsize=6.5, color=BLACK,
+                va="center", fontsize=7.2, color=BLACK,
             )  # fmt: skip
 
 

@@ -2,13 +2,11 @@
 
 from collections.abc import Iterable
 from io import BytesIO
-from textwrap import fill
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-
-from narrows.model.model import UNSETTLED
 
 BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
 """Okabe and Ito's."""
@@ -19,6 +17,8 @@ FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsiz
         "axes.spines.right": False, "svg.fonttype": "path", "svg.hashsalt": "narrows"}  # fmt: skip
 CHARACTERS = 125
 """In a line of small print across a picture."""
+LETTERS_AN_INCH = 14.2
+"""Of a title."""
 WIDTH = 7.2
 """Of a page's picture [in]."""
 
@@ -81,8 +81,30 @@ def panels(
     return figure, axes
 
 
-def trust_below(figure: Figure, notes: Iterable[str]) -> None:
-    """Write what the model's tests do not settle of the banks below a picture (ours).
+def headed(figure: Figure, title: str, lines: Iterable[str] = ()) -> None:
+    """Write a title in bold letters at the upper left of a picture, and what belongs to it below (ours).
+
+    Parameters
+    ----------
+    figure : Figure
+        The picture, with a constrained layout.
+    title : str
+        What it is of.
+    lines : iterable of str
+        Sentences, each of which is wrapped.
+    """
+    look: dict[str, Any] = {"x": 0.01, "ha": "left", "va": "top", "fontsize": 9.0, "linespacing": 1.25}
+    letters = int(LETTERS_AN_INCH * figure.get_figwidth())
+    bold = wrap(title, int(0.88 * letters))
+    words = [part for line in lines for part in wrap(line, letters)]
+    figure.suptitle("\n".join([*(" " for _ in bold), *words]), **look)
+    layout = figure.get_layout_engine()
+    above = layout.get()["h_pad"] if layout else 0.0
+    figure.text(y=1 - above / figure.get_figheight(), s="\n".join(bold), weight="bold", **look)
+
+
+def notes_below(figure: Figure, notes: Iterable[str]) -> None:
+    """Write what is to be known of what a picture shows below it, in small print (ours).
 
     Parameters
     ----------
@@ -91,9 +113,9 @@ def trust_below(figure: Figure, notes: Iterable[str]) -> None:
     notes : iterable of str
         Of what it shows.
     """
-    for note in notes:
-        if note.startswith(UNSETTLED):
-            figure.supxlabel(fill(note, CHARACTERS), fontsize=7)
+    lines = [line for note in notes for line in wrap(note, CHARACTERS)]
+    if lines:
+        figure.supxlabel("\n".join(lines), fontsize=7, x=0.01, ha="left")
 
 
 def svg(figure: Figure) -> str:

@@ -5,17 +5,26 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from narrows.quantities.constants import KNOT
-from narrows.report.style import Picture, trust_below
+from narrows.report.style import BLUE, DASHES, FONT, ORANGE, WIDTH, Picture, headed, notes_below
 from narrows.ship.particulars import Configuration
 from narrows.simulation.voyage import Voyage
 from narrows.waterway.waterway import Waterway
 
-BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#5A5A5A"
+GREY = "#5A5A5A"
+TRACK, HISTORY = 5.6, 0.9
+"""Width of a track, height of a panel below it [in]."""
+DEGREES = 180 / math.pi
+HISTORIES = (
+    ("deg", DEGREES, {"psi": "heading", "rudder": "rudder"}), ("deg/s", DEGREES, {"r": "yaw rate"}),
+    ("m/s", 1.0, {"u": "surge", "v": "sway"}),
+)  # fmt: skip
+"""What is drawn of a voyage over time: unit, factor, and words by name."""
 BANK_POINTS = 400
 SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oranges_r")}
 BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
@@ -30,32 +39,45 @@ def voyage_figure(voyage: Voyage) -> Figure:
     voyage : Voyage
         What to draw.
     """
-    figure = Picture(figsize=(7.0, 6.5), layout="constrained")
-    above, middle, below = figure.subplots(3, 1, height_ratios=[2.2, 1, 1])
-    if voyage.waterway is None:
-        paths_on(above, [voyage], voyage.configuration)
-    else:
-        track_on_map(above, voyage, voyage.waterway)
-    trust_below(figure, voyage.outcome.notes)
-    sentence = voyage.outcome.sentence.split(". ")[0].rstrip(".") + "."
-    above.set_title(f"{described(voyage)}\n{sentence}", fontsize=9, loc="left")
-    middle.plot(voyage.t, np.degrees(voyage.psi), color=BLUE, label="heading [deg]")
-    middle.plot(voyage.t, np.degrees(voyage.r), color=ORANGE, linestyle="--", label="yaw rate [deg/s]")
-    if np.ptp(voyage.rudder) > 0:
-        middle.plot(voyage.t, np.degrees(voyage.rudder), color=GREY, linestyle=":", label="rudder [deg]")
-    middle.set_ylabel("[deg], [deg/s]")
-    below.plot(voyage.t, voyage.u, color=BLUE, label="surge u [m/s]")
-    below.plot(voyage.t, voyage.v, color=ORANGE, linestyle="--", label="sway v [m/s]")
-    below.set_ylabel("velocity [m/s]")
-    below.set_xlabel("time [s]")
-    for axes in (middle, below):
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=8, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    with rc_context(FONT):
+        figure = Picture(figsize=(WIDTH, WIDTH), layout="constrained")
+        grid = figure.add_gridspec(1 + len(HISTORIES), 1)
+        above, *below = (figure.add_subplot(grid[row]) for row in range(grid.nrows))
+        if voyage.waterway is None:
+            paths_on(above, [voyage], voyage.configuration)
+        else:
+            track_on_map(above, voyage, voyage.waterway)
+        _draw_histories(below, voyage)
+        high = min(max(TRACK * _steepness(above), 0.7), 0.6 * TRACK)
+        grid.set_height_ratios([high, *(HISTORY for _ in below)])
+        figure.set_figheight(high + len(below) * (HISTORY + 0.3) + 1.4)
+        headed(figure, *described(voyage))
+        notes_below(figure, voyage.outcome.notes)
     return figure
 
 
-def described(voyage: Voyage) -> str:
-    """Name the ship at its size, its canal, and its speed at the start (ours).
+def _steepness(axes: Axes) -> float:
+    """Height over width of what axes show."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    return abs((high - low) / (right - left))
+
+
+def _draw_histories(panels: Sequence[Axes], voyage: Voyage) -> None:
+    """Draw angles, yaw rate and velocities over time, a panel a unit."""
+    for axes, (unit, factor, names) in zip(panels, HISTORIES, strict=True):
+        for (name, words), colour, style in zip(names.items(), (BLUE, ORANGE), DASHES, strict=False):
+            if name != "rudder" or np.ptp(voyage.rudder) > 0:
+                axes.plot(voyage.t, factor * voyage[name], color=colour, linestyle=style, label=words)
+        axes.set_ylabel(f"[{unit}]")
+        axes.sharex(panels[-1])
+        axes.tick_params(labelbottom=axes is panels[-1])
+        axes.grid(alpha=0.3)
+        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    panels[-1].set_xlabel("time [s]")
+
+
+def described(voyage: Voyage) -> tuple[str, list[str]]:
+    """Name the ship at its size and its canal; then its speed at the start, its rudder and how it ended (ours).
 
     Parameters
     ----------
@@ -66,7 +88,8 @@ def described(voyage: Voyage) -> str:
     helm = f", rudder {rudder:.3g} deg" if rudder and not np.ptp(voyage.rudder) else ""
     where = voyage.waterway.name if voyage.waterway else voyage.configuration.canal.in_words
     speed = float(np.hypot(voyage.u[0], voyage.v[0]))
-    return f"{voyage.configuration.ship.in_words}, in {where}; {speed:.3g} m/s ({speed / KNOT:.3g} knots){helm}"
+    start = f"At {speed:.3g} m/s ({speed / KNOT:.3g} knots){helm}."
+    return f"{voyage.configuration.ship.in_words}, in {where}", [f"{start} {voyage.outcome.ending}"]
 
 
 def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
@@ -136,8 +159,8 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration
         for i in range(0, len(voyages[0].x) - 1, max(1, len(voyages[0].x) // 6)):
             axes.add_patch(hull(voyages[0], i, GREY, 0.25))
     axes.set(xlim=(near, far), ylim=(half * 1.12, -half * 1.12), aspect="equal")
-    axes.set_xlabel("along the canal x [m]")
-    axes.set_ylabel("to starboard y [m]")
+    axes.set_xlabel("along the canal x [m], starboard down")
+    axes.set_ylabel("y [m]")
 
 
 def _banks_on(axes: Axes, near: float, far: float, configuration: Configuration) -> float:

@@ -72,4 +72,4 @@ def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
     fastest = float(data["u"].to_numpy()[safe.any(axis=0)].max()) / KNOT
     over = [row for row in rows if row["speed_limit"] is not None and fastest > row["speed_limit"]]
     listed = ", ".join(f"{row['rule']} ({row['speed_limit']:.1f} knots)" for row in over)
-    return f"Safe to {fastest:.1f} knots here, over the limits of {listed}: {WHY_FASTER}." if over else ""
+    return f"By the model safe to {fastest:.1f} knots, over the limits of {listed}: {WHY_FASTER}." if over else ""

@@ -62,18 +62,22 @@ class Outcome:
         return math.hypot(self.state["u"], self.state["v"])
 
     @property
-    def sentence(self) -> str:
-        """The outcome in words."""
+    def ending(self) -> str:
+        """How it ended, in words."""
         where = f"after {self.time:.2f} s and {self.distance:.2f} m along the canal"
         heading = math.degrees(self.state["psi"])
-        sentence = {
+        return {
             GROUNDED: f"Grounded to {self.side} {where}, at {self.impact_speed:.2f} m/s, heading {heading:+.1f} deg.",
             AFLOAT: f"Still afloat {where}.",
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
             LEFT_WATERWAY: f"Left the waterway by its {self.side} {where}.",
         }[self.kind]
-        return " ".join([sentence, *self.notes])
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in words, with its notes."""
+        return " ".join([self.ending, *self.notes])
 
     def to_dict(self) -> dict[str, Any]:
         """The outcome as plain values, in the documented JSON shape."""

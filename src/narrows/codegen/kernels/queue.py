@@ -147,7 +147,9 @@ def load_lane(
     if not is_sane(block, lane, room, shared, 0.0):
         return DIVERGED
     if not room > 0.0:
-        return cause_of(block, lane, shared, 0.0)
+        fate = cause_of(block, lane, shared, 0.0)
+        if room < 0.0 or fate != ASTERN:  # The first point of a waterway is in it.
+            return fate
     return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
 
 
