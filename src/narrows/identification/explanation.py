@@ -1,5 +1,6 @@
 """``explain``: what a model says on a table of tests, and what that table can say of the model."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +16,7 @@ from narrows.identification.regression.scores import Score, score
 from narrows.identification.shapley import KINDS
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
+from narrows.quantities.names import FORCES
 from narrows.results import Shown
 from narrows.ship.ship_file import ShipSource
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 UNLIKELY = 3.0
 """Joint standard errors between the model's coefficient and the table's beyond which they disagree."""
+SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
+"""What two hulls are told apart by, and how near they are to be [1]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,17 +90,25 @@ class Explanation(Shown):
 
     def summary(self) -> str:
         """Say how far the model errs on these tests, where most, and which coefficients differ: a line each."""
-        sentences = ["The model was fitted on this table."] if self.fitted_on_these else []
+        sentences = ["The model was fitted on this table."] if self.fitted_on_these else self._another_ship()
         for force, fitted in self.scores.items():
-            worst = max(self.by_test, key=lambda test: self.by_test[test][force].rmse)
+            worst, unit = max(self.by_test, key=lambda test: self.by_test[test][force].rmse), FORCES[force].unit
             sentences.append(
-                f"{force}: the model errs by {fitted.rmse:.3g} (R2 {fitted.r2:.3f}), a fit to these tests by "
+                f"{force}: the model errs by {fitted.rmse:.3g} {unit} (R2 {fitted.r2:.3f}), a fit to these tests by "
                 f"{self.fit.scores[force].rmse:.3g}; it errs most on {worst}, by {self.by_test[worst][force].rmse:.3g}."
             )
         apart = [name for name, far in self.distance.items() if abs(far) > UNLIKELY]
         if apart and not self.fitted_on_these:
             sentences.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
         return "\n".join(sentences)
+
+    def _another_ship(self) -> list[str]:
+        """What to know first where the tests are of another hull than the model."""
+        known, tested = self.model.ship, self.fit.tests.configuration.ship
+        if all(math.isclose(getattr(known, size), getattr(tested, size), rel_tol=SAME_HULL) for size in SIZES):
+            return []
+        taken = "its coefficients are taken as they are, scaled to nothing"
+        return [f"The model is of {known.in_words}, these tests are of {tested.in_words}: {taken}."]
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: what ``explain --json`` prints."""

@@ -10,6 +10,7 @@ from rich.table import Table
 from narrows.files import write_whole
 from narrows.identification import Comparison, Explanation
 from narrows.identification.shapley import KINDS
+from narrows.quantities.names import FORCES
 from narrows.report.fit_page import figure, render, section
 from narrows.report.fit_table import heading, print_fit
 from narrows.report.numbers import interval, readable
@@ -40,6 +41,7 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
         title=title,
         says=[*explanation.summary().splitlines(), *explanation.notes],
         forces=tuple(explanation.scores),
+        units={force: quantity.unit for force, quantity in FORCES.items()},
         scores=explanation.scores,
         by_test=explanation.by_test,
         coefficients=[_row(explanation, name) for name in explanation.fit.terms.names],
