@@ -36,7 +36,7 @@ def kcs_fits(kcs_tests: dict[int, nw.CaptiveTests]) -> dict[int, nw.Fit]:
 
 @pytest.fixture(scope="session")
 def twin_fit() -> nw.Fit:
-    return nw.identify(nw.twin(seed=0))
+    return nw.identify(nw.twin(seed=0), balance="rows")
 
 
 @pytest.fixture(scope="session")

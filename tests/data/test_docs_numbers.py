@@ -24,6 +24,8 @@ PAGES = {
     "helms": "control.md",
     "channel_rules": "safe-envelope.md",
 }
+CHECKED = {"separation": {"sets": ("harmonic yaw, one run", "and straight runs off the centreline")}}
+"""What of a table is made again where all of it takes minutes."""
 
 
 @pytest.mark.parametrize(("script", "page"), PAGES.items())
@@ -32,9 +34,12 @@ def test_the_docs_say_what_is_computed(script: str, page: str, monkeypatch: pyte
     monkeypatch.syspath_prepend(ROOT / "decisions")
     for name in (script, "pages"):
         sys.modules.pop(name, None)
-    made = importlib.import_module(script).text()
+    made = importlib.import_module(script).text(**CHECKED.get(script, {}))
     kept = (ROOT / "docs" / page).read_text(encoding="utf-8")
     kept = kept.partition(f"<!-- made by decisions/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
+    if script in CHECKED:
+        starts = {line.split("|")[1] for line in made.splitlines()}
+        kept = "\n".join(line for line in kept.splitlines() if line.split("|")[1] in starts)
     assert NUMBER.sub("#", kept) == NUMBER.sub("#", made)
     numbers = [np.array([float(n) for n in NUMBER.findall(text)]) for text in (kept, made)]
     np.testing.assert_allclose(numbers[0], numbers[1], rtol=0.02, atol=0.002)

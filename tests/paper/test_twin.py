@@ -16,7 +16,9 @@ FREE_OF_A_SINGLE_SPEED = nw.PAPER.names[3:]
 @cache
 def fitted(seed: int, correlation_time: float) -> nw.Fit:
     """Fit a twin whose runs differ by their noise alone, and say so."""
-    return nw.identify(nw.twin(seed=seed, correlation_time=correlation_time), errors=nw.RunErrors(0, 0, 0))
+    return nw.identify(
+        nw.twin(seed=seed, correlation_time=correlation_time), balance="rows", errors=nw.RunErrors(0, 0, 0)
+    )
 
 
 def errors(correlation_time: float) -> np.ndarray:

@@ -109,5 +109,19 @@ def test_mean_abs_agrees_with_the_shap_package(case) -> None:
 
 def test_a_glove_game() -> None:
     """One left glove and two right ones: 2/3, 1/6, 1/6."""
-    phi = shapley_values(3, lambda s: float(0 in s and (1 in s or 2 in s)))
+    phi = shapley_values(np.array([float(bool(s & 1 and s & 6)) for s in range(8)]))
     np.testing.assert_allclose(phi, [2 / 3, 1 / 6, 1 / 6])
+
+
+def test_lmg_of_collinear_columns_shares_what_one_of_them_explains(case) -> None:
+    columns, target, _ = case
+    twice = np.column_stack([columns, 2 * columns[:, 0]])
+    shares = lmg_shares(twice.T @ twice, twice.T @ target)
+    assert shares[0] == pytest.approx(shares[-1], rel=1e-9)
+
+
+def test_nineteen_terms_take_no_minutes() -> None:
+    draw = np.random.default_rng(7)
+    columns = draw.normal(size=(40, 19))
+    shares = lmg_shares(columns.T @ columns, columns.T @ columns.sum(axis=1))
+    assert shares.sum() == pytest.approx(1)

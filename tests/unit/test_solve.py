@@ -110,7 +110,7 @@ def test_variance_weights_scale_each_force(short: nw.CaptiveTests) -> None:
     norm = np.linalg.norm(scaled, axis=0)
     found = lsq_linear(scaled / norm, right * weight, (lower[live] * norm, np.inf), method="bvls", tol=1e-15).x / norm
     names = np.array([name for name in nw.PAPER.names if name != "c_vdot"])[live]
-    fit = nw.identify(short, weights="variance")
+    fit = nw.identify(short, weights="variance", balance="rows")
     for name, value in zip(names, found, strict=True):
         assert fit.coefficients[name] == pytest.approx(value, rel=1e-6, abs=1e-8)
 
@@ -119,12 +119,12 @@ def test_left_out_scores_are_those_of_explicit_refits() -> None:
     from tables import many_runs
 
     tests = nw.twin(runs=many_runs(), rate=4.0, seed=1)
-    fit = nw.identify(tests)
+    fit = nw.identify(tests, balance="rows")
     assert len(fit.motions) > 1
     error = 0.0
     for i, _ in enumerate(tests.names):
         kept = [j != i for j in range(len(tests.names))]
-        refit = nw.identify(tests.where(kept))
+        refit = nw.identify(tests.where(kept), balance="rows")
         out = tests.where([not k for k in kept])
         error += ((out.columns["Y"] - refit.model.forces(motion_of(out))["Y"]) ** 2).sum()
     spread = ((tests.columns["Y"] - tests.columns["Y"].mean()) ** 2).sum()
@@ -136,9 +136,37 @@ def motion_of(tests: nw.CaptiveTests) -> nw.Motion:
 
 
 def test_scores_from_sums_are_those_from_rows(short: nw.CaptiveTests) -> None:
-    fit = nw.identify(short)
+    fit = nw.identify(short, balance="rows")
     estimated = fit.model.forces(motion_of(short))
     for force, own in fit.scores.items():
         residual = short.columns[force] - estimated[force]
         assert own.rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)
         assert own.r2 == pytest.approx(1 - residual.var() / short.columns[force].var(), abs=0.02)
+
+
+def test_each_test_counts_alike_however_many_rows_it_has(short: nw.CaptiveTests) -> None:
+    """Rows of the first test written ten times over change nothing; as rows they do."""
+    again = np.concatenate([np.repeat(np.arange(short.starts[1]), 10), np.arange(short.starts[1], short.rows)])
+    longer = nw.CaptiveTests(
+        {name: column[again] for name, column in short.columns.items()}, short.names,
+        np.concatenate([[0], short.starts[1:] + 9 * short.starts[1]]), short.configuration,
+    )  # fmt: skip
+    alike, plain = nw.identify(longer), nw.identify(longer, balance="rows")
+    for name, value in nw.identify(short).coefficients.items():
+        assert alike.coefficients[name] == pytest.approx(value, rel=1e-9, abs=1e-12)
+    assert plain.coefficients["b_v"] != pytest.approx(alike.coefficients["b_v"], rel=1e-3)
+
+
+def test_a_test_counts_by_explicit_weights(short: nw.CaptiveTests) -> None:
+    """One over its number of rows, on every row: SciPy's bounded least squares."""
+    matrix, right, lower = stacked(short)
+    rows = np.diff(short.starts)
+    weight = np.tile(np.sqrt(np.repeat(1 / rows, rows)), 3)
+    live = np.any(matrix, axis=0)
+    scaled = matrix[:, live] * weight[:, None]
+    norm = np.linalg.norm(scaled, axis=0)
+    found = lsq_linear(scaled / norm, right * weight, (lower[live] * norm, np.inf), method="bvls", tol=1e-15).x / norm
+    names = np.array([name for name in nw.PAPER.names if name != "c_vdot"])[live]
+    fit = nw.identify(short)
+    for name, value in zip(names, found, strict=True):
+        assert fit.coefficients[name] == pytest.approx(value, rel=1e-6, abs=1e-8)

@@ -47,14 +47,14 @@ def test_from_disk_draws_what_memory_draws(short: nw.CaptiveTests, tmp_path: Pat
 
 def test_fit_and_check_are_on_their_own_rows(short: nw.CaptiveTests) -> None:
     """Refit by hand on the drawn rows, checked by hand on the rest."""
-    fit = nw.identify(short, split="random", seed=9)
+    fit = nw.identify(short, balance="rows", split="random", seed=9)
     keep = np.random.default_rng(9).random(short.rows) < 0.8
     lengths = [int(keep[a:b].sum()) for a, b in zip(short.starts, short.starts[1:], strict=False)]
     drawn = nw.CaptiveTests(
         {name: column[keep] for name, column in short.columns.items()},
         short.names, np.concatenate([[0], np.cumsum(lengths)]), short.configuration,
     )  # fmt: skip
-    again = nw.identify(drawn)
+    again = nw.identify(drawn, balance="rows")
     for name in nw.PAPER.names:
         assert fit.coefficients[name] == pytest.approx(again.coefficients[name], rel=1e-9, abs=1e-12)
     motion = nw.Motion(**{name: short.columns[name][~keep] for name in nw.Motion().values()})

@@ -35,10 +35,10 @@ def repeated() -> nw.CaptiveTests:
 def case(request: pytest.FixtureRequest) -> tuple[nw.CaptiveTests, nw.Fit, list[np.ndarray], list[nw.Fit]]:
     """Tests, their fit, the rows of each distinct motion, and refits without each."""
     tests = short_twin(5) if request.param == "four motions" else repeated()
-    fit = nw.identify(tests, errors=SPREAD)
+    fit = nw.identify(tests, balance="rows", errors=SPREAD)
     test = np.repeat(tests.names, np.diff(tests.starts))
     rows = [np.isin(test, members) for members in fit.motions.members]
-    return tests, fit, rows, [nw.identify(without_rows(tests, out)) for out in rows]
+    return tests, fit, rows, [nw.identify(without_rows(tests, out), balance="rows") for out in rows]
 
 
 def test_repeats_are_one_motion() -> None:

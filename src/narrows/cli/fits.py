@@ -36,6 +36,7 @@ def identify(
     split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test",
     seed: Annotated[int, typer.Option(help="Of the random split.")] = 0,
     weights: Annotated[str, typer.Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper",
+    balance: Annotated[str, typer.Option(help="What counts alike: 'tests', however long, or 'rows'.")] = "tests",
     terms: TermsName = "paper",
     accelerations: Annotated[
         str, typer.Option(help="'checked': of the motion where the measured ones stray; 'motion'; 'measured'.")
@@ -70,6 +71,7 @@ def identify(
     options: dict[str, Any] = {
         "terms": chosen,
         "weights": weights,
+        "balance": balance,
         "split": split,
         "seed": seed,
         "accelerations": accelerations,

@@ -143,7 +143,9 @@ def preferred_fit(fit: Fit) -> Fit | None:
     others = []
     for table in _others(fit.terms):
         try:
-            others.append(identify(fit.tests, table, errors=fit.errors, pass_over="rudder"))
+            others.append(
+                identify(fit.tests, table, balance=fit.normal_equations.balance, errors=fit.errors, pass_over="rudder")
+            )
         except InputError:
             continue
     best = min(others, key=lambda other: _relative_error(other, fit), default=fit)

@@ -9,6 +9,7 @@ from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.identifiability.verdict import CONFOUNDED
+from narrows.identification.regression.normal_equations import Balance
 from narrows.identification.regression.problem import Weights
 from narrows.results import Shown
 from narrows.ship.ship_file import ShipSource
@@ -123,6 +124,7 @@ def ready_tables() -> tuple[str, ...]:
 
 def compare(
     tests: Any, tables: str | TermTable | Sequence[str | TermTable] = (), weights: Weights = "paper",
+    balance: Balance = "tests",
     ship: ShipSource | None = None,
 ) -> Comparison:  # fmt: skip
     """Fit several tables of terms to the same tests.
@@ -133,7 +135,7 @@ def compare(
         Of one condition, or of several for tables that ask for the depth.
     tables : str, TermTable or a sequence of them
         Tables, or names of them; all that come with the package unless given.
-    weights : str
+    weights, balance : str
         As in ``identify``.
     ship : str, Path, Configuration or mapping, optional
         Of a table that was not read yet, as of ``read_captive``.
@@ -151,7 +153,7 @@ def compare(
         if chosen.name in fits:
             raise InputError(f"two tables of terms are called {chosen.name!r}; rename one")
         try:
-            fits[chosen.name] = identify(tests, chosen, weights, pass_over="rudder")
+            fits[chosen.name] = identify(tests, chosen, weights, balance, pass_over="rudder")
         except InputError as error:
             left_out[chosen.name] = str(error)
     if not fits:

@@ -129,7 +129,7 @@ class Fit(Prediction):
 
     @cached_property
     def scores(self) -> dict[str, Score]:
-        """R2 and RMSE of each force on the rows of the fit."""
+        """R2 and RMSE of each force on the rows of the fit, each counting as it did there."""
         return score(self.normal_equations, self.normal_equations.total, self.terms, self.coefficients)
 
     @cached_property
@@ -374,7 +374,7 @@ class Fit(Prediction):
     @cached_property
     def _deviations(self) -> dict[str, float]:
         """Mean absolute deviation of each column, by one more pass over the rows."""
-        total = self.normal_equations.total
+        total = self.normal_equations.unweighted.sum(axis=0)
         rows = total[-1, -1]
         mean = total[:, -1] / rows
         sums = sum(np.abs(d - mean[:, None]).sum(axis=1) for _, d in design_rows(self.tests, self.terms))

@@ -15,6 +15,7 @@ from narrows.identification.fit import Fit
 from narrows.identification.motions import distinct_motions, numbered
 from narrows.identification.plausibility import unmodelled_rudder
 from narrows.identification.regression.accumulation import accumulate
+from narrows.identification.regression.normal_equations import Balance
 from narrows.identification.regression.problem import Weights, reduced
 from narrows.identification.regression.scores import score
 from narrows.identification.regression.solve import solve
@@ -32,7 +33,8 @@ DEFAULT_ERRORS = RunErrors()
 
 
 def identify(
-    tests: Any, terms: TermTable | str = PAPER, weights: Weights = "paper", split: Split = "test", seed: int = 0,
+    tests: Any, terms: TermTable | str = PAPER, weights: Weights = "paper", balance: Balance = "tests",
+    split: Split = "test", seed: int = 0,
     accelerations: Accelerations = "checked", errors: RunErrors = DEFAULT_ERRORS, pass_over: Sequence[str] = (),
     pool: Pool | None = None, ship: ShipSource | None = None,
 ) -> Fit:  # fmt: skip
@@ -49,6 +51,9 @@ def identify(
         The terms, their bounds and ties, or the name of a table that comes with the package.
     weights : str
         ``paper``: the plain sum of squared errors of X, Y and N; ``variance``: each over its force's variance.
+    balance : str
+        ``tests``: each test counts alike, a static run of one averaged row as much as a harmonic one of thousands;
+        ``rows``: each row does, as in the paper.
     split : str
         ``test``: fit on every row, check on each distinct motion left out in turn, its repeats with it; ``random``:
         fit on a seeded random 80 % of the rows, check on the rest, as the paper does.
@@ -79,6 +84,7 @@ def identify(
         term has.
     """
     check_choice("split", split, get_args(Split))
+    check_choice("balance", balance, get_args(Balance))
     check_count("seed", seed)
     check_choice("accelerations", accelerations, CHOICES)
     tests = as_tests(tests, ship)
@@ -94,7 +100,7 @@ def identify(
     if isinstance(tests, CaptiveTests):
         tests = with_accelerations(tests, accelerations)
     fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
-    equations, data_range = accumulate(fitted, terms, PIECES)
+    equations, data_range = accumulate(fitted, terms, PIECES, balance)
     rudder = unmodelled_rudder(fitted, equations, terms)
     if rudder and "rudder" not in pass_over:
         raise InputError(f"{rudder}, or say that it is passed over (--pass-over rudder, in Python pass_over='rudder')")
@@ -107,7 +113,7 @@ def identify(
         without = left_out_coefficients(problem, motions.without)
         left_out = left_out_score(equations, terms, motions.sums, without)
     else:
-        rest, _ = accumulate(checked, terms)
+        rest, _ = accumulate(checked, terms, balance=balance)
         left_out = score(rest, rest.total, terms, problem.named(solution.z))
     return Fit(fitted, equations, problem, solution, motions, Validation(left_out, split), data_range, errors)
 

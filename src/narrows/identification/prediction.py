@@ -12,6 +12,7 @@ from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.accumulation import accumulate
+from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.scores import Score, score
 from narrows.results import Shown
 from narrows.ship.ship_file import ShipSource
@@ -47,6 +48,10 @@ class Fitted(Protocol):
     @property
     def scores(self) -> Mapping[str, Score]:
         """R2 and RMSE of each force on the rows of the fit."""
+
+    @property
+    def normal_equations(self) -> NormalEquations:
+        """Sums of products over its rows."""
 
 
 class Prediction(Shown):
@@ -94,7 +99,8 @@ class Prediction(Shown):
         InputError
             Where a table cannot be read, or lacks what the terms ask for.
         """
-        equations, _ = accumulate(_or_own(self, tests, ship), self.terms)
+        read = _or_own(self, tests, ship)
+        equations, _ = accumulate(read, self.terms, balance=self.normal_equations.balance)
         return score(equations, equations.total, self.terms, self.coefficients)
 
     def report(self: Fitted, path: str | Path, title: str = "narrows") -> None:

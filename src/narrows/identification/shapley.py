@@ -1,7 +1,6 @@
 """Shapley shares of the terms of a force, exact, under three value functions (the paper names none)."""
 
 from collections.abc import Callable, Mapping
-from itertools import combinations
 from math import factorial
 from typing import Literal, get_args
 
@@ -13,6 +12,8 @@ from narrows.terms.term import TermTable
 
 Kind = Literal["mse", "mean_abs", "lmg"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+COLLINEAR = 1e-12
+"""Of a column's sum of squares: with less left beside others it tells nothing that they do not."""
 
 
 def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -62,37 +63,43 @@ def lmg_shares(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
     ----------
     Lindeman, Merenda, Gold (1980); no bounds are imposed on the subsets' fits.
     """
-    return _normalised(shapley_values(len(cross), lambda subset: _explained(gram, cross, subset)))
+    return _normalised(shapley_values(_explained(gram, cross)))
 
 
-def shapley_values(players: int, value: Callable[[tuple[int, ...]], float]) -> np.ndarray:
-    """Return the exact Shapley values of a game, from the value of every subset once, (players,).
+def shapley_values(worth: np.ndarray) -> np.ndarray:
+    """Return the exact Shapley values of a game from the value of every subset, (players,).
 
     Parameters
     ----------
-    players : int
-        How many, about 15 at most.
-    value : callable
-        Value of a tuple of players.
+    worth : array (2**players,)
+        Of the subset whose players are the ones in the binary digits of the place, the first player the lowest digit.
     """
-    subsets = [s for size in range(players + 1) for s in combinations(range(players), size)]
-    worth = {subset: value(subset) for subset in subsets}
-    phi = np.zeros(players)
-    for subset in subsets:
-        weight = factorial(len(subset)) * factorial(players - len(subset) - 1) if len(subset) < players else 0
-        for j in set(range(players)) - set(subset):
-            phi[j] += weight * (worth[tuple(sorted((*subset, j)))] - worth[subset])
-    return phi / factorial(players)
+    players = len(worth).bit_length() - 1
+    others = np.bitwise_count(np.arange(len(worth) // 2))
+    orders = np.array([factorial(size) * factorial(players - size - 1) / factorial(players) for size in range(players)])
+    weights, phi = orders[others], np.zeros(players)
+    for j in range(players):
+        pairs = worth.reshape(-1, 2, 2**j)
+        phi[j] = weights @ (pairs[:, 1] - pairs[:, 0]).ravel()
+    return phi
 
 
-def _explained(gram: np.ndarray, cross: np.ndarray, subset: tuple[int, ...]) -> float:
-    index = [j for j in subset if gram[j, j] > 0]
-    if not index:
-        return 0.0
-    norm = np.sqrt(np.diag(gram)[index])
-    scaled = gram[np.ix_(index, index)] / np.outer(norm, norm)
-    target = cross[index] / norm
-    return float(target @ np.linalg.lstsq(scaled, target, rcond=1e-12)[0])
+def _explained(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
+    """Sum of squares that a fit of every subset of columns explains, (2**n,), numbered as in ``shapley_values``.
+
+    Column by column every subset so far is kept as it is and with the column eliminated, as sums of products of what
+    the columns still to come, and the force, have left beside it.
+    """
+    size = np.sqrt(np.diag(gram))
+    scale = np.append(np.divide(1.0, size, out=np.zeros_like(size), where=size > 0), 1.0)
+    products = np.block([[gram, cross[:, None]], [cross, np.zeros(1)]]) * np.outer(scale, scale)
+    left = products[None]
+    for _ in size:
+        pivot, row = left[:, 0, 0], left[:, 0, 1:]
+        inverse = np.divide(1.0, pivot, out=np.zeros_like(pivot), where=pivot > COLLINEAR)
+        rest = left[:, 1:, 1:]
+        left = np.concatenate([rest, rest - inverse[:, None, None] * row[:, :, None] * row[:, None, :]])
+    return np.asarray(-left[:, 0, 0])
 
 
 def _normalised(phi: np.ndarray) -> np.ndarray:

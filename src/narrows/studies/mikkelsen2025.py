@@ -159,7 +159,7 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
     """
     truth = published("mikkelsen2025_dtc")
     progress("synthetic tests and their identification")
-    fit = identify(twin(truth))
+    fit = identify(twin(truth), balance="rows")
     progress("voyages and grounding distances")
     return Reproduction(truth, fit, {y: sailed(truth, y) for y in SHOWN_STARTS}, grounding_readings(truth))
 

@@ -12,14 +12,12 @@ import numpy as np
 from narrows.captive.tests import Block, Span, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.design_matrix import DesignMatrix
-from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.regression.normal_equations import Balance, NormalEquations
 from narrows.model.data_range import DataRange, Range
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
 PARTS, PART_ROWS = 8, 12_000
-GROUP, UNROLLED = 16, 4
-"""Columns that are multiplied with one another at once, and the multiple of columns that BLAS is fastest with."""
 STRIP = 2**19
 """Products at once: a strip in the cache, and too few for BLAS to share among threads of its own, which for products as
 small as these costs many times what it gains and fights with ours."""
@@ -51,24 +49,18 @@ def products(design: np.ndarray) -> np.ndarray:
 
 
 def _products(design: np.ndarray) -> np.ndarray:
-    count, rows = design.shape
-    whole = -(-count // UNROLLED) * UNROLLED
-    total = np.zeros((whole, whole))
-    strip = np.zeros((whole, min(rows, STRIP // min(whole, GROUP) ** 2)))
+    total = np.zeros((len(design), len(design)))
+    strip = max(STRIP // len(design) ** 2, 1)
     with np.errstate(all="ignore"):
-        for start in range(0, rows, max(strip.shape[1], 1)):
-            part = design[:, start : start + strip.shape[1]]
-            packed = strip[:, : part.shape[1]]
-            packed[:count] = part
-            for i in range(0, whole, GROUP):
-                for j in range(i, whole, GROUP):
-                    total[i : i + GROUP, j : j + GROUP] += np.dot(packed[i : i + GROUP], packed[j : j + GROUP].T)
-    # What is left of the diagonal blocks of groups is the other side of what is right of them.
-    upper = np.triu(total)
-    return (upper + np.triu(upper, 1).T)[:count, :count]
+        for start in range(0, design.shape[1], strip):
+            part = design[:, start : start + strip]
+            total += np.dot(part, part.T)
+    return total
 
 
-def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalEquations, DataRange]:
+def accumulate(
+    tests: Tests, terms: TermTable, pieces: int = 1, balance: Balance = "rows"
+) -> tuple[NormalEquations, DataRange]:
     """Sum over every row, once.
 
     Parameters
@@ -79,6 +71,8 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalE
         The columns.
     pieces : int
         Into how many stretches each test is cut.
+    balance : str
+        What counts alike: ``tests`` or ``rows``.
 
     Returns
     -------
@@ -112,7 +106,7 @@ def accumulate(tests: Tests, terms: TermTable, pieces: int = 1) -> tuple[NormalE
         tests.configuration.ship.length,
     )
     _check_finite(equations)
-    return equations, data_range
+    return equations.balanced() if balance == "tests" else equations, data_range
 
 
 Sums = tuple[list[dict[str, np.ndarray]], list[np.ndarray]]

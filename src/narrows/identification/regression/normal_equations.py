@@ -4,18 +4,21 @@ Everything that identification says (fit, standard errors, left-out errors, rank
 from these sums, so its cost after the pass over the rows, and its memory, do not grow with the rows.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 ONE = "1"
 """Name of the column of ones."""
+Balance = Literal["tests", "rows"]
+"""What counts alike in a fit."""
 
 
 @dataclass(frozen=True)
 class NormalEquations:
-    """Sums of products over the rows of each piece of each test.
+    """Sums of products over the rows of each piece of each test, each row by its weight.
 
     Parameters
     ----------
@@ -30,6 +33,8 @@ class NormalEquations:
         Rows, sum and sum of squares of each quantity that says what was done in a test.
     length : float [m]
         Of the ship.
+    weights : array (pieces,) [1], optional
+        What a row of each piece counts, one on average over all rows; one unless given.
     """
 
     columns: Mapping[str, int]
@@ -37,6 +42,38 @@ class NormalEquations:
     tests: tuple[str, ...]
     moved: Mapping[str, np.ndarray]
     length: float
+    weights: np.ndarray | None = None
+
+    def balanced(self) -> "NormalEquations":
+        """Return the same with each test counting alike, however many rows it has (ours)."""
+        one = self.columns[ONE]
+        rows = {name: float(self.of_test(name)[one, one]) for name in self.names}
+        mean = sum(rows.values()) / len(rows)
+        weights = np.array([mean / rows[test] for test in self.tests])
+        return replace(self, sums=self.sums * weights[:, None, None], weights=weights)
+
+    def noise_weight(self, tests: Sequence[str]) -> float:
+        """Return the variance of a weighted row's noise over that of a plain one, over the rows of some tests.
+
+        Parameters
+        ----------
+        tests : sequence of str
+            Whose rows.
+        """
+        if self.weights is None:
+            return 1.0
+        weighted = self.sums[:, self.columns[ONE], self.columns[ONE]] * np.isin(self.tests, tests)
+        return float(self.weights @ weighted / weighted.sum())
+
+    @property
+    def balance(self) -> Balance:
+        """What counts alike."""
+        return "rows" if self.weights is None else "tests"
+
+    @property
+    def unweighted(self) -> np.ndarray:
+        """The sums of plain rows, (pieces, m, m)."""
+        return self.sums if self.weights is None else self.sums / self.weights[:, None, None]
 
     @property
     def total(self) -> np.ndarray:

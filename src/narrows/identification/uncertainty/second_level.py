@@ -97,12 +97,13 @@ def second_level(equations: NormalEquations, motions: DistinctMotions, problem: 
     errors = [_errors(equations, motions.sums, problem, force) for force in forces]
     noise, square, level, known = (np.array(part) for part in zip(*errors, strict=True))
     repeats = np.array([len(tests) for tests in motions.members], float)
+    noisy = np.array([equations.noise_weight(tests) for tests in motions.members])
     return SecondLevel(
         **rows,
         motion=np.tile(np.arange(count), len(forces)),
         force=np.repeat(np.arange(len(forces)), count),
         repeats=np.tile(repeats, len(forces)),
-        noise=np.repeat(noise, count),
+        noise=np.outer(noise, noisy).ravel(),
         form=square.ravel() / np.maximum(rows["live"].sum(axis=1), 1),
         level=np.repeat(level, count),
         noise_known=known,
@@ -168,7 +169,7 @@ def _errors(
     """Noise of a force, the square of each motion's, the root mean square in all tests; whether the noise is known."""
     products = _picked(sums, problem, force)
     square = products[:, -1, -1]
-    noise, known = _noise(_picked(equations.sums, problem, force), equations)
+    noise, known = _noise(_picked(equations.unweighted, problem, force), equations)
     level = np.sqrt(square.sum() / products[:, -2, -2].sum() * problem.weights[force])
     return max(noise, (LEAST_NOISE * level) ** 2), square, level / np.sqrt(problem.weights[force]), known
 
