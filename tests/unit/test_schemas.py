@@ -64,12 +64,14 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     nw.save_model(nw.scale_model(tank, 230.0, width=300.0, depth=16.2).model, folder / "full.toml")
     canal = replace(nw.straight_waterway(nw.Canal(300.0, 16.2), 4000.0), origin=(7.6, 52.0))
     nw.write_waterway(canal, folder / "canal.geojson")
+    (folder / "held.csv").write_text(HELD)
     return {
         "table": Path(table), "ship": Path(ship), "tank": folder / "tank.toml", "full": folder / "full.toml",
-        "canal": folder / "canal.geojson", "out": folder / "out",
+        "canal": folder / "canal.geojson", "legs": folder / "held.csv", "out": folder / "out",
     }  # fmt: skip
 
 
+HELD = "y,u [kn],rudder [deg],drift [deg]\n40,8,4.0,0.9\n-40,8,-3.0,-0.9\n"
 WORDS = {
     "demo": "--out {out}",
     "identify": "{table} --ship {ship} --condition C0101A02",
@@ -79,11 +81,12 @@ WORDS = {
     "simulate": "mikkelsen2025_dtc --y 0.5",
     "map": "mikkelsen2025_dtc --y -1,0,1 --speed 0.8,1",
     "envelope": "{full} --y 0,30 --speed 8kn --samples 5",
+    "learn": "{full} --steady {legs}",
     "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
     "waterway": "{canal} --draft 10",
     "reproduce": "--out {out}",
 }
-SAYS_NO, SLOW = {"plan"}, {"demo", "envelope", "map", "reproduce"}
+SAYS_NO, SLOW = {"plan"}, {"demo", "envelope", "learn", "map", "reproduce"}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,18 @@
 """The command line: one thin command a verb, a file for those that belong together."""
 
-from narrows.cli import envelopes, fits, manoeuvring, plans, reproduce, scale, voyages, waterways
+from narrows.cli import envelopes, fits, learning, manoeuvring, plans, reproduce, scale, voyages, waterways
 from narrows.cli.app import app, main
 
-__all__ = ["app", "envelopes", "fits", "main", "manoeuvring", "plans", "reproduce", "scale", "voyages", "waterways"]
+__all__ = [
+    "app",
+    "envelopes",
+    "fits",
+    "learning",
+    "main",
+    "manoeuvring",
+    "plans",
+    "reproduce",
+    "scale",
+    "voyages",
+    "waterways",
+]

@@ -94,8 +94,8 @@ class EnvelopeChange(Shown):
 
 
 def envelope_change(
-    before: Model, after: Model, y: Sequence[float], u: Sequence[float], *, samples: int = SAMPLES, seed: int = 0,
-    **envelope: Any,
+    before: Model, after: Model, y: Sequence[float] | np.ndarray, u: Sequence[float] | np.ndarray, *,
+    samples: int = SAMPLES, seed: int = 0, **envelope: Any,
 ) -> EnvelopeChange:  # fmt: skip
     """Ask the same safe envelope of a model before a record and after it (ours).
 
@@ -159,7 +159,10 @@ def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = SAMPLES, s
         Of the samples.
     """
     rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=samples, seed=seed)["rudder"]
-    ordered = np.nan_to_num(rudder.transpose("place", "sample").to_numpy(), nan=np.inf)
+    angles = rudder.transpose("place", "sample").to_numpy()
+    # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.
+    beyond = np.where(np.asarray(y) < 0, -np.inf, np.inf)[:, None]
+    ordered = np.where(np.isnan(angles), beyond, angles)
     low, high = BAND
     return np.asarray(np.quantile(ordered, (low, 0.5, high), axis=1, method="higher").T)
 

@@ -27,7 +27,8 @@ WHO_HOLDS = (
 
 
 def plan_steady(
-    model: Model, offsets: Sequence[float] | None = None, speeds: Sequence[float] | None = None, *, legs: int = 4,
+    model: Model, offsets: Sequence[float] | np.ndarray | None = None,
+    speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
     targets: Sequence[str] = (), errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None,
     reserve: float = RESERVE, clearance: float | None = None, samples: int = SAMPLES, seed: int = 0,
 ) -> SteadyPlan:  # fmt: skip

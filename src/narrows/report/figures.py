@@ -12,7 +12,7 @@ from narrows.errors import InputError
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.logbook import ShipLog
+from narrows.logbook import EnvelopeChange, ShipLog, SteadyFit, SteadyPlan
 from narrows.manoeuvres import Trials
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
@@ -25,7 +25,9 @@ from narrows.report.log_figures import log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
 from narrows.report.model_figures import model_figure
 from narrows.report.motion_figures import motions_figure
+from narrows.report.pilot_page import pilot_page
 from narrows.report.rules_view import rules_figure
+from narrows.report.steady_figures import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, ORANGE, panels
 from narrows.report.uncertainty_figures import comparison_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
@@ -65,6 +67,8 @@ figure_of.register(Trials, manoeuvres_figure)
 figure_of.register(Voyage, voyage_figure)
 figure_of.register(CaptiveTests, motions_figure)
 figure_of.register(Model, model_figure)
+figure_of.register(SteadyFit, steady_figure)
+figure_of.register(EnvelopeChange, change_figure)
 
 
 @figure_of.register
@@ -96,6 +100,13 @@ def _(result: Sensitivities) -> Figure:
     axes[0, 0].grid(alpha=0.3)
     axes[0, 0].legend(frameon=False)
     return figure
+
+
+@figure_of.register
+def _(result: SteadyPlan) -> Figure:
+    if not result.legs:
+        raise InputError("a plan without legs has no page; its summary says why none is allowed")
+    return pilot_page(result)
 
 
 @figure_of.register

@@ -1,0 +1,100 @@
+"""Steady legs on paper: a side that a pilot can follow, a page that says what was learned, and the verb."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_plan_steady import CALM, ERRORS, ship
+
+import narrows as nw
+from narrows.logbook.envelope_change import envelope_change
+from narrows.report.pilot_page import PAGE, pilot_page, write_pilot_page
+from narrows.report.steady_report import write_steady_report
+
+LEGS = {"y": [0.4, -0.4], "u": [0.7, 0.7], "rudder [deg]": [4.0, -3.5], "drift [deg]": [0.4, -0.5]}
+
+
+@cache
+def planned(legs: int) -> nw.SteadyPlan:
+    return nw.plan_steady(ship(), legs=legs, errors=ERRORS, conditions=CALM)
+
+
+@cache
+def learned() -> tuple[nw.SteadyFit, nw.EnvelopeChange]:
+    fit = nw.learn_steady(ship(), LEGS, errors=ERRORS, conditions=CALM)
+    return fit, envelope_change(ship(), fit.model, [0.0, 0.4], [0.4, 0.5], samples=20)
+
+
+@pytest.mark.parametrize("legs", [2, 8])
+def test_everything_on_the_pilots_page_is_on_the_paper(legs: int) -> None:
+    page = pilot_page(planned(legs))
+    page.canvas.draw()
+    wide, high = np.array(PAGE) * page.dpi
+    texts = [text for panel in page.axes for text in panel.texts] + page.texts
+    for text in filter(lambda text: text.get_text().strip(), texts):
+        box = text.get_window_extent()
+        assert 0 <= box.x0 <= box.x1 <= wide, text.get_text()
+        assert 0 <= box.y0 <= box.y1 <= high, text.get_text()
+
+
+def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on() -> None:
+    page = pilot_page(planned(4))
+    said = " ".join(text.get_text() for panel in page.axes for text in panel.texts)
+    said += " ".join(text.get_text() for text in page.texts)
+    assert "BREAK OFF" in said
+    assert f"{np.degrees(planned(4).most_rudder):.0f} degrees" in said
+    assert "on twins only" in said
+    cells = [cell.get_text().get_text() for table in page.axes[2].tables for cell in table.get_celld().values()]
+    assert f"{planned(4).legs[0].offset:g} m starboard" in cells
+
+
+@pytest.mark.parametrize("suffix", [".html", ".pdf", ".svg"])
+def test_the_pilots_page_is_written_in_every_form(suffix: str, tmp_path: Path) -> None:
+    write_pilot_page(planned(2), tmp_path / f"page{suffix}")
+    assert (tmp_path / f"page{suffix}").stat().st_size > 10_000
+
+
+def test_the_report_says_what_was_learned_what_it_changes_and_what_it_rests_on(tmp_path: Path) -> None:
+    fit, change = learned()
+    write_steady_report(fit, change, tmp_path / "learned.html")
+    page = (tmp_path / "learned.html").read_text(encoding="utf-8")
+    for said in ("on twins only", "c_bank", "Wind and zeros", "held before", "zero of the rudder", "<svg"):
+        assert said in page
+    assert len(fit.plot().axes) == 3
+    assert len(change.plot().axes) == 2
+
+
+def test_the_verb_plans_and_writes_the_page(cli, tmp_path: Path) -> None:
+    nw.save_model(ship(), tmp_path / "full.toml")
+    code, out, err = cli(
+        "learn", str(tmp_path / "full.toml"), "--plan-steady", str(tmp_path / "page.svg"), "--legs", "2"
+    )
+    assert code == 0, err
+    assert "wrote" in out
+    assert (tmp_path / "page.svg").exists()
+
+
+def test_the_verb_leaves_with_one_where_no_leg_is_allowed(cli, tmp_path: Path) -> None:
+    nw.save_model(ship(bank=3.0), tmp_path / "full.toml")
+    code, out, _ = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", str(tmp_path / "page.svg"))
+    assert code == 1
+    assert "No leg off the middle is allowed" in out
+    assert not (tmp_path / "page.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "one of the two"),
+        (("--steady", "held.csv", "--plan-steady", "page.svg"), "one of the two"),
+        (("--plan-steady", "page.svg", "-o", "new.toml"), "learns nothing yet"),
+        (("--plan-steady", "page.txt"), "cannot write a txt file"),
+        (("--steady", "none.csv"), "no such file"),
+    ],
+)
+def test_words_that_do_not_go_together_are_refused(words: tuple[str, ...], said: str, cli, tmp_path: Path) -> None:
+    nw.save_model(ship(), tmp_path / "full.toml")
+    code, _, err = cli("learn", str(tmp_path / "full.toml"), *words)
+    assert code == 2
+    assert said in err
