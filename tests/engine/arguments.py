@@ -352,7 +352,8 @@ class Table:
             ),
             "compare": Entry(
                 {**own, "tables": ("paper", "speed")},
-                {"tests": other_tests(), "tables": ("paper", "mixed"), "weights": "variance", "balance": "rows", "ship": unread},
+                {"tests": other_tests(), "tables": ("paper", "mixed"), "weights": "variance", "balance": "rows",
+                 "ship": unread},
             ),
             "explain": Entry(
                 {"model": nw.identify(short_twin()).model, **own, "tables": ("paper",)},
