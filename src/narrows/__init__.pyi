@@ -37,6 +37,8 @@ from .logbook import SteadyReadings as SteadyReadings
 from .logbook import envelope_change as envelope_change
 from .logbook import learn_steady as learn_steady
 from .logbook import plan_steady as plan_steady
+from .logbook import read_log as read_log
+from .logbook import stream_log as stream_log
 from .manoeuvres import Trials as Trials
 from .manoeuvres import Turning as Turning
 from .manoeuvres import overshoots as overshoots

@@ -107,6 +107,21 @@ def stage(what: str) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def counted(path: Path, rows: int) -> Iterator[Callable[[int], None]]:
+    """Show how many rows of a file were read, where it is large and somebody listens (ours).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    rows : int
+        In all.
+    """
+    with bar(rows, _is_long(path), f"reading {path.name}") as advance:
+        yield advance
+
+
 def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
     """Show what is being done with a file, where it is large and somebody listens (ours).
 
@@ -117,8 +132,12 @@ def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
     path : Path, optional
         The file; without one nothing is shown.
     """
-    large = path is not None and bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE
-    return stage(f"{what} {path.name}") if path and large else nullcontext()
+    return stage(f"{what} {path.name}") if path and _is_long(path) else nullcontext()
+
+
+def _is_long(path: Path) -> bool:
+    """Whether a file takes long to read, and somebody listens."""
+    return bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import xarray as xr
 from cases import mmg, paper, steered, waterway_for
 
 import narrows as nw
+from logs import bent_waterway
 from narrows.captive.measured import measured_files
 from narrows.quantities.names import Quantity
 from narrows.ship.actuator import Actuator, Part
@@ -385,12 +386,22 @@ class Table:
             "ship": self.wider, "where": "u < 0.9", "actuators": refused((), ship=self.thrusting, base=(BOW,)),
             "mapping": refused({"columns": {"no such header": "u"}}),
         }  # fmt: skip
+        log, other = ({"log": logged(rudder)} for rudder in (0.1, 0.2))
+        understood = {
+            **other, "waterway": bent_waterway(), "mapping": {"positive": {"rudder": "port"}},
+            "units": {"rudder": "deg"}, "late": {"rudder": 1.0}, "antenna": (-9.0, 1.0), "condition": {"draft": 9.0},
+            "gap": 50.0, "mmsi": refused(244000000),
+        }  # fmt: skip
         model = {"path": self.model(paper(), "paper.toml")}
         own = replace(nw.PAPER, name="own")
         return {
             "read_captive": Entry(read, {"table": self.captive(1), **reading}),
             "stream_captive": Entry(
                 streamed, {"path": self.captive(1), **reading}, answer=lambda kept: nw.identify(kept).coefficients
+            ),
+            "read_log": Entry(log, understood),
+            "stream_log": Entry(
+                log, understood, answer=lambda kept: [(own.antenna, own.condition, own.to_dataframe()) for own in kept]
             ),
             "read_ship": Entry(
                 {"path": self.ship}, {"path": self.wider, "actuators": refused((), path=self.thrusting, base=(BOW,))}
@@ -414,6 +425,12 @@ class Table:
                 answer=lambda _: sorted((path.name, path.read_bytes()) for path in ways if path.exists()),
             ),
         }  # fmt: skip
+
+
+def logged(rudder: float) -> dict[str, Any]:
+    """A log of four rows, on earth."""
+    place = {"lon": [5.001, 5.002, 5.003, 5.004], "lat": [52.004, 52.005, 52.006, 52.007], "hdg": [0.1, 0.1, 0.2, 0.2]}
+    return {"t": [0.0, 5.0, 10.0, 100.0], "rudder": [rudder] * 4, **place}
 
 
 @cache

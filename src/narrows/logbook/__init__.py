@@ -5,6 +5,9 @@ from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.learn_steady import learn_steady as learn_steady
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient
 from narrows.logbook.plan_steady import plan_steady as plan_steady
+from narrows.logbook.reading.read_log import read_log as read_log
+from narrows.logbook.reading.read_log import stream_log as stream_log
+from narrows.logbook.reading.streamed_log import StreamedLog as StreamedLog
 from narrows.logbook.ship_log import ShipLog as ShipLog
 from narrows.logbook.ship_record import ShipRecord as ShipRecord
 from narrows.logbook.signals import SIGNALS as SIGNALS

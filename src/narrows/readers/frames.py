@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from narrows.errors import InputError, needs, reason
-from narrows.progress import file_stage
+from narrows.progress import counted, file_stage
 from narrows.readers.dialect import dialect_of
 from narrows.readers.matlab import check_elements
 from narrows.readers.table_head import head_of
@@ -104,11 +104,13 @@ def _text_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
 
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     first = 0
-    with _parquet().ParquetFile(path) as file:
+    # Buffers that are filled ahead stay until the file is closed: memory would grow with it.
+    with _parquet().ParquetFile(path, pre_buffer=False) as file, counted(path, file.metadata.num_rows) as advance:
         for batch in file.iter_batches(batch_size=rows):
             frame = batch.to_pandas(ignore_metadata=True)
             frame.index = range(first, first + len(frame))
             first += len(frame)
+            advance(len(frame))
             yield frame
 
 

@@ -18,9 +18,9 @@ WAYS = {
 }  # fmt: skip
 """Which way a quantity counts here, and the other way."""
 COUNTED = {
-    **dict.fromkeys(("x", "u", "udot", "X"), ("forward",)),
-    **dict.fromkeys(("y", "v", "vdot", "Y"), ("starboard",)),
-    **dict.fromkeys(("psi", "r", "rdot", "N"), ("starboard", "clockwise")),
+    **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),
+    **dict.fromkeys(("y", "v", "vdot", "Y", "v_ground", "y_rate"), ("starboard",)),
+    **dict.fromkeys(("psi", "r", "rdot", "N", "course", "apparent_wind_angle"), ("starboard", "clockwise")),
     "rudder": ("starboard",),
     "heave": ("down",),
 }

@@ -1,6 +1,5 @@
 """Tables of text, whole or in chunks, by the dialect that was found."""
 
-import mmap
 import re
 from collections.abc import Iterator
 from io import StringIO
@@ -17,6 +16,8 @@ from narrows.readers.dialect import REMARKS, Dialect
 
 FIRST_ROW = 2
 """What editors call the row under a header: the index of a frame counts from there."""
+BLOCK = 1 << 22
+"""Bytes that are looked at together."""
 BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
 """Before a line that is a comment or empty."""
 
@@ -54,7 +55,10 @@ def text_chunks(path: Path, dialect: Dialect, rows: int) -> Iterator[pd.DataFram
         yield from _from_lines(path, dialect, rows)
         return
     first = dialect.head.first - FIRST_ROW
-    with pd.read_csv(path, skiprows=dialect.head.first - 1, chunksize=rows, **_options(dialect)) as chunks:
+    with (
+        opened(path) as file,
+        pd.read_csv(file, skiprows=dialect.head.first - 1, chunksize=rows, **_options(dialect)) as chunks,
+    ):
         for frame in chunks:
             yield _counted(_with_commas(frame, dialect), first)
             first += len(frame)
@@ -98,11 +102,16 @@ def _is_broken(path: Path, dialect: Dialect) -> bool:
     """Whether comments or empty lines may stand among the rows, so that lines must be looked at one by one."""
     if dialect.encoding == "utf-16":
         return True
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        start = 0
+    with path.open("rb") as file:
         for _ in range(dialect.head.first - 2):
-            start = content.find(b"\n", start) + 1
-        return BROKEN.search(content, start) is not None
+            file.readline()
+        line = b""
+        while block := file.read(BLOCK):
+            text = line + block
+            if BROKEN.search(text):
+                return True
+            line = text[text.rfind(b"\n") :] if b"\n" in text else b""
+    return False
 
 
 def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:

@@ -15,7 +15,7 @@ LEGEND_RECORDS = 5
 
 
 def log_figure(log: ShipLog) -> Figure:
-    """Draw the records of a ship: tracks above; rudder, heading, yaw rate and speed over time below.
+    """Draw the records of a ship: tracks; rudder, heading, yaw rate and speeds over time.
 
     Parameters
     ----------
@@ -29,8 +29,8 @@ def log_figure(log: ShipLog) -> Figure:
         if "x" in record and "y" in record:
             x, y = _thinned(record["x"]), record["y"]
             track.plot(x.values, y.at(x.t), color=colour, linewidth=1.0, label=record.name)
-        for panel, (name, factor, _) in zip(others, CURVES, strict=True):
-            if name in record:
+        for panel, (names, factor, _) in zip(others, CURVES, strict=True):
+            if name := next((name for name in names if name in record), None):
                 curve = _thinned(record[name])
                 panel.plot(curve.t - record.start, factor * curve.values, color=colour, linewidth=0.8)
     _finish(track, "along x [m]", "to starboard y [m]")
@@ -42,13 +42,13 @@ def log_figure(log: ShipLog) -> Figure:
 
 
 CURVES = (
-    ("rudder", 180 / np.pi, "rudder [deg]"),
-    ("psi", 180 / np.pi, "heading [deg]"),
-    ("r", 180 / np.pi, "yaw rate [deg/s]"),
-    ("u", 1.0, "surge u through the water [m/s]"),
-    ("speed_over_ground", 1.0, "speed over ground [m/s]"),
+    (("rudder",), 180 / np.pi, "rudder [deg]"),
+    (("psi",), 180 / np.pi, "heading [deg]"),
+    (("r",), 180 / np.pi, "yaw rate [deg/s]"),
+    (("u", "u_ground", "speed_over_ground"), 1.0, "speed ahead [m/s]"),
+    (("v", "v_ground"), 1.0, "speed to starboard [m/s]"),
 )
-"""Signal, factor and label of each panel below the track."""
+"""Signals, the first that a record has, factor and label of each panel beside the track."""
 
 
 def _thinned(signal: Signal) -> Signal:

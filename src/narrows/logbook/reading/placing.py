@@ -1,0 +1,238 @@
+"""Raw records to signals: from the map to the waterway, from fixed axes to the ship's, from the antenna to midship."""
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.logbook.reading.log_mapping import LogMapping
+from narrows.logbook.reading.record_split import RawRecord
+from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook.signals import SIGNALS, TURNING, Signal
+from narrows.waterway import Waterway
+from narrows.waterway.projection import projected
+
+BY_MAP = {"psi": "heading", "course": "course_over_ground", "wind_direction": "wind_from"}
+"""Directions from north, for those from the axes of the record."""
+JUMPING = (*TURNING, *BY_MAP.values())
+LONGEST = 10.0
+"""Between two headings [s], over which they are still joined."""
+
+Signals = dict[str, Signal]
+
+
+class Fixes(NamedTuple):
+    """Positions by the map.
+
+    Parameters
+    ----------
+    t : array (n,) [s]
+        When.
+    positions : array (n, 2) [m]
+        East and north; in a plane without a waterway x is north.
+    """
+
+    t: np.ndarray
+    positions: np.ndarray
+
+
+class RawSignals(NamedTuple):
+    """What a raw record tells, each column at the times at which it was measured.
+
+    Parameters
+    ----------
+    raw : RawRecord
+        The record.
+    late : mapping of str to float [s]
+        By how much columns are late.
+    """
+
+    raw: RawRecord
+    late: dict[str, float]
+
+    def together(self, *names: str) -> tuple[np.ndarray, ...] | None:
+        """Return times and columns where all of some were measured at once; None where one never was (ours).
+
+        Directions are without jumps; values of one time, which is rounded then, are one by their mean.
+
+        Parameters
+        ----------
+        *names : str
+            Of columns.
+        """
+        if not set(names) <= self.raw.columns.keys():
+            return None
+        columns = [self.raw.columns[name] for name in names]
+        known = np.isfinite(columns).all(axis=0)
+        if not known.any():
+            return None
+        t = self.raw.t[known] - self.late.get(names[0], 0.0)
+        told = {name: column[known] for name, column in zip(names, columns, strict=True)}
+        return _once(t, [np.unwrap(column) if name in JUMPING else column for name, column in told.items()])
+
+    def signal(self, name: str) -> Signal | None:
+        """Return one column (ours).
+
+        Parameters
+        ----------
+        name : str
+            Of it.
+        """
+        return _smoothly(name, Signal(*measured)) if (measured := self.together(name)) else None
+
+
+@dataclass(frozen=True, eq=False)
+class Placing:
+    """Where records are put, and what is known of their sensors.
+
+    Parameters
+    ----------
+    table : str
+        The file, for sentences.
+    mapping : LogMapping
+        What is late, where the antenna stands, how the ship is loaded.
+    waterway : Waterway, optional
+        Along which to tell where the ship is; a plane where there is none.
+    """
+
+    table: str
+    mapping: LogMapping = field(default_factory=LogMapping)
+    waterway: Waterway | None = None
+
+    def record(self, raw: RawRecord) -> ShipRecord:
+        """Return a record in the package's axes (ours).
+
+        Parameters
+        ----------
+        raw : RawRecord
+            As the log has it.
+
+        Raises
+        ------
+        InputError
+            Where a direction by the map has no place to be measured from, or velocities no heading.
+        """
+        told, antenna = RawSignals(raw, dict(self.mapping.late)), self.mapping.antenna
+        signals = {name: signal for name in SIGNALS if (signal := told.signal(name)) is not None}
+        fixes = self._fixes(told, any(antenna))
+        if fixes is not None:
+            signals |= self._along(fixes)
+        signals |= self._directions(told, signals)
+        if any(antenna) and fixes is not None and "psi" in signals:
+            signals |= self._along(self._at_midship(fixes, signals, antenna))
+            signals |= self._directions(told, signals)
+        signals |= self._over_ground(told, signals)
+        record = ShipRecord(raw.name, {name: signals[name] for name in SIGNALS if name in signals})
+        wind = _true_wind(told, record)
+        brought = fixes is not None and "psi" in signals
+        return replace(
+            record.with_signals(**wind), antenna=(0.0, 0.0) if brought else antenna, condition=self.mapping.condition
+        )
+
+    def _fixes(self, told: RawSignals, moved: bool) -> Fixes | None:
+        """Positions by the map; those along the waterway too where they must be moved."""
+        if measured := told.together("longitude", "latitude"):
+            t, *degrees = measured
+            return Fixes(t, projected(np.stack(degrees, axis=1), self._origin(degrees)))
+        if measured := told.together("east", "north"):
+            return Fixes(measured[0], np.stack(measured[1:], axis=1))
+        if moved and (measured := told.together("x", "y")):
+            t, x, y = measured
+            return Fixes(t, self.waterway.to_map(x, y)[0] if self.waterway else np.stack([y, x], axis=1))
+        return None
+
+    def _origin(self, degrees: list[np.ndarray]) -> np.ndarray:
+        if self.waterway is None:
+            return np.array([degrees[0][0], degrees[1][0]])
+        if self.waterway.origin is None:
+            raise InputError(
+                f"{self.table}: longitude and latitude have no place on {self.waterway.name}, which does not know "
+                "where on earth it is; give its origin, or read it from GeoJSON"
+            )
+        return np.array(self.waterway.origin)
+
+    def _along(self, fixes: Fixes) -> Signals:
+        if self.waterway is None:
+            y, x = fixes.positions.T
+        else:
+            x, y = self.waterway.line.locate(fixes.positions)
+        return {"x": Signal(fixes.t, x), "y": Signal(fixes.t, y)}
+
+    def _axis(self, t: np.ndarray, signals: Signals) -> np.ndarray:
+        """Direction of the axis that headings are measured from [rad] from north: of the waterway's line, or north."""
+        if self.waterway is None:
+            return np.zeros(len(t))
+        if "x" not in signals:
+            raise InputError(
+                f"{self.table}: a direction from north is measured from a bend of {self.waterway.name} only where the "
+                "position is known; give longitude and latitude, or x"
+            )
+        return self.waterway.line.heading(np.interp(t, signals["x"].t, signals["x"].values))
+
+    def _directions(self, told: RawSignals, signals: Signals) -> Signals:
+        found = {}
+        for name, by_map in BY_MAP.items():
+            if name not in told.raw.columns and (signal := told.signal(by_map)):
+                from_axis = signal.values - self._axis(signal.t, signals)
+                found[name] = _smoothly(name, Signal(signal.t, from_axis))
+        return found
+
+    def _at_midship(self, fixes: Fixes, signals: Signals, antenna: tuple[float, float]) -> Fixes:
+        """Positions of midship, where the heading is known."""
+        heading = signals["psi"].at(fixes.t, LONGEST) + self._axis(fixes.t, signals)
+        known = np.isfinite(heading)
+        ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
+        starboard = np.stack([ahead[:, 1], -ahead[:, 0]], axis=1)
+        moved = fixes.positions - antenna[0] * ahead - antenna[1] * starboard
+        return Fixes(fixes.t[known], moved[known])
+
+    def _over_ground(self, told: RawSignals, signals: Signals) -> Signals:
+        """Velocities in fixed axes, along and across the ship; of midship where the yaw rate is known."""
+        by_axes, by_map = told.together("x_rate", "y_rate"), told.together("north_rate", "east_rate")
+        measured = by_axes or by_map
+        if measured is None or "u_ground" in signals:
+            return {}
+        if "psi" not in signals:
+            raise InputError(f"{self.table}: velocities in fixed axes need the heading; give psi, or heading")
+        t, north, east = measured
+        angle = signals["psi"].at(t, LONGEST) + (0.0 if by_axes else self._axis(t, signals))
+        forward, starboard = self.mapping.antenna
+        turn = signals["r"].at(t, LONGEST) if "r" in signals and (forward or starboard) else np.zeros(len(t))
+        u = north * np.cos(angle) + east * np.sin(angle) + starboard * turn
+        v = east * np.cos(angle) - north * np.sin(angle) - forward * turn
+        known = np.isfinite(u)
+        return {"u_ground": Signal(t[known], u[known]), "v_ground": Signal(t[known], v[known])}
+
+
+def _true_wind(told: RawSignals, record: ShipRecord) -> Signals:
+    """The wind over ground, of the wind that is felt on board."""
+    measured, moving = told.together("apparent_wind_speed", "apparent_wind_angle"), record.over_ground()
+    if measured is None or moving is None or "psi" not in record or "wind_speed" in record:
+        return {}
+    t, speed, angle = measured
+    ahead = moving[0].at(t, LONGEST) - speed * np.cos(angle)
+    aside = moving[1].at(t, LONGEST) - speed * np.sin(angle)
+    direction = np.arctan2(-aside, -ahead) + record["psi"].at(t, LONGEST)
+    known = np.isfinite(direction)
+    return {
+        "wind_speed": Signal(t[known], np.hypot(ahead, aside)[known]),
+        "wind_direction": _smoothly("wind_direction", Signal(t[known], direction[known])),
+    }
+
+
+def _smoothly(name: str, signal: Signal) -> Signal:
+    """A direction without jumps, from less than half a turn off the axis on; any other signal as it is."""
+    if name not in TURNING or not len(signal):
+        return signal
+    values = np.unwrap(signal.values)
+    return Signal(signal.t, values - 2 * np.pi * np.round(values[0] / (2 * np.pi)))
+
+
+def _once(t: np.ndarray, columns: list[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Times, each once where it stands several times in a row, and the means of what was measured then."""
+    first = np.flatnonzero(np.diff(t, prepend=np.nan) != 0)
+    if len(first) == len(t):
+        return (t, *columns)
+    counts = np.diff(first, append=len(t))
+    return (t[first], *(np.add.reduceat(column, first) / counts for column in columns))

@@ -1,0 +1,205 @@
+"""A ship's own log, however it was written, makes the same records in the package's axes."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+
+import narrows as nw
+from logs import antenna_on_earth, bent_waterway, motion
+from narrows.logbook.reading import streamed_log
+
+T = np.arange(0.0, 600.0, 2.0)
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def table() -> pd.DataFrame:
+    told = motion(T)
+    return pd.DataFrame({
+        "t": T, "x": told["x"], "y": told["y"], "psi [deg]": np.degrees(told["psi"]),
+        "rudder_deg": np.degrees(told["rudder"]), "u [kn]": np.full(len(T), 8.0), "revolutions [rpm]": 60.0,
+    })  # fmt: skip
+
+
+def check_same(log: nw.ShipLog) -> None:
+    told, record = motion(T), log[0]
+    for name in ("x", "y", "psi", "rudder"):
+        np.testing.assert_allclose(record[name].values, told[name], atol=1e-9)
+    np.testing.assert_allclose(record["u"].values, 8 * 1852 / 3600)
+    np.testing.assert_allclose(record["revolutions"].values, 1.0)
+
+
+def test_tables_of_programs_and_files_say_the_same(tmp_path: Path) -> None:
+    frame = table()
+    frame.to_csv(tmp_path / "commas.csv", index=False)
+    frame.to_csv(tmp_path / "semicolons.txt", index=False, sep=";", decimal=",")
+    frame.to_parquet(tmp_path / "columns.parquet")
+    sources = [frame, pl.from_pandas(frame), *sorted(tmp_path.iterdir())]
+    for source in sources:
+        check_same(nw.read_log(source))
+    assert nw.read_log(tmp_path / "commas.csv").names == ("commas",)
+
+
+def test_a_log_reads_what_it_wrote(tmp_path: Path) -> None:
+    first = nw.ShipRecord("A", {"x": nw.Signal(T, 4 * T), "rudder": nw.Signal(T[::3] + 0.5, np.sin(T[::3]))})
+    log = nw.ShipLog((first, nw.ShipRecord("B", {"r": nw.Signal(T, np.cos(T))})))
+    log.save(tmp_path / "log.csv")
+    again = nw.read_log(tmp_path / "log.csv")
+    assert again.names == ("A", "B")
+    for record in log:
+        for name in record:
+            np.testing.assert_allclose(again[record.name][name].t, record[name].t)
+            np.testing.assert_allclose(again[record.name][name].values, record[name].values)
+
+
+def test_empty_cells_are_times_at_which_nothing_was_measured(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("t,rudder [deg],r [deg/min]\n0,5,\n1,,6\n2,-5,\n3,, 12\n")
+    record = nw.read_log(path)[0]
+    assert record["rudder"].t.tolist() == [0.0, 2.0]
+    assert np.degrees(record["r"].values) == pytest.approx([0.1, 0.2])
+
+
+def test_numbers_by_which_ais_says_none_are_left_out() -> None:
+    places = {"lat": [52.0, 91.0, 52.0], "lon": [5.0, 181.0, 5.0]}
+    log = nw.read_log({"t": T[:3], "SOG [kn]": [8.0, 102.3, 8.0], "hdg [deg]": [10.0, 12.0, 511.0], **places})
+    assert {name: len(own) for name, own in log[0].signals.items()} == {
+        "x": 2, "y": 2, "psi": 2, "speed_over_ground": 2
+    }  # fmt: skip
+    assert "1 of heading stand for none and were left out" in log.notes
+
+
+def test_dates_and_times_count_from_the_first() -> None:
+    log = nw.read_log({"UTC": ["2026-05-01T23:59:59Z", "2026-05-02T00:00:01.5Z"], "rudder": [0.1, 0.2]})
+    assert log[0]["rudder"].t.tolist() == [0.0, 2.5]
+    assert "t counts from 2026-05-01T23:59:59+00:00" in log.notes
+
+
+def test_records_are_cut_by_their_column_or_at_gaps() -> None:
+    named = {"record": ["A", "A", "B"], "t": [0.0, 1.0, 0.0], "rudder": [0.1, 0.1, 0.2]}
+    assert nw.read_log(named).names == ("A", "B")
+    gaps = {"t": [0.0, 1.0, 1000.0, 1001.0], "rudder": np.arange(4.0)}
+    log = nw.read_log(gaps)
+    assert [(own.name, len(own["rudder"])) for own in log] == [("record", 2), ("record 2", 2)]
+    assert "cut into 2 records where nothing came for 300 s" in log.notes
+    assert len(nw.read_log(gaps, gap=2000.0)) == 1
+
+
+def test_what_is_read_piece_by_piece_is_what_is_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    frame = pd.concat([table(), table().assign(t=T + 3000.0)])
+    frame.to_parquet(tmp_path / "log.parquet")
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    whole = nw.read_log(frame)
+    monkeypatch.setattr(streamed_log, "ROWS", 37)
+    for path in sorted(tmp_path.iterdir()):
+        for one, other in zip(nw.stream_log(path), whole, strict=True):
+            pd.testing.assert_frame_equal(one.to_dataframe(), other.to_dataframe())
+
+
+def test_a_record_beyond_what_memory_likes_goes_on_in_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(streamed_log, "ROWS", 100)
+    monkeypatch.setattr("narrows.logbook.reading.record_split.MOST_ROWS", 100)
+    log = nw.read_log({"record": ["A"] * 90 + ["B"] * 90, "t": np.arange(180.0), "r": np.zeros(180)})
+    assert log.names == ("A", "B")
+
+
+def test_a_place_on_earth_is_told_along_a_bend_and_of_midship() -> None:
+    waterway, told, antenna = bent_waterway(), motion(T), (-70.0, 6.0)
+    frame = antenna_on_earth(waterway, told, antenna).assign(t=T)
+    record = nw.read_log(frame, waterway, antenna=antenna)[0]
+    for name in ("x", "y", "psi"):
+        np.testing.assert_allclose(record[name].values, told[name], atol=2e-5)
+    assert record.antenna == (0.0, 0.0)
+    unmoved = nw.read_log(frame, waterway)[0]
+    assert np.abs(unmoved["x"].values - told["x"] + 70.0).max() < 6.0
+
+
+def test_what_is_late_is_put_back() -> None:
+    assert nw.read_log(table(), late={"rudder": 1.5})[0]["rudder"].t.tolist() == (T - 1.5).tolist()
+
+
+def test_velocities_in_fixed_axes_are_turned_into_those_of_the_ship() -> None:
+    told, (u, v) = motion(T), (4.0 + 0.1 * np.sin(T / 20), 0.2 * np.cos(T / 30))
+    ahead = u * np.cos(told["psi"]) - v * np.sin(told["psi"])
+    aside = u * np.sin(told["psi"]) + v * np.cos(told["psi"])
+    record = nw.read_log({"t": T, "psi": told["psi"], "x_rate": ahead, "y_rate": aside})[0]
+    np.testing.assert_allclose(record["u_ground"].values, u)
+    np.testing.assert_allclose(record["v_ground"].values, v)
+    by_map = {"north_rate": ahead, "east_rate": aside}
+    record = nw.read_log({"t": T, "heading": told["psi"], **by_map})[0]
+    np.testing.assert_allclose(record["v_ground"].values, v, atol=1e-12)
+
+
+def test_the_wind_that_is_felt_becomes_the_wind_over_ground() -> None:
+    wind, come_from, psi, u, v = 7.0, 0.8, 2.0 * np.sin(T / 90), 5.0, -0.3
+    ahead = -wind * np.cos(come_from - psi) - u
+    aside = -wind * np.sin(come_from - psi) - v
+    table = {
+        "t": T, "psi": psi, "u_ground": np.full(len(T), u), "v_ground": np.full(len(T), v),
+        "apparent_wind_speed": np.hypot(ahead, aside), "apparent_wind_angle": np.arctan2(-aside, -ahead),
+    }  # fmt: skip
+    record = nw.read_log(table)[0]
+    np.testing.assert_allclose(record["wind_speed"].values, wind)
+    np.testing.assert_allclose(record["wind_direction"].values, come_from)
+
+
+def test_times_that_are_rounded_are_one_by_their_means() -> None:
+    table = {"t": [0.0, 0.0, 1.0, 1.0], "psi [deg]": [359.0, 1.0, 2.0, 4.0], "r": [1.0, 3.0, 5.0, 5.0]}
+    record = nw.read_log(table)[0]
+    assert np.degrees(record["psi"].values) % 360 == pytest.approx([0.0, 3.0], abs=1e-9)
+    assert record["r"].values.tolist() == [2.0, 5.0]
+
+
+@pytest.mark.parametrize(("tank", "records"), [("hsva", 11), ("marin", 6)])
+def test_free_running_tests_of_two_tanks_are_one_motion(tank: str, records: int, shared_data: Path) -> None:
+    """Velocities over ground are the rates of the position, and the yaw rate is the heading's."""
+    files = sorted((shared_data / "kvlcc2_free_running" / tank).glob("*.dat"))
+    log = nw.read_log(files, mapping=EXAMPLES / f"{tank}_kvlcc2.toml")
+    assert len(log) == records
+    for record in log:
+        t, turned = record["psi"].t, np.diff(record["psi"].values)
+        way = np.trapezoid(record["r"].values, t)
+        np.testing.assert_allclose(turned.sum(), way, atol=0.05 * np.abs(turned).sum())
+        cosine, sine = np.cos(record["psi"].values), np.sin(record["psi"].values)
+        u, v = (record[name].values for name in ("u_ground", "v_ground"))
+        way = np.trapezoid(np.stack([u * cosine - v * sine, u * sine + v * cosine]), t)
+        made = [np.ptp(record[name].values[[0, -1]]) for name in ("x", "y")]
+        np.testing.assert_allclose(np.abs(way), made, atol=0.03 * u.mean() * record.duration)
+
+
+@pytest.mark.parametrize(
+    ("log", "options", "told"),
+    [
+        ("nowhere.csv", {}, "no such file"),
+        ({"t": [0.0]}, {}, "has times and nothing else"),
+        ({"x": [0.0]}, {}, "no column tells the time"),
+        ({"time": ["yesterday"], "x": [0.0]}, {}, "row 0, column 'time' is no date"),
+        ({"t": [0.0], "rudder [m]": [0.0]}, {}, "not a unit of this quantity"),
+        ({"t": [0.0], "rudder": ["left"]}, {}, "row 0, column 'rudder' holds left"),
+        ({"record": ["A", "B", "A"], "t": [0.0, 1.0, 2.0], "r": [0, 0, 0]}, {}, "record A do not stand together"),
+        ({"t": [0.0], "x": [1.0]}, {"mapping": {"colums": {}}}, "did you mean 'columns'"),
+        ({"t": [0.0], "x": [1.0]}, {"mapping": {"columns": 3}}, "is no section"),
+        ({"t": [0.0], "x": [1.0]}, {"mapping": {"antenna": {"aft": 3.0}}}, "no 'aft'"),
+        ({"t": [0.0], "x": [1.0]}, {"late": {"ruder": 1.0}}, "did you mean 'rudder'"),
+        ({"t": [0.0], "x": [1.0]}, {"late": {"x": "1"}}, "is no number"),
+        ({"t": [0.0], "x": [1.0]}, {"antenna": (1.0,)}, "is no place"),
+        ({"t": [0.0], "x": [1.0]}, {"gap": 0.0}, "no time without a row"),
+        ({"t": [0.0], "x": [1.0]}, {"mmsi": -1}, "whole number"),
+        ({"t": [0.0], "x": [1.0]}, {"mmsi": 244000000}, "no recording of NMEA"),
+        ({"t": [0.0], "x": [1.0]}, {"units": {"speed": "kn"}}, "no documented column"),
+        ({"t": [0.0], "x_rate": [1.0], "y_rate": [0.0]}, {}, "need the heading"),
+        ({"t": [0.0], "heading": [1.0]}, {"waterway": bent_waterway()}, "only where the position is known"),
+        ([], {}, "no log to read"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_understood_is_said(log: object, options: dict, told: str) -> None:
+    with pytest.raises(nw.InputError, match=told):
+        nw.read_log(log, **options)
+
+
+def test_longitude_needs_a_waterway_on_earth() -> None:
+    nowhere = nw.straight_waterway(nw.Canal(300.0, 16.0), 4000.0)
+    with pytest.raises(nw.InputError, match="does not know where on earth"):
+        nw.read_log({"t": [0.0], "lon": [5.0], "lat": [52.0]}, nowhere)
