@@ -8,6 +8,10 @@ from narrows.logbook.plan_steady import plan_steady as plan_steady
 from narrows.logbook.reading.read_log import read_log as read_log
 from narrows.logbook.reading.read_log import stream_log as stream_log
 from narrows.logbook.reading.streamed_log import StreamedLog as StreamedLog
+from narrows.logbook.sensor_grades import GRADES as GRADES
+from narrows.logbook.sensor_grades import SensorGrade as SensorGrade
+from narrows.logbook.sensor_grades import SignalGrade as SignalGrade
+from narrows.logbook.sensor_grades import sensor_grade as sensor_grade
 from narrows.logbook.ship_log import ShipLog as ShipLog
 from narrows.logbook.ship_record import ShipRecord as ShipRecord
 from narrows.logbook.signals import SIGNALS as SIGNALS

@@ -9,8 +9,8 @@ from narrows.logbook.learned_model import learned_model
 from narrows.logbook.steady_checks import steady_checks
 from narrows.logbook.steady_conditions import SteadyConditions
 from narrows.logbook.steady_fit import SteadyFit, shared_of
-from narrows.logbook.steady_readings import ReadingErrors, SteadyReadings, steady_readings
-from narrows.logbook.steady_update import steady_update
+from narrows.logbook.steady_readings import ReadingErrors, steady_readings
+from narrows.logbook.steady_update import SteadyProblem
 from narrows.model.model import Model
 
 NO_COVARIANCE = (
@@ -56,12 +56,9 @@ def learn_steady(
     readings, conditions = steady_readings(observations, errors), conditions or SteadyConditions()
     canal, ship = model.configuration.canal, model.configuration.ship
     check_inside(readings.values["y"], canal.width, ship.beam)
-
-    def update(read: SteadyReadings) -> Any:
-        return steady_update(model, read, conditions)
-
-    found = update(readings)
-    checks = steady_checks(model, readings, found, update)
+    problem = SteadyProblem.of(model, readings, conditions)
+    found = problem.update(readings)
+    checks = steady_checks(model, readings, found, problem.update)
     mean, covariance = found.posterior.mean, found.posterior.covariance
     count = len(model.terms.names)
     learned = learned_coefficients(model, mean[:count], covariance[:count, :count])

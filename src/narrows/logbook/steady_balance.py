@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from narrows.codegen.linearisation import LINEARISED, controlled
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.self_propulsion import self_propulsion
 from narrows.model.model import Model
 from narrows.quantities.names import Number
@@ -34,6 +35,14 @@ class SteadyBalance:
     model: Model
     felt: Mapping[str, np.ndarray]
 
+    @cached_property
+    def _ship(self) -> SimulatedShip:
+        return SimulatedShip(self.model)
+
+    @cached_property
+    def _particulars(self) -> dict[str, Number]:
+        return {**self._ship.values(), **self.felt}
+
     def columns(self, latent: np.ndarray) -> np.ndarray:
         """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients).
 
@@ -61,16 +70,13 @@ class SteadyBalance:
         coefficients : array (coefficients,)
             In the order of the table.
         """
-        ship = SimulatedShip(
-            self.model.with_coefficients(**dict(zip(self.model.terms.names, coefficients, strict=True)))
-        )
+        named = dict(zip(self.model.terms.names, coefficients.tolist(), strict=True))
+        linear = self._ship.linearisation({**self._particulars, **named})
         y, u, rudder, psi = latent.T
         at = {"y": y, "u": u, "v": -u * np.tan(psi), "psi": psi, "rudder": rudder, **self.felt}
         # The rates are the forces over the mass, which no place changes.
-        rates = ship.linearisation({**ship.values(), **self.felt}).linear(at)[
-            :, [LINEARISED.index(n) for n in BALANCED.values()]
-        ]
-        names = (*LINEARISED, *controlled(ship.actuators))
+        rates = linear.linear(at)[:, [LINEARISED.index(velocity) for velocity in BALANCED.values()]]
+        names = (*LINEARISED, *linear.controlled)
         mass = np.linalg.inv(rates[:, :, [names.index("Y_in"), names.index("N_in")]])
         by = dict(zip(names, np.moveaxis(mass @ rates, 2, 0), strict=True))
         by_u = by["u"] - by["v"] * np.tan(psi)[:, None]
@@ -79,8 +85,7 @@ class SteadyBalance:
 
     def _values(self, latent: np.ndarray) -> dict[str, Number]:
         y, u, rudder, psi = latent.T
-        values = dict(SimulatedShip(self.model).values())
-        values |= {**Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.felt}
+        values = {**self._particulars, **Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.felt}
         for actuator in self.model.terms.actuators:
             if actuator.name == "rudder":
                 values |= actuator.placed(rudder)
@@ -99,8 +104,11 @@ def felt_on(model: Model, speeds: np.ndarray, told: Mapping[str, np.ndarray]) ->
     told : mapping of str to array (legs,)
         What was read of them.
     """
-    felt = {"heave": told["heave"] if "heave" in told else keel_at(model, speeds).midship}
+    each, place = np.unique(speeds, return_inverse=True)
+    felt = {"heave": told["heave"] if "heave" in told else keel_at(model, each).midship[place]}
     if model.terms.propelled:
-        turns = [self_propulsion(model, float(speed)) for speed in speeds] if "revolutions" not in told else None
-        felt["revolutions"] = told["revolutions"] if turns is None else np.array(turns)
+        turns = told.get("revolutions")
+        if turns is None:
+            turns = np.array([self_propulsion(model, speed) for speed in each.tolist()])[place]
+        felt["revolutions"] = turns
     return felt

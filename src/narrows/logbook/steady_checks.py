@@ -101,6 +101,8 @@ def _contradiction(squares: float, freedom: int, legs: dict[str, float]) -> str:
 
 def _other_sign(readings: SteadyReadings, squares: float, again: Callable[[SteadyReadings], SteadyUpdate]) -> list[str]:
     """Say which reading fits a hundred times better with the other sign."""
+    if squares <= UNLIKELY:  # There is nothing to be won.
+        return []
     turned = {name: again(_turned(readings, name)).posterior.chi_square for name in TURNED if name in readings.values}
     return [
         f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it positive "

@@ -17,7 +17,7 @@ from narrows.logbook.steady_conditions import UNKNOWN, SteadyConditions
 from narrows.logbook.steady_readings import SteadyReadings
 from narrows.model.model import Model
 
-ROUNDS, SETTLED = 50, 1e-9
+ROUNDS, SETTLED = 50, 1e-6
 """Of standard deviations, by which the last round may still move anything."""
 
 
@@ -61,29 +61,59 @@ def steady_prior(model: Model, conditions: SteadyConditions) -> NormalPrior:
     return NormalPrior(np.concatenate([coefficients, np.zeros(len(UNKNOWN))]), root)
 
 
-def steady_update(model: Model, readings: SteadyReadings, conditions: SteadyConditions) -> SteadyUpdate:
-    """Update a model's coefficients by steady legs (ours).
+@dataclass(frozen=True)
+class SteadyProblem:
+    """What legs are to update.
 
     Parameters
     ----------
-    model : Model
-        With terms of a rudder and a covariance.
-    readings : SteadyReadings
-        The legs.
-    conditions : SteadyConditions
-        What they share, and what is left on each.
+    prior : NormalPrior
+        Of the coefficients and ``UNKNOWN``.
+    balance : SteadyBalance
+        Of the model on the legs.
+    bounds : array (n, 2)
+        Of the unknowns.
+    left_over : array (5,)
+        What is left on each leg, of ``SteadyConditions.left_over``.
     """
-    prior, read = steady_prior(model, conditions), LegReadings.of(readings)
-    balance = SteadyBalance(model, felt_on(model, readings.values["u"], readings.values))
-    open_ended = [(-np.inf, np.inf)] * len(UNKNOWN)
-    bounds = np.array([*(term.bound for term in model.terms.terms), *open_ended])
-    left_over, latent, unknowns, settled = conditions.left_over(model), read.first(), prior.mean, False
-    size, rounds = np.sqrt(np.diag(prior.covariance)), 0
-    while not settled and rounds < ROUNDS:
-        blocks, through = read.blocks(balance, latent, unknowns, left_over)
-        posterior = updated(prior, blocks, bounds)
-        nearer = read.corrected(blocks, through, posterior.mean)
-        moved = np.abs(posterior.mean - unknowns) <= SETTLED * size
-        settled = bool(moved.all() and np.allclose(nearer, latent, rtol=SETTLED, atol=SETTLED))
-        latent, unknowns, rounds = nearer, posterior.mean, rounds + 1
-    return SteadyUpdate(posterior, latent, settled, len(readings) * read.balances)
+
+    prior: NormalPrior
+    balance: SteadyBalance
+    bounds: np.ndarray
+    left_over: np.ndarray
+
+    @classmethod
+    def of(cls, model: Model, readings: SteadyReadings, conditions: SteadyConditions) -> "SteadyProblem":
+        """Return the problem of a model and legs.
+
+        Parameters
+        ----------
+        model : Model
+            With terms of a rudder and a covariance.
+        readings : SteadyReadings
+            The legs.
+        conditions : SteadyConditions
+            What they share, and what is left on each.
+        """
+        balance = SteadyBalance(model, felt_on(model, readings.values["u"], readings.values))
+        bounds = np.array([*(term.bound for term in model.terms.terms), *[(-np.inf, np.inf)] * len(UNKNOWN)])
+        return cls(steady_prior(model, conditions), balance, bounds, conditions.left_over(model))
+
+    def update(self, readings: SteadyReadings) -> SteadyUpdate:
+        """Return what readings on these legs tell (ours).
+
+        Parameters
+        ----------
+        readings : SteadyReadings
+            At the speeds that the problem was made for.
+        """
+        read, size, rounds, settled = LegReadings.of(readings), np.linalg.norm(self.prior.root, axis=1), 0, False
+        latent, unknowns = read.first(), self.prior.mean
+        while not settled and rounds < ROUNDS:
+            blocks, through = read.blocks(self.balance, latent, unknowns, self.left_over)
+            posterior = updated(self.prior, blocks, self.bounds)
+            nearer = read.corrected(blocks, through, posterior.mean)
+            moved = np.abs(posterior.mean - unknowns) <= SETTLED * size
+            settled = bool(moved.all() and np.allclose(nearer, latent, rtol=SETTLED, atol=SETTLED))
+            latent, unknowns, rounds = nearer, posterior.mean, rounds + 1
+        return SteadyUpdate(posterior, latent, settled, len(readings) * read.balances)

@@ -1,0 +1,156 @@
+"""How well a ship's sensors measure, by grade: noise, what wanders with a memory, what is wrong in all of a record."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from narrows.errors import Described, InputError, check_choice
+from narrows.logbook.signals import check_signals
+from narrows.quantities.constants import KNOT
+
+DEGREE = math.pi / 180
+OURS = "ours"
+GYRO = (
+    "IMO A.424(XI), gyro-compasses: to 0.75 deg at rest, 1.0 deg under way, times the secant of the latitude; standard "
+    "deviations of about half of it, ours (nippon.zaidan.info/seikabutsu/2000/00402/contents/006.htm, read by us)"
+)
+TURNING = (
+    "IMO A.526(13), rate-of-turn indicators: to 0.5 deg/min and 5 % of what is shown "
+    "(ajishnavigator.blogspot.com/2011/10/imo-performance-standards-for-rot.html, read by us)"
+)
+BROADCAST = (
+    "heading in whole degrees and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, read "
+    "by us); the rest ours"
+)
+
+
+@dataclass(frozen=True)
+class SignalGrade:
+    """How well one signal is measured.
+
+    Parameters
+    ----------
+    noise : float
+        Standard deviation from reading to reading, in the unit of the signal.
+    period : float [s]
+        Between readings.
+    wander : float
+        Standard deviation of an error that stays for a while.
+    memory : float [s]
+        How long it stays: a first-order process.
+    zero : float
+        Standard deviation of an error that is the same all through a record.
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        Where a number is negative or not finite, or there is no noise or period at all.
+    """
+
+    noise: float
+    period: float = 1.0
+    wander: float = 0.0
+    memory: float = 60.0
+    zero: float = 0.0
+    source: str = OURS
+
+    def __post_init__(self) -> None:
+        for name in ("noise", "period", "wander", "memory", "zero"):
+            value, least = getattr(self, name), "over 0" if name in ("noise", "period", "memory") else "from 0"
+            if not math.isfinite(value) or value < 0 or (least == "over 0" and value == 0):
+                raise InputError(f"a signal's {name} = {value}: give a finite number {least}, in its unit")
+
+
+@dataclass(frozen=True, repr=False)
+class SensorGrade(Described):
+    """A ship's sensors.
+
+    Parameters
+    ----------
+    name : str
+        Of the grade.
+    words : str
+        What it stands for.
+    signals : mapping of str to SignalGrade
+        By the names of ``SIGNALS``; what is not there is not measured.
+
+    Raises
+    ------
+    InputError
+        Where a name is no signal's.
+    """
+
+    name: str
+    words: str
+    signals: Mapping[str, SignalGrade] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_signals(self.signals)
+
+    def summary(self) -> str:
+        """Say what it stands for, and what it measures."""
+        return f"{self.name}: {self.words}; measures {', '.join(self.signals)}"
+
+
+RTK = SensorGrade(
+    "rtk",
+    "a pilot's own unit, two antennas with corrections, and the rudder's indicator by wire",
+    {
+        "y": SignalGrade(0.05, zero=0.3, source="ours; the zero is of the banks as charted"),
+        "x": SignalGrade(0.05, zero=0.3),
+        "psi": SignalGrade(0.05 * DEGREE, zero=0.1 * DEGREE),
+        "r": SignalGrade(0.008 * DEGREE, wander=0.002 * DEGREE),
+        "v_ground": SignalGrade(0.02, wander=0.01, memory=100.0),
+        "u_ground": SignalGrade(0.02, wander=0.01, memory=100.0),
+        "rudder": SignalGrade(0.1 * DEGREE, zero=0.3 * DEGREE),
+    },
+)
+VDR = SensorGrade(
+    "vdr",
+    "what a voyage data recorder keeps: GNSS, gyro, rate of turn, rudder indicator",
+    {
+        "y": SignalGrade(
+            0.7, wander=1.0, memory=300.0, zero=2.0, source="ours; the zero is of antenna and charted banks"
+        ),
+        "x": SignalGrade(0.7, wander=1.0, memory=300.0, zero=2.0),
+        "psi": SignalGrade(0.15 * DEGREE, wander=0.2 * DEGREE, memory=600.0, zero=0.5 * DEGREE, source=GYRO),
+        "r": SignalGrade(0.01 * DEGREE, wander=0.004 * DEGREE, memory=60.0, source=TURNING),
+        "u": SignalGrade(0.1, zero=0.1),
+        "rudder": SignalGrade(0.4 * DEGREE, zero=0.5 * DEGREE),
+    },
+)
+AIS = SensorGrade(
+    "ais",
+    "what the ship broadcasts: position, heading in whole degrees, every ten seconds, without the rudder",
+    {
+        "y": SignalGrade(1.5, period=10.0, wander=1.0, memory=300.0, zero=3.0),
+        "x": SignalGrade(1.5, period=10.0, wander=1.0, memory=300.0, zero=3.0),
+        "psi": SignalGrade(
+            0.3 * DEGREE, period=10.0, wander=0.2 * DEGREE, memory=600.0, zero=1.0 * DEGREE, source=BROADCAST
+        ),
+        "speed_over_ground": SignalGrade(0.05 * KNOT, period=10.0, wander=0.05 * KNOT, memory=300.0),
+    },
+)
+GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}
+"""Grades by name, the best first."""
+
+
+def sensor_grade(sensors: str | SensorGrade) -> SensorGrade:
+    """Return a grade of sensors (ours).
+
+    Parameters
+    ----------
+    sensors : str or SensorGrade
+        ``rtk``, ``vdr``, ``ais``, or your own.
+
+    Raises
+    ------
+    InputError
+        Where there is no such grade.
+    """
+    if isinstance(sensors, SensorGrade):
+        return sensors
+    check_choice("sensors", sensors, GRADES)
+    return GRADES[sensors]
