@@ -273,6 +273,14 @@ class Table:
                  "reserve": 0.9},
                 answer=lambda found: found.to_dict(),
             ),
+            "foresee": Entry(
+                {"model": by_depth(), "u": 0.5, "duration": 20.0, "within": 0.2, "transits": (1,),
+                 "conditions": nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0)},
+                {"model": surer, "waterway": nw.straight_waterway(nw.Canal(6.0, 0.3), 60.0), "sensors": "rtk",
+                 "transits": (2,), "u": 0.45, "duration": 15.0, "targets": ("c_helm",), "within": 0.1,
+                 "conditions": nw.TransitConditions(wind=0.4, gust_time=2.0, wander=0.05, wander_time=9.0), "seed": 1},
+                answer=lambda found: found.to_dict(),
+            ),
             "learn_steady": Entry(
                 {"model": by_depth(), "observations": held_legs()},
                 {"model": surer, "observations": held_legs(0.05), "errors": nw.ReadingErrors(rudder_deg=2.0),

@@ -12,9 +12,9 @@ from cases import mmg, paper, steered, waterway_for
 import narrows as nw
 
 MADE = {
-    "CaptiveTests", "Comparison", "DepthCorrected", "EnvelopeChange", "Explanation", "Fit", "InputError", "Jacobian",
-    "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope", "Scaled", "Sensitivities", "Squat",
-    "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
+    "CaptiveTests", "Comparison", "DepthCorrected", "EnvelopeChange", "Explanation", "Fit", "Foresight", "InputError",
+    "Jacobian", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope", "Scaled", "Sensitivities",
+    "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
 }  # fmt: skip
 """What functions return."""
 VOCABULARY = {
@@ -85,6 +85,11 @@ def held(legs: dict[str, list[float]], **told: Any) -> Any:
     return nw.learn_steady(by_depth(), legs, **told).to_dict()
 
 
+def foretold(sensors: nw.SensorGrade, **told: Any) -> Any:
+    told = {"conditions": nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0), **told}
+    return nw.foresee(by_depth(), None, sensors, (1,), u=0.5, duration=10.0, within=0.0, **told).to_dict()
+
+
 def hull(ship: nw.Ship) -> Any:
     # The mass is felt with Coriolis forces, the flow over the rudder, fullness by the squat, the name in words.
     model = with_parts(steered(), ship=ship)
@@ -118,6 +123,7 @@ def built() -> dict[str, Built]:
     disturbed = nw.Disturbance(15.0, 0.8, 30.0, 1.0, 5.0)
     yawing = nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1)
     own = replace(model.configuration.ship, inertia=ship.inertia, x_g=ship.x_g)
+    ours = {name: nw.SignalGrade(0.01) for name in ("y", "psi", "rudder")}
     signal = nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))
     record = nw.ShipRecord("A", {"u": signal})
     return {
@@ -185,6 +191,21 @@ def built() -> dict[str, Built]:
             nw.ReadingErrors(0.05, 0.02, 0.5, 0.1, 0.1),
             lambda errors: held(held_legs() | {"heading": [0.03, -0.01]}, errors=errors),
             {"y": 0.1, "u": 0.1, "rudder_deg": 1.0, "drift_deg": 0.3, "heading_deg": 0.4},
+        ),
+        "SignalGrade": Built(
+            nw.SignalGrade(0.02, 1.0, 0.01, 5.0, 0.01),
+            lambda grade: (foretold(nw.SensorGrade("own", "", {**ours, "y": grade})), grade.source),
+            {"noise": 0.05, "period": 2.0, "wander": 0.05, "memory": 20.0, "zero": 0.1, "source": "a maker's"},
+        ),
+        "SensorGrade": Built(
+            nw.SensorGrade("own", "a test's", ours), foretold,
+            {"name": "other", "words": "another's", "signals": {**ours, "y": nw.SignalGrade(0.1)}},
+        ),
+        "TransitConditions": Built(
+            nw.TransitConditions(0.5, 0.5, 0.1, 0.3, 2.0, 0.05, 9.0),
+            lambda conditions: foretold(nw.SensorGrade("own", "", ours), conditions=conditions),
+            {"wind": 0.4, "windage": 0.4, "wind_lever": 0.2, "gust": 0.5, "gust_time": 4.0, "wander": 0.1,
+             "wander_time": 20.0},
         ),
         "SteadyConditions": Built(
             nw.SteadyConditions(),

@@ -9,8 +9,9 @@ from test_plan_steady import CALM, ERRORS, ship
 
 import narrows as nw
 from narrows.logbook.envelope_change import envelope_change
-from narrows.report.pilot_page import PAGE, pilot_page, write_pilot_page
+from narrows.report.pilot_page import pilot_page, write_pilot_page
 from narrows.report.steady_report import write_steady_report
+from pictures import assert_readable
 
 LEGS = {"y": [0.4, -0.4], "u": [0.7, 0.7], "rudder [deg]": [4.0, -3.5], "drift [deg]": [0.4, -0.5]}
 
@@ -28,14 +29,7 @@ def learned() -> tuple[nw.SteadyFit, nw.EnvelopeChange]:
 
 @pytest.mark.parametrize("legs", [2, 8])
 def test_everything_on_the_pilots_page_is_on_the_paper(legs: int) -> None:
-    page = pilot_page(planned(legs))
-    page.canvas.draw()
-    wide, high = np.array(PAGE) * page.dpi
-    texts = [text for panel in page.axes for text in panel.texts] + page.texts
-    for text in filter(lambda text: text.get_text().strip(), texts):
-        box = text.get_window_extent()
-        assert 0 <= box.x0 <= box.x1 <= wide, text.get_text()
-        assert 0 <= box.y0 <= box.y1 <= high, text.get_text()
+    assert_readable(pilot_page(planned(legs)))
 
 
 def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on() -> None:
@@ -62,7 +56,8 @@ def test_the_report_says_what_was_learned_what_it_changes_and_what_it_rests_on(t
     for said in ("on twins only", "c_bank", "Wind and zeros", "held before", "zero of the rudder", "<svg"):
         assert said in page
     assert len(fit.plot().axes) == 3
-    assert len(change.plot().axes) == 2
+    for result in (fit, change):
+        assert_readable(result.plot())
 
 
 def test_the_verb_plans_and_writes_the_page(cli, tmp_path: Path) -> None:
@@ -86,9 +81,9 @@ def test_the_verb_leaves_with_one_where_no_leg_is_allowed(cli, tmp_path: Path) -
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((), "one of the two"),
-        (("--steady", "held.csv", "--plan-steady", "page.svg"), "one of the two"),
-        (("--plan-steady", "page.svg", "-o", "new.toml"), "learns nothing yet"),
+        ((), "one of them"),
+        (("--steady", "held.csv", "--plan-steady", "page.svg"), "one of them"),
+        (("--plan-steady", "page.svg", "-o", "new.toml"), "nothing is learned yet"),
         (("--plan-steady", "page.txt"), "cannot write a txt file"),
         (("--steady", "none.csv"), "no such file"),
     ],
@@ -98,3 +93,13 @@ def test_words_that_do_not_go_together_are_refused(words: tuple[str, ...], said:
     code, _, err = cli("learn", str(tmp_path / "full.toml"), *words)
     assert code == 2
     assert said in err
+
+
+def test_the_verb_foretells_and_says_where_it_cannot(cli, tmp_path: Path) -> None:
+    nw.save_model(ship(), tmp_path / "full.toml")
+    code, out, err = cli("learn", str(tmp_path / "full.toml"), "--foresee", "ais")
+    assert code == 1, err
+    assert "record the rudder" in out
+    code, _, err = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", "page.svg", "--waterway", "canal.geojson")
+    assert code == 2
+    assert "--waterway is for --foresee" in err

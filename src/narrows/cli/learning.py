@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from narrows.cli.app import app
-from narrows.cli.options import AsJson, ModelFile, ModelOutput, Report
+from narrows.cli.options import AsJson, ModelFile, ModelOutput, Report, WaterwayFile
 from narrows.cli.output import named, print_json, say_written
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
+    from narrows.logbook import EnvelopeChange, Foresight, SteadyFit, SteadyPlan
     from narrows.model.model import Model
 
-PARTS = ("steady", "envelope", "plan")
+PARTS = ("steady", "envelope", "plan", "foresight")
 """Of what is printed as JSON; null where it was not asked for."""
 PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
@@ -32,6 +32,10 @@ def learn(
             help="Plan steady legs and write the pilot's page: .html, .pdf, .svg or .png.", callback=named(PILOT_PAGES)
         ),
     ] = None,
+    foresee: Annotated[
+        str | None, typer.Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
+    ] = None,
+    waterway: WaterwayFile = None,
     legs: Annotated[int, typer.Option(help="How many legs to plan, an even number.")] = 4,
     y: Annotated[
         str | None, typer.Option(help="Offsets [m] that may be held, to either side: a,b,c or from:to:count.")
@@ -50,12 +54,18 @@ def learn(
     from narrows.logbook import SteadyConditions
     from narrows.model.model_file import model_named
 
-    if (steady is None) == (plan_steady is None):
-        raise InputError("give --steady with the legs that were held, or --plan-steady to plan them; one of the two")
+    if sum(asked is not None for asked in (steady, plan_steady, foresee)) != 1:
+        raise InputError(
+            "give --steady with legs that were held, --plan-steady to plan some, or --foresee; one of them"
+        )
+    if waterway is not None and foresee is None:
+        raise InputError("--waterway is for --foresee; steady legs are held in the canal of the model")
     ship, conditions = model_named(model), SteadyConditions(wind=read_speed("--wind", wind))
-    if plan_steady is not None:
-        if output or report:
-            raise InputError("--plan-steady learns nothing yet: leave --output and --report out")
+    if steady is None and (output or report):
+        raise InputError("nothing is learned yet: leave --output and --report out, or give --steady")
+    if foresee is not None:
+        told = _foresee(ship, foresee, waterway, speed, json)
+    elif plan_steady is not None:
         told = _plan(ship, conditions, plan_steady, legs, y, speed, json)
     else:
         told = _learn_steady(ship, conditions, steady, output, report, json)
@@ -112,6 +122,19 @@ def _plan(
     return bool(plan.legs)
 
 
-def _told(result: "SteadyFit | SteadyPlan", **parts: Any) -> dict[str, Any]:
+def _foresee(model: "Model", sensors: str, waterway: Path | None, speed: str | None, json: bool) -> bool:
+    """Foretell and print; return whether anything is foretold."""
+    from narrows.cli.ranges import speed as read_speed
+    from narrows.logbook import foresee
+    from narrows.report.foresight_view import print_foresight
+    from narrows.waterway import read_waterway
+
+    way = None if waterway is None else read_waterway(waterway)
+    found = foresee(model, way, sensors, u=None if speed is None else read_speed("--speed", speed))
+    print_json(_told(found, foresight=found.to_dict())) if json else print_foresight(found)
+    return bool(found.kinds)
+
+
+def _told(result: "SteadyFit | SteadyPlan | Foresight", **parts: Any) -> dict[str, Any]:
     """What the verb prints as JSON: its summary and notes, and each part that was asked for."""
     return {"summary": result.summary(), **dict.fromkeys(PARTS), **parts, "notes": list(result.notes)}

@@ -2,9 +2,13 @@
 
 from narrows.logbook.envelope_change import EnvelopeChange as EnvelopeChange
 from narrows.logbook.envelope_change import envelope_change as envelope_change
+from narrows.logbook.foresee import foresee as foresee
+from narrows.logbook.foresight import ForeseenTransit as ForeseenTransit
+from narrows.logbook.foresight import Foresight as Foresight
 from narrows.logbook.learn_steady import learn_steady as learn_steady
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient
 from narrows.logbook.plan_steady import plan_steady as plan_steady
+from narrows.logbook.planned_transit import Excursion as Excursion
 from narrows.logbook.reading.read_log import read_log as read_log
 from narrows.logbook.reading.read_log import stream_log as stream_log
 from narrows.logbook.reading.streamed_log import StreamedLog as StreamedLog
@@ -23,3 +27,4 @@ from narrows.logbook.steady_plan import SteadyPlan as SteadyPlan
 from narrows.logbook.steady_readings import ReadingErrors as ReadingErrors
 from narrows.logbook.steady_readings import SteadyReadings as SteadyReadings
 from narrows.logbook.steady_readings import steady_readings as steady_readings
+from narrows.logbook.transit_conditions import TransitConditions as TransitConditions

@@ -30,15 +30,15 @@ class SignalGrade:
 
     Parameters
     ----------
-    noise : float
-        Standard deviation from reading to reading, in the unit of the signal.
+    noise : float [unit of the signal]
+        Standard deviation from reading to reading.
     period : float [s]
         Between readings.
-    wander : float
+    wander : float [unit of the signal]
         Standard deviation of an error that stays for a while.
     memory : float [s]
         How long it stays: a first-order process.
-    zero : float
+    zero : float [unit of the signal]
         Standard deviation of an error that is the same all through a record.
     source : str
         Where the numbers come from.

@@ -6,12 +6,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from narrows.errors import Described, InputError
+from narrows.logbook.beam_wind import beam_wind
 from narrows.model.model import Model
-from narrows.safety.disturbance import wind_force
 
-WINDAGE, LEVER = 0.1, 0.1
-"""Lateral area over the square of the length, of a loaded container ship about, and where the wind's force acts, over
-the length: used where none is given (ours)."""
 UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero")
 """What is estimated beside the coefficients: force [N] and moment [N m] of the wind, and three zeros [rad]."""
 
@@ -100,6 +97,4 @@ class SteadyConditions(Described):
         return np.array([*gust, math.radians(self.yaw_rate_deg), *rates])
 
     def _wind(self, model: Model) -> np.ndarray:
-        length = model.configuration.ship.length
-        force = wind_force(self.wind, WINDAGE * length**2 if self.windage is None else self.windage)
-        return np.array([force, force * (LEVER * length if self.wind_lever is None else self.wind_lever)])
+        return np.array(beam_wind(model.configuration.ship.length, self.wind, self.windage, self.wind_lever))

@@ -12,7 +12,7 @@ from narrows.errors import InputError
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.logbook import EnvelopeChange, ShipLog, SteadyFit, SteadyPlan
+from narrows.logbook import EnvelopeChange, Foresight, ShipLog, SteadyFit, SteadyPlan
 from narrows.manoeuvres import Trials
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
@@ -21,6 +21,7 @@ from narrows.model.squat import Squat
 from narrows.report.envelope_chart import envelope_chart
 from narrows.report.estimation_figures import consistency_figure, track_figure
 from narrows.report.fit_figures import intervals_figure
+from narrows.report.foresight_view import foresight_figure
 from narrows.report.log_figures import log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
 from narrows.report.model_figures import model_figure
@@ -68,6 +69,7 @@ figure_of.register(Voyage, voyage_figure)
 figure_of.register(CaptiveTests, motions_figure)
 figure_of.register(Model, model_figure)
 figure_of.register(SteadyFit, steady_figure)
+figure_of.register(Foresight, foresight_figure)
 figure_of.register(EnvelopeChange, change_figure)
 
 

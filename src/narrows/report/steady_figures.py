@@ -35,6 +35,7 @@ def steady_figure(fit: SteadyFit) -> Figure:
         panel.set(xticks=[0, 1], xlim=(-0.6, 1.6), xticklabels=["before", "after"])
         panel.set_title(f"{coefficient.name}, 95 %")
         panel.grid(alpha=0.3, axis="y")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
     return figure
 
 
@@ -56,7 +57,6 @@ def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
     axes.set(xlabel="offset from the middle [m], starboard positive", ylabel="rudder that holds it [deg]")
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
     axes.set_title(f"at {speed:.3g} m/s")
-    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, fontsize=7)
     axes.grid(alpha=0.3)
 
 

@@ -1,0 +1,109 @@
+"""What a routine transit is taken to meet: wind, gusts with a memory, and how a pilot's aim wanders."""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from narrows.errors import Described, InputError
+from narrows.logbook.beam_wind import beam_wind
+from narrows.model.model import Model
+
+
+@dataclass(frozen=True, repr=False)
+class TransitConditions(Described):
+    """Wind and aim of transits, as standard deviations (ours).
+
+    Parameters
+    ----------
+    wind : float [m/s]
+        Speed of a beam wind of one standard deviation, from either side, the same all through a transit.
+    windage : float [m2], optional
+        Lateral area above the water; a tenth of the square of the length unless given.
+    wind_lever : float [m], optional
+        Standard deviation of where the force acts, off midship; a tenth of the length unless given.
+    gust : float [1]
+        Force and moment that come and go, over those of the wind.
+    gust_time : float [s]
+        How long a gust stays: a first-order process.
+    wander : float [m]
+        Of a pilot's aim about the middle.
+    wander_time : float [s]
+        How long an aim stays.
+
+    Raises
+    ------
+    InputError
+        Where a number is negative or not finite, or a time is 0.
+    """
+
+    wind: float = 8.0
+    windage: float | None = None
+    wind_lever: float | None = None
+    gust: float = 0.3
+    gust_time: float = 40.0
+    wander: float = 3.0
+    wander_time: float = 400.0
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value, least = getattr(self, entry.name), entry.name.endswith("_time")
+            if value is not None and not (0 <= value < math.inf and (value > 0 or not least)):
+                raise InputError(
+                    f"conditions of transits: {entry.name} = {value} must be finite and {'over' if least else 'from'} 0"
+                )
+
+    def summary(self) -> str:
+        """Say them."""
+        return (
+            f"beam wind {self.wind:g} m/s, gusts of {100 * self.gust:.0f} % of its force that stay {self.gust_time:g} s"
+            f", an aim that wanders by {self.wander:g} m in {self.wander_time:g} s (standard deviations)"
+        )
+
+    def steady_push(self, model: Model) -> np.ndarray:
+        """Return sway force [N] and yaw moment [N m] of the wind, (2,).
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        """
+        return np.array(beam_wind(model.configuration.ship.length, self.wind, self.windage, self.wind_lever))
+
+    def gust_push(self, model: Model) -> np.ndarray:
+        """Return sway force [N] and yaw moment [N m] of gusts, (2,).
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        """
+        return self.gust * self.steady_push(model)
+
+
+def wandering(
+    size: float, memory: float, step: float, count: int, draw: np.random.Generator, width: int = 1
+) -> np.ndarray:
+    """Draw first-order processes at even times, (count, width) (ours).
+
+    Parameters
+    ----------
+    size : float
+        Standard deviation.
+    memory : float [s]
+        How long a value stays.
+    step : float [s]
+        Between times.
+    count : int
+        Of times.
+    draw : Generator
+        Of random numbers.
+    width : int
+        How many processes.
+    """
+    kept, normal = math.exp(-step / memory), draw.standard_normal((count, width))
+    values = np.empty((count, width))
+    values[0] = normal[0]
+    for i in range(1, count):
+        values[i] = kept * values[i - 1] + math.sqrt(1 - kept**2) * normal[i]
+    return size * values
