@@ -1,6 +1,7 @@
 """Make a regulator for a ship: gains of the rudder's rate by the Riccati equation of the exact linear system."""
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +38,8 @@ IN_VAIN = "no regulator holds this ship {:g} m off the middle at {:g} m/s: its r
 
 
 def regulator(
-    model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None, at: float = 0.0, **values: float
+    model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None,
+    at: float | Sequence[float] = 0.0, **values: float,
 ) -> Regulator:  # fmt: skip
     """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate (ours).
 
@@ -56,25 +58,30 @@ def regulator(
         Surge velocity through the water.
     waterway : Waterway, optional
         Where the ship is instead of the model's own canal.
-    at : float [m]
-        Along it: the section that the regulator is made for.
+    at : float or sequence of float [m]
+        Along it: the section that the regulator is made for; of several, rising, each is held from its place on.
     **values : float [SI]
         As for ``linearize``.
 
     Raises
     ------
     InputError
-        Where no rudder holds the ship on a line, or its rudder turns nothing.
+        Where no rudder holds the ship on a line, its rudder turns nothing, or both ``y`` and ``at`` are several.
 
     References
     ----------
     Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods, for weights and integrals; Åström and Hägglund
     (2006), Advanced PID Control, for the back-calculation.
     """
-    about = partial(linearize, model, u=u, waterway=waterway, at=at, surge="held", **values)
-    lines = [held_line(model, about(y=offset), start) for start, offset in _pairs(y)]
+    about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
+    if isinstance(at, Sequence | np.ndarray):
+        if np.ndim(y):
+            raise InputError("a line that changes in time and gains that change along the way are two; give one")
+        lines = [held_line(model, about(y=y, at=place), place) for place in at]
+    else:
+        lines = [held_line(model, about(y=offset, at=at), start) for start, offset in _pairs(y)]
     time = model.configuration.ship.length / u
-    return Regulator(tuple(lines), u, LEAD * time, UNWINDING * time)
+    return Regulator(tuple(lines), u, LEAD * time, UNWINDING * time, along=np.ndim(at) > 0)
 
 
 def _pairs(y: Any) -> list[tuple[float, float]]:

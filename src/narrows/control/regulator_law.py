@@ -33,8 +33,8 @@ class HeldLine:
         Sway velocity of it.
     turning : three floats [s, m, s]
         What a yaw rate of the waterway adds to heading, sway velocity and rudder of the course.
-    start : float [s]
-        From when it is held; before the first line's time that line is held too.
+    start : float [s] or [m]
+        From when it is held, or from where; before the first line's that line is held too.
 
     Raises
     ------
@@ -83,6 +83,8 @@ class Regulator(Described):
         In which the integral is led back where the gear is at a limit.
     integral : float [m s]
         Of the offset, at the start.
+    along : bool
+        Whether lines are held from a place along the way on, instead of a time.
 
     Raises
     ------
@@ -95,12 +97,13 @@ class Regulator(Described):
     lead: Any
     unwinding: Any
     integral: Any = 0.0
+    along: bool = False
 
     def __post_init__(self) -> None:
         starts = [line.start for line in self.lines]
         if not starts or any(after <= before for before, after in pairwise(starts)):
             raise InputError(
-                "a regulator holds one line or more, each from a later time than the one before; give them"
+                "a regulator holds one line or more, each from a later time or place than the one before; give them"
             )
         for name in ("u", "unwinding"):
             if not (np.isfinite(getattr(self, name)).all() and np.all(np.asarray(getattr(self, name)) > 0)):
@@ -164,6 +167,6 @@ class Regulator(Described):
         """A number of the line that is held now."""
         value = getattr(at, f"{name}_0")
         for index in range(1, len(self.lines)):
-            begun = at.t + EARLY * at.dt - getattr(at, f"start_{index}")
+            begun = (at.x if self.along else at.t + EARLY * at.dt) - getattr(at, f"start_{index}")
             value = choice(begun, getattr(at, f"{name}_{index}"), value)
         return value

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 POSE = ("x", "y", "psi", "u", "v", "r")
+INSTANT = 1e-12
+"""A step [s] that shows whether one can be taken; in none at all an actuator without a limit would move 0 times
+infinity."""
 
 
 def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
@@ -122,6 +125,6 @@ def _check_afloat(march: March, start: tuple[float, ...]) -> None:
     room, _ = march.room(start)
     if room < 0 or (room == 0 and start[0] != march.channel.start):
         raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
-    if not all(map(math.isfinite, march.stepped(start, 0.0)[0])):
+    if not all(map(math.isfinite, march.stepped(start, INSTANT)[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")

@@ -1,7 +1,7 @@
 """One voyage: where, when and on which side the ship grounds, and how it got there."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.results import Shown
+from narrows.ship.actuator import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
@@ -79,6 +80,8 @@ class Voyage(Shown):
         Where it was instead of that canal.
     outline : sequence of pairs of float [m], optional
         The points of the hull that meet a bank, forward and to starboard of midship.
+    moved : mapping of Actuator to array (times,), optional
+        Positions of other actuators that were given orders: revolutions [1/s].
     """
 
     t: np.ndarray
@@ -93,6 +96,7 @@ class Voyage(Shown):
     configuration: Configuration
     waterway: "Waterway | None" = None
     outline: tuple[tuple[float, float], ...] = ()
+    moved: Mapping[Actuator, np.ndarray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Voyage of {self.configuration.ship.name}: {self.outcome.kind} after {self.outcome.time:.2f} s>"
@@ -102,7 +106,7 @@ class Voyage(Shown):
         return len(self.t)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column: t, x, y, psi, u, v, r or rudder.
+        """A column: t, x, y, psi, u, v, r, rudder, or another actuator that was given orders.
 
         Parameters
         ----------
@@ -114,8 +118,9 @@ class Voyage(Shown):
         InputError
             Where there is no such column.
         """
-        check_choice("column", name, COLUMNS)
-        column: np.ndarray = getattr(self, name)
+        moved = {actuator.name: column for actuator, column in self.moved.items()}
+        check_choice("column", name, (*COLUMNS, *moved))
+        column: np.ndarray = moved[name] if name in moved else getattr(self, name)
         return column
 
     @property
@@ -154,6 +159,10 @@ class Voyage(Shown):
         data = {
             name: ("t", getattr(self, name), {"units": unit, "long_name": _long_name(name)})
             for name, unit in units.items()
+        }
+        data |= {
+            actuator.name: ("t", column, {"units": actuator.unit, "long_name": actuator.meaning})
+            for actuator, column in self.moved.items()
         }
         attributes = {
             "outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence,
@@ -290,7 +299,7 @@ def simulate(
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
     return Voyage(
         **log.columns(shown), outcome=log.outcome(dt), configuration=model.configuration, waterway=waterway,
-        outline=outline,
+        outline=outline, moved=log.moved(shown),
     )  # fmt: skip
 
 
@@ -312,6 +321,12 @@ class _Log:
         rudder = kept.get("rudder", np.full(len(rows), self.rudder))
         track = {name: kept[name] for name in ("x", "y", "u", "v", "r")}
         return {"t": np.array([row.t for row in rows]), **track, "psi": psi, "rudder": rudder}
+
+    def moved(self, rows: list[Row]) -> dict[Actuator, np.ndarray]:
+        """Positions of actuators but the rudder, of those that were given orders."""
+        kept = self.march.choices.kept
+        ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
+        return {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
 
     def outcome(self, dt: float) -> Outcome:
         """How it ended, and what there is to know of the way there."""
