@@ -243,6 +243,11 @@ class Table:
         course = {"model": by_depth(), "y": 0.5, "u": 1.0}
         return {
             "safe_envelope": Entry(usual, others),
+            "speed_limits": Entry(
+                {"model": steered(), "waterway": waterway_for("steered"), "places": [30.0], "u": [0.2, 0.6, 1.0]},
+                {"model": refused(paper()), "waterway": refused("canal"), "places": [60.0],
+                 "y": refused(3.3), "reserve": refused(0.9), "u": [0.2, 0.5]},
+            ),
             "outside_rules": Entry(
                 {"configuration": by_depth().configuration},
                 {"configuration": mmg().configuration, "bank": "gentle", "walls": (3.0, 2.5)},

@@ -9,3 +9,4 @@ from narrows.safety.envelope import RESERVE as RESERVE
 from narrows.safety.envelope import safe_envelope as safe_envelope
 from narrows.safety.outside_rules import OutsideRules as OutsideRules
 from narrows.safety.outside_rules import outside_rules as outside_rules
+from narrows.safety.speed_limits import speed_limits as speed_limits
