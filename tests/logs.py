@@ -1,7 +1,7 @@
 """Logs for tests: a ship in a bend as its sensors would record it, and sentences of NMEA 0183."""
 
 from collections.abc import Mapping
-from functools import reduce
+from functools import cache, reduce
 from operator import xor
 from pathlib import Path
 
@@ -20,7 +20,7 @@ def bent_waterway(radius: float = 3000.0, length: float = 4000.0) -> nw.Waterway
     points = radius * np.stack([1 - np.cos(turned), np.sin(turned)], axis=1)
     ends, half = np.array([0.0, length]), np.full(2, 150.0)
     return nw.Waterway(
-        Centreline(points), Bank("starboard", ends, half), Bank("port", ends, half), (ends, np.full(2, 16.0)),
+        Centreline(points), Bank("starboard", ends, half), Bank("port", ends, half), (ends, np.full(2, 30.0)),
         name="bend", origin=(5.0, 52.0),
     )  # fmt: skip
 
@@ -64,3 +64,56 @@ def clock(seconds: float) -> str:
 def write_recording(path: Path, lines: list[str]) -> Path:
     path.write_bytes("".join(f"{line}\r\n" for line in lines).encode("ascii"))
     return path
+
+
+D = np.pi / 180
+NOISE = {
+    "x": 0.7, "y": 0.7, "psi": 0.15 * D, "r": 0.1 * D, "u": 0.1, "u_ground": 0.1, "v_ground": 0.1, "rudder": 0.4 * D,
+    "speed_over_ground": 0.1, "course": 0.5 * D, "wind_speed": 0.5, "wind_direction": 5 * D,
+}  # fmt: skip
+"""Standard deviations of what a voyage data recorder hears, about."""
+WIND, WIND_FROM = 9.0, 0.7
+
+
+def sensed(name: str, voyage: nw.Voyage, seed: int = 0, noise: float = 1.0) -> nw.ShipRecord:
+    """A voyage as a ship's sensors record it, each second, with a steady wind and noise."""
+    rng = np.random.default_rng(seed)
+    track = voyage.psi + np.arctan2(voyage.v, voyage.u)
+    told = {
+        **{own: voyage[own] for own in ("x", "y", "psi", "r", "u", "rudder")}, "u_ground": voyage.u,
+        "v_ground": voyage.v, "speed_over_ground": np.hypot(voyage.u, voyage.v), "course": track,
+        "wind_speed": np.full(len(voyage), WIND), "wind_direction": np.full(len(voyage), WIND_FROM),
+    }  # fmt: skip
+    noisy = {own: column + noise * NOISE[own] * rng.standard_normal(len(column)) for own, column in told.items()}
+    noisy["revolutions"] = np.full(len(voyage), 1.5)
+    return nw.ShipRecord(name, {own: nw.Signal(voyage.t, column) for own, column in noisy.items()})
+
+
+@cache
+def kvlcc2() -> nw.Model:
+    """KVLCC2 at full size."""
+    return nw.scale_model(nw.published("yasukawa2015_kvlcc2"), 320.0).model
+
+
+@cache
+def zigzag(rudder_deg: float = 20.0, seed: int = 0) -> nw.ShipRecord:
+    """A zigzag in open water."""
+    law = nw.Zigzag(rudder_deg * D, abs(rudder_deg) * D)
+    voyage = nw.simulate(kvlcc2(), u=7.0, duration=900.0, dt=1.0, controller=law, contact="none", surge="free")
+    return sensed(f"zigzag {rudder_deg:+g}", voyage, seed)
+
+
+@cache
+def circle(rudder_deg: float = 35.0) -> nw.ShipRecord:
+    """A turning circle."""
+    law = nw.ConstantRudder(rudder_deg * D)
+    voyage = nw.simulate(kvlcc2(), u=7.0, duration=1500.0, dt=1.0, controller=law, contact="none", surge="free")
+    return sensed("circle", voyage)
+
+
+@cache
+def bend() -> nw.ShipRecord:
+    """A way round a bend, along it."""
+    pilot = nw.Autopilot(0.0, (0.003, 1.5, 0.0, 25.0))
+    way = {"waterway": bent_waterway(length=9000.0), "controller": pilot}
+    return sensed("bend", nw.simulate(kvlcc2(), x=500.0, y=10.0, u=5.0, duration=1200.0, dt=1.0, **way))

@@ -26,6 +26,7 @@ from .identification import identify as identify
 from .identification import identify_conditions as identify_conditions
 from .logbook import EnvelopeChange as EnvelopeChange
 from .logbook import Foresight as Foresight
+from .logbook import LogFindings as LogFindings
 from .logbook import PlannedLeg as PlannedLeg
 from .logbook import ReadingErrors as ReadingErrors
 from .logbook import SensorGrade as SensorGrade
@@ -38,6 +39,7 @@ from .logbook import SteadyFit as SteadyFit
 from .logbook import SteadyPlan as SteadyPlan
 from .logbook import SteadyReadings as SteadyReadings
 from .logbook import TransitConditions as TransitConditions
+from .logbook import check_log as check_log
 from .logbook import envelope_change as envelope_change
 from .logbook import foresee as foresee
 from .logbook import learn_steady as learn_steady

@@ -11,7 +11,7 @@ import xarray as xr
 from cases import mmg, paper, steered, waterway_for
 
 import narrows as nw
-from logs import bent_waterway
+from logs import bent_waterway, kvlcc2, zigzag
 from narrows.captive.measured import measured_files
 from narrows.quantities.names import Quantity
 from narrows.ship.actuator import Actuator, Part
@@ -413,6 +413,11 @@ class Table:
                 streamed, {"path": self.captive(1), **reading}, answer=lambda kept: nw.identify(kept).coefficients
             ),
             "read_log": Entry(log, understood),
+            "check_log": Entry(
+                {"log": [zigzag()], "model": kvlcc2()},
+                {"log": [replace(zigzag(), signals={})], "model": mmg(), "waterway": bent_waterway()},
+                answer=lambda found: found.to_dict(),
+            ),
             "stream_log": Entry(
                 log, understood, answer=lambda kept: [(own.antenna, own.condition, own.to_dataframe()) for own in kept]
             ),

@@ -1,5 +1,8 @@
 """From a ship's own records to coefficients that its tests did not settle."""
 
+from narrows.logbook.checking.check_log import check_log as check_log
+from narrows.logbook.checking.finding import Finding as Finding
+from narrows.logbook.checking.log_findings import LogFindings as LogFindings
 from narrows.logbook.envelope_change import EnvelopeChange as EnvelopeChange
 from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.foresee import foresee as foresee

@@ -12,7 +12,7 @@ from narrows.errors import InputError
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.logbook import EnvelopeChange, Foresight, ShipLog, SteadyFit, SteadyPlan
+from narrows.logbook import EnvelopeChange, Foresight, LogFindings, ShipLog, SteadyFit, SteadyPlan
 from narrows.manoeuvres import Trials
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
@@ -22,7 +22,7 @@ from narrows.report.envelope_chart import envelope_chart
 from narrows.report.estimation_figures import consistency_figure, track_figure
 from narrows.report.fit_figures import intervals_figure
 from narrows.report.foresight_view import foresight_figure
-from narrows.report.log_figures import log_figure
+from narrows.report.log_figures import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
 from narrows.report.model_figures import model_figure
 from narrows.report.motion_figures import motions_figure
@@ -64,6 +64,7 @@ figure_of.register(SafeEnvelope, envelope_chart)
 figure_of.register(EstimatedTrack, track_figure)
 figure_of.register(Consistency, consistency_figure)
 figure_of.register(ShipLog, log_figure)
+figure_of.register(LogFindings, findings_figure)
 figure_of.register(Trials, manoeuvres_figure)
 figure_of.register(Voyage, voyage_figure)
 figure_of.register(CaptiveTests, motions_figure)

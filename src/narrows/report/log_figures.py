@@ -1,10 +1,10 @@
-"""Pictures of a ship's own records: where it went, and how rudder, heading and speed went with it."""
+"""Pictures of a ship's own records: where it went, how rudder, heading and speed went with it, what is wrong."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from narrows.logbook import ShipLog, Signal
+from narrows.logbook import LogFindings, ShipLog, Signal
 from narrows.report.style import BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
@@ -59,3 +59,28 @@ def _thinned(signal: Signal) -> Signal:
 def _finish(axes: Axes, below: str, beside: str) -> None:
     axes.set(xlabel=below, ylabel=beside)
     axes.grid(alpha=0.3)
+
+
+def findings_figure(result: LogFindings) -> Figure:
+    """Draw what is wrong with a log: a mark for each finding, by record and by what was looked at.
+
+    Parameters
+    ----------
+    result : LogFindings
+        What to draw.
+    """
+    records = list(dict.fromkeys(finding.record for finding in result))
+    checks = list(dict.fromkeys(finding.check for finding in result))
+    figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1))
+    for wrong, colour, mark, label in ((True, ORANGE, "X", "wrong"), (False, BLUE, "o", "doubtful")):
+        marked = [finding for finding in result if finding.wrong is wrong]
+        places = [(checks.index(own.check), records.index(own.record)) for own in marked]
+        x, y = zip(*places, strict=True) if places else ((), ())
+        axes[0, 0].plot(x, y, mark, color=colour, label=label)
+    axes[0, 0].set_xticks(range(len(checks)), checks)
+    axes[0, 0].set_yticks(range(len(records)), records)
+    axes[0, 0].margins(0.2)
+    axes[0, 0].set_title("" if len(result) else result.summary())
+    if len(result):
+        axes[0, 0].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure

@@ -1,0 +1,108 @@
+"""A ship's own log beside its model, before any fit: what is wrong with it, with evidence and remedy."""
+
+from collections.abc import Iterable, Iterator
+
+from narrows.errors import InputError
+from narrows.logbook.checking.agreement import SURE
+from narrows.logbook.checking.clock_checks import check_clock
+from narrows.logbook.checking.even_motion import even_motion
+from narrows.logbook.checking.examined import Examined
+from narrows.logbook.checking.finding import Finding
+from narrows.logbook.checking.heading_checks import check_heading
+from narrows.logbook.checking.log_findings import LogFindings
+from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, rudder_effect
+from narrows.logbook.checking.model_rates import model_rates
+from narrows.logbook.checking.place_checks import check_place
+from narrows.logbook.checking.sensor_checks import check_rudder_moves, check_sensors
+from narrows.logbook.checking.unit_checks import check_units
+from narrows.logbook.checking.velocity_checks import check_velocities
+from narrows.logbook.checking.wind_checks import check_wind
+from narrows.logbook.ship_record import ShipRecord
+from narrows.model.model import Model
+from narrows.waterway import Waterway
+
+ALL = "all records"
+STAGES = ((check_units, check_sensors), (check_heading,), (check_rudder_moves, check_velocities, check_place))
+"""What rests on nothing else, on sensors that are well, and on a heading that is right."""
+SPOILING = ("heading", "speed", "stuck", "yaw rate")
+"""Checks whose findings leave nothing for the next stage to go by."""
+
+
+def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None = None) -> LogFindings:
+    """Find what is wrong with a ship's log before anything is fitted to it.
+
+    Clocks, gaps, stuck sensors; units and signs of rudder, heading, yaw rate, speeds, revolutions, wind; velocities in
+    fixed axes taken for the ship's; a yaw rate that is not the heading's derivative; a hull in a bank; an antenna that
+    stands elsewhere. What rests on a signal that is wrong already is not looked at. A quiet record tells little: where
+    nothing is found, nothing contradicts.
+
+    Parameters
+    ----------
+    log : ShipLog, StreamedLog or sequence of ShipRecord
+        What was recorded.
+    model : Model
+        Of the ship, at its size: what its rudder and its motion do to it.
+    waterway : Waterway, optional
+        That x and y are told along; the log's own unless given, and the model's canal where its banks are felt.
+
+    Returns
+    -------
+    LogFindings
+        Each with its evidence in numbers and the remedy.
+
+    Raises
+    ------
+    InputError
+        Where there is no record.
+    """
+    water = getattr(log, "waterway", None) if waterway is None else waterway
+    findings: list[Finding] = []
+    effects: list[tuple[float, float]] = []
+    records = 0
+    for record in log:
+        records += 1
+        found = list(check_clock(record, model.configuration.ship.length))
+        if not _wrong(found):
+            found += _of_motion(record, model, water, effects)
+        findings += found
+    if not records:
+        raise InputError("there is no record to check; give one or more")
+    if records > 1 and not any(own.check.startswith("rudder") for own in findings):
+        findings += judge_rudder(effects, ALL)
+    return LogFindings(tuple(findings), records)
+
+
+def _wrong(findings: Iterable[Finding]) -> bool:
+    return any(own.wrong for own in findings)
+
+
+def _of_motion(
+    record: ShipRecord, model: Model, waterway: Waterway | None, effects: list[tuple[float, float]]
+) -> list[Finding]:
+    """What is wrong with the motion that is recorded; beside the model only where its signals are not."""
+    motion = even_motion(record, model.configuration.ship.length, waterway)
+    if motion is None:
+        said = "the record is too short, or tells neither the ship's place nor its speed: nothing of it was looked at"
+        return [Finding("missing", record.name, said, "leave it out, or record the position")]
+    at = Examined(record, motion, model, waterway)
+    found: list[Finding] = []
+    for stage in STAGES:
+        found += [own for check in stage for own in check(at)]
+        if any(own.wrong and own.check in SPOILING for own in found):
+            return found
+    return found if _wrong(found) else found + list(_beside_model(at, effects))
+
+
+def _beside_model(at: Examined, effects: list[tuple[float, float]]) -> Iterator[Finding]:
+    yield from check_wind(at)
+    rates = model_rates(at)
+    if rates is None:
+        return
+    found = rudder_effect(at, rates)
+    if found is None:
+        return
+    effect, error = float(found.values[0]), float(found.errors[0])
+    effects.append((effect, error))
+    yield from judge_rudder(effects[-1:], at.record.name)
+    if effect > SURE * error:  # What the ship drifts by rests on a rudder that is right.
+        yield from check_antenna(at, rates)

@@ -1,0 +1,138 @@
+"""Single sensors: what is missing, what is stuck, a rudder that never moves."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from narrows.logbook.checking.even_motion import changes
+from narrows.logbook.checking.examined import Examined
+from narrows.logbook.checking.finding import Finding
+from narrows.logbook.signals import Signal
+
+SMALL = np.radians(3.0)
+"""A change of heading that a quiet compass may fail to show."""
+STUCK_STEPS, STUCK_LENGTHS = 8, 0.3
+"""Steps, and times for a ship length, over which a sensor that is well does not say the same."""
+A_MOVE = 0.2
+"""Of a ship length: a way that any position shows."""
+STILL = np.radians(0.2)
+"""A rudder that moves less never moves."""
+A_TURN, SWINGS = np.radians(2.0), 2
+"""A change of heading over the way of a ship length, and how many to either side a rudder at rest does not explain."""
+LONG, CONFINED = 3.0, 10.0
+"""Times for a ship length that a helmsman may leave the rudder alone, and between banks."""
+
+
+def check_sensors(at: Examined) -> Iterator[Finding]:
+    """Yield what is wrong with single sensors (ours).
+
+    Parameters
+    ----------
+    at : Examined
+        The record.
+    """
+    yield from _missing(at)
+    yield from _stuck(at)
+
+
+def _missing(at: Examined) -> Iterator[Finding]:
+    steered = any(own.name == "rudder" for own in at.model.terms.actuators)
+    wanted = {
+        "rudder": ("the fit steers by it" if steered else "", "take it from the voyage data recorder"),
+        "psi": ("drift and rudder have no meaning without it", "record the gyrocompass"),
+        "x": ("the banks are known by it", "record the position"),
+    }
+    for name, (why, remedy) in wanted.items():
+        if why and name not in at.record:
+            yield at.finding("missing", f"the record has no {name}: {why}", remedy, {}, wrong=name != "x")
+
+
+def _stuck(at: Examined) -> Iterator[Finding]:
+    for name in ("psi", "r", "x"):
+        if name not in at.record:
+            continue
+        signal = at.record[name]
+        start, stop = longest_run(signal.values)
+        lasting = float(signal.t[stop] - signal.t[start])
+        if stop - start < STUCK_STEPS or lasting < STUCK_LENGTHS * at.motion.pace:
+            continue
+        begin, end = float(signal.t[start]), float(signal.t[stop])
+        if evidence := _contradiction(at, name, begin, end):
+            yield at.finding(
+                "stuck", f"{name} says the same from t = {begin:.6g} to {end:.6g} s, while {evidence}",
+                "leave that time out, or that signal", {"from": begin, "to": end},
+            )  # fmt: skip
+
+
+def _contradiction(at: Examined, name: str, begin: float, end: float) -> str:
+    """What moved in a time in which a sensor said the same; nothing where nothing did."""
+    if name == "x":
+        way = at.speed * (end - begin)
+        still = "y" in at.record and np.ptp(at.record["y"].between(begin, end).values) == 0
+        return f"the ship made some {way:.3g} m" if still and way > A_MOVE * at.length else ""
+    other = "psi" if name == "r" else "r"
+    if other not in at.record or len(seen := at.record[other].between(begin, end)) < 3:
+        return ""
+    angle = seen.values if name == "r" else _integral(seen) - np.median(at.record["r"].values) * (seen.t - begin)
+    rate = at.record["r"].values[np.searchsorted(at.record["r"].t, begin)] if name == "r" else 0.0
+    turned = float(np.ptp(angle - rate * (seen.t - begin)))
+    grain = _grain(at.record[name]) * ((end - begin) if name == "r" else 1.0)
+    return f"the ship turned by {np.degrees(turned):.3g} deg more by {other}" if turned > SMALL + grain else ""
+
+
+def _integral(signal: Signal) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(np.diff(signal.t) * (signal.values[1:] + signal.values[:-1]) / 2)])
+
+
+def _grain(signal: Signal) -> float:
+    """Least step that a sensor shows."""
+    steps = np.abs(np.diff(signal.values))
+    return float(steps[steps > 0].min()) if (steps > 0).any() else 0.0
+
+
+def check_rudder_moves(at: Examined) -> Iterator[Finding]:
+    """Yield where a rudder is not told, while the ship swings to and fro or keeps clear of banks (ours).
+
+    Parameters
+    ----------
+    at : Examined
+        The record, with a heading that is right.
+    """
+    if "rudder" not in at.record or "psi" not in at.motion:
+        return
+    rudder = at.record["rudder"]
+    start, stop = longest_run(rudder.values)
+    still = np.ptp(rudder.values) < STILL
+    begin, end = (rudder.t[0], rudder.t[-1]) if still else (rudder.t[start], rudder.t[stop])
+    lengths = float(end - begin) / at.motion.pace
+    swings = _swings(at, begin, end)
+    confined = at.waterway is not None or at.model.feels_bank
+    if lengths > LONG and (swings >= SWINGS or (confined and lengths > CONFINED)):
+        how = "never moves" if still else f"stays where it is from t = {begin:.6g} s on"
+        yield at.finding(
+            "rudder", f"the rudder {how} for {lengths:.3g} ship lengths, while the ship swings {swings} times",
+            "look for another column of it, or for a sensor that fell silent",
+            {"from": begin, "to": end, "swings": swings},
+        )  # fmt: skip
+
+
+def _swings(at: Examined, begin: float, end: float) -> int:
+    """How often the heading turns from one side to the other in a time, by more than any noise."""
+    first, last = at.motion.windows(1.0)
+    inside = (at.motion.t[first] >= begin) & (at.motion.t[last] <= end)
+    turned = changes(at.motion.heading, (first[inside], last[inside]))
+    sides = np.sign(turned[np.abs(turned) > A_TURN])
+    return int((np.diff(sides) != 0).sum())
+
+
+def longest_run(values: np.ndarray) -> tuple[int, int]:
+    """Return first and last place of the longest stretch of one value (ours).
+
+    Parameters
+    ----------
+    values : array (n,)
+        Of a signal.
+    """
+    edges = np.flatnonzero(np.concatenate([[True], np.diff(values) != 0, [True]]))
+    longest = int(np.argmax(np.diff(edges)))
+    return int(edges[longest]), int(edges[longest + 1]) - 1
