@@ -17,6 +17,8 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
-        from narrows.errors import public_name
+        from narrows.results.elsewhere import public_name, same_function
 
+        if function := same_function(name):
+            return _loaded(function)
         raise AttributeError(f"narrows has no {name!r}{public_name(name, __all__)}") from None

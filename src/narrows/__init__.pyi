@@ -1,5 +1,6 @@
 from . import control as control
 from . import estimation as estimation
+from . import report as report
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
 from .captive import StraightRun as StraightRun
@@ -9,6 +10,7 @@ from .captive import stream_captive as stream_captive
 from .captive import twin as twin
 from .captive.measured import measured_squat as measured_squat
 from .captive.measured import measured_tests as measured_tests
+from .codegen.printers.latex import latex as latex
 from .control import self_propulsion as self_propulsion
 from .control import steady_course as steady_course
 from .control import track_pilot as track_pilot
@@ -56,7 +58,6 @@ from .model.froude import Friction as Friction
 from .model.froude import Scaled as Scaled
 from .model.froude import scale_model as scale_model
 from .model.model import Model as Model
-from .model.model import Source as Source
 from .model.model_file import load_model as load_model
 from .model.model_file import published as published
 from .model.model_file import save_model as save_model
@@ -65,6 +66,7 @@ from .model.nondimensional import nondimensional as nondimensional
 from .model.rudder_transfer import borrow_rudder as borrow_rudder
 from .model.shallow_water import DepthCorrected as DepthCorrected
 from .model.shallow_water import at_depth as at_depth
+from .model.source import Source as Source
 from .model.squat import SQUAT as SQUAT
 from .model.squat import Squat as Squat
 from .model.squat import SquatFormula as SquatFormula
@@ -108,6 +110,7 @@ from .simulation import jacobian as jacobian
 from .simulation import sensitivities as sensitivities
 from .simulation import simulate as simulate
 from .simulation import stability as stability
+from .simulation import step as step
 from .terms.about import TermKind as TermKind
 from .terms.bank_forms import FORMS as FORMS
 from .terms.bank_forms import BankForm as BankForm

@@ -1,4 +1,4 @@
-"""What goes wrong with a user's input, in one sentence with the place and the remedy; what a thing says of itself."""
+"""What goes wrong with a user's input, in one sentence with the place and the remedy."""
 
 import os
 import re
@@ -6,12 +6,10 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
-from html import escape
 from importlib.metadata import PackageNotFoundError, requires
 from numbers import Integral
 from pathlib import Path
 from reprlib import Repr
-from typing import TYPE_CHECKING, Any
 
 UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
@@ -48,7 +46,8 @@ def near_miss(word: str, known: Iterable[str]) -> str:
     """
     known = sorted(known)
     same = [candidate for candidate in known if candidate.lower() == word.lower()]
-    near = same or get_close_matches(word, known, n=1, cutoff=0.6)
+    longer = [candidate for candidate in known if len(word) > 2 and word.lower() in candidate.lower()]
+    near = same or longer[: len(longer) == 1] or get_close_matches(word, known, n=1, cutoff=0.6)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
@@ -218,94 +217,3 @@ def path_of(name: str, value: object) -> Path:
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"{name} = {shown(value)} is no path; give the name of a file")
     return Path(value)
-
-
-REMEDIES = {
-    **dict.fromkeys(("params", "coef_", "coef", "popt"), ("coefficients",)),
-    **dict.fromkeys(("bse", "stderr", "standard_errors", "std_errors"), ("std",)),
-    **dict.fromkeys(("cov", "pcov", "cov_params"), ("covariance",)),
-    **dict.fromkeys(("confidence_intervals", "ci"), ("intervals", "conf_int()")),
-    **dict.fromkeys(("fittedvalues", "fitted"), ("predict()",)),
-    **dict.fromkeys(("replace", "set_params", "assign"), ("with_coefficients(...)", "with_parts(...)")),
-    **dict.fromkeys(("df", "to_frame", "to_pandas", "data", "values_"), ("to_dataframe()",)),
-    **dict.fromkeys(("write", "dump", "to_toml", "to_file"), ("save(path)",)),
-    **dict.fromkeys(("success", "status", "message"), ("outcome",)),
-    **dict.fromkeys(("time", "times"), ("t",)),
-    **dict.fromkeys(("show", "figure"), ("plot()",)),
-    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), ("verdicts",)),
-    **dict.fromkeys(("aic", "bic", "llf"), ("left_out",)),
-    **dict.fromkeys(("correlation", "correlation_matrix"), ("corr()",)),
-    **dict.fromkeys(("equations", "to_latex"), ("latex()",)),
-    **dict.fromkeys(("groupby", "tests", "iloc", "loc"), ("test(name)",)),
-    **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
-    "resid": ("residuals",), "speed": ("u",), "eigenvalues": ("poles()",),
-    "L": ("length",), "Lpp": ("length",), "B": ("beam",), "T": ("draft",), "Cb": ("block_coefficient",),
-}  # fmt: skip
-"""What other libraries and texts call something, and what is written here instead."""
-
-
-ELSEWHERE = {
-    "identify": ("fit", "regress", "estimate", "curve_fit"), "read_captive": ("read_csv", "read_table", "read_excel"),
-    "jacobian": ("linearize", "linearise", "linear"), "simulate": ("sail", "run", "solve", "integrate"),
-    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
-    "measured_tests": ("datasets", "load_dataset", "example_data"), "Configuration": ("Config", "Setup"),
-}  # fmt: skip
-"""What is written here for what the functions of other libraries are called."""
-
-
-def public_name(name: str, known: Iterable[str]) -> str:
-    """Return what to write for a name that the package does not have, as the end of a sentence (ours).
-
-    Parameters
-    ----------
-    name : str
-        Asked for.
-    known : iterable of str
-        The public names.
-    """
-    known = sorted(known)
-    if meant := next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), ""):
-        return f"; write {meant}"
-    longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
-    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known)
-
-
-class Described:
-    """Something that says in a line what it is, in a notebook in more, and what to write for a name of elsewhere.
-
-    It has ``summary()``; ``to_dataframe()`` and ``notes`` where there is something to put there.
-    """
-
-    def __repr__(self) -> str:
-        said: Any = self
-        return f"<{type(self).__name__}: {shortened(said.summary())}>"
-
-    def _repr_html_(self) -> str:
-        said: Any = self
-        lines = "<br>".join(escape(line) for line in said.summary().splitlines())
-        notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(said, "notes", ()))
-        table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
-        return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")
-
-    if not TYPE_CHECKING:  # What is checked is the attributes that there are.
-
-        def __getattr__(self, name: str) -> Any:
-            known = {*dir(type(self)), *getattr(type(self), "__dataclass_fields__", ())}
-            remedy = next((it for it in REMEDIES.get(name, ()) if it.partition("(")[0] in known), None)
-            if remedy is None:
-                return object.__getattribute__(self, name)
-            raise AttributeError(f"a {type(self).__name__} has no {name!r}; write {remedy}", name=None, obj=None)
-
-
-def shortened(text: str, most: int = 120) -> str:
-    """Return the first line of a text, cut where it is long (ours).
-
-    Parameters
-    ----------
-    text : str
-        Lines.
-    most : int
-        Characters of it.
-    """
-    line = text.partition("\n")[0].rstrip(".")
-    return line if len(line) <= most else f"{line[: most - 3]}..."

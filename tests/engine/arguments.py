@@ -201,6 +201,14 @@ class Table:
                 {"model": steered(), "state": (0.0, 0.5, 0.0, 1.0, 0.1, 0.02)},
                 {"model": paper(), "state": (0.0, 0.6, 0.0, 1.0, 0.1, 0.02), **FORCES, **FREE},
             ),
+            "step": Entry(
+                {"model": steered(), "state": (0.0, 0.5, 0.0, 1.0, 0.1, 0.02), "dt": 0.1},
+                {"model": paper(), "state": (0.0, 0.6, 0.0, 1.0, 0.1, 0.02), "dt": 0.2, **FORCES, **FREE},
+            ),
+            "latex": Entry(
+                {"table": nw.PAPER},
+                {"table": nw.SPEED, "coefficients": paper().coefficients, "forces": ("X",)},
+            ),
             "jacobian": Entry(
                 {"model": steered(), "y": 0.5, "u": 1.0, "v": 0.1, "r": 0.02},
                 {"model": paper(), "y": 0.6, "u": 1.1, "x": 2.0, "psi": 0.1, "v": 0.05, "r": 0.01, **FORCES, **FREE},

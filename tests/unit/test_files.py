@@ -135,13 +135,14 @@ def test_standard_output_keeps_its_order(name: str, to_file: bool, tmp_path: Pat
 
 
 def test_models_of_several_conditions_go_into_one_device(tmp_path: Path) -> None:
+    from narrows.cli.delivery import ModelDelivery
     from narrows.cli.fits import publish
 
     fits = {"a": fit(), "b/c": fit()}
     with (tmp_path / "all").open("wb") as file:
-        publish(fits, "t", Path(f"/dev/fd/{file.fileno()}"), None, False)
+        publish(fits, "t", ModelDelivery(Path(f"/dev/fd/{file.fileno()}")))
     assert (tmp_path / "all").read_text().count("[ship]") == 2
-    publish(fits, "t", tmp_path / "m.toml", None, False)
+    publish(fits, "t", ModelDelivery(tmp_path / "m.toml"))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["all", "m-a.toml", "m-b%2Fc.toml"]
 
 

@@ -16,9 +16,6 @@ COLUMNS = {
 }
 """What a table may carry beside its labels, and the SI unit of each."""
 
-LABELS = ("test", "condition")
-"""Columns that name things: the test, and the condition (a water depth, say) that it was run under."""
-
 
 def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     """Return what a table may carry where there are actuators beside those of the package (ours).

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
-from narrows.model.model import Source
+from narrows.model.source import Source
 
 
 def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:

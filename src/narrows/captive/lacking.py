@@ -1,11 +1,11 @@
 """What terms need and neither a table nor its ship file gives: where to add it, and what is usual."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import fields
 
 from narrows.captive.columns import columns_with
 from narrows.captive.tests import Headers
-from narrows.errors import near_miss
+from narrows.errors import InputError, near_miss
 from narrows.quantities.names import PARTICULARS
 from narrows.readers.table_head import seen
 from narrows.ship.actuator import Actuator, places_of
@@ -18,23 +18,40 @@ SOURCE = "Yasukawa and Yoshimura 2015"
 STRAIGHTENING = ("rudder_straightening_port", "rudder_straightening_starboard")
 
 
-def lacking(name: str, headers: Headers, actuators: Iterable[Actuator]) -> str:
-    """Say that terms need what a table does not give, nor its ship file (ours).
+def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
+    """Raise where terms need what a table does not give, nor its ship file (ours).
 
     Parameters
     ----------
-    name : str
-        What they ask for.
+    asked : iterable of str
+        What they need.
+    values : container of str
+        What is given.
     headers : Headers
         Of the table.
     actuators : iterable of Actuator
         That the terms ask for.
+
+    Raises
+    ------
+    InputError
+        Names all of it, and says of the first where it goes.
     """
+    missing = [name for name in asked if name not in values]
+    if not missing:
+        return
     movers = (*STANDARD, *actuators)
     column = {word: actuator.name for actuator in movers for word in actuator.controls} | {
         "cos_psi": "psi", "sin_psi": "psi",
     }  # fmt: skip
-    wanted, known = column.get(name, name), columns_with(movers)
+    first, *more = dict.fromkeys(column.get(name, name) for name in missing)
+    too = f"; {', '.join(map(repr, more))} {'are' if more[1:] else 'is'} missing too" if more else ""
+    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{too}")
+
+
+def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
+    """Where a column or a particular goes that terms need."""
+    known = columns_with(movers)
     if wanted not in known or wanted in PARTICULARS:
         said = f"the terms need {name}, which neither the tests nor the ship file give"
         return f"{said}; {_where(name, headers, movers)}{usual(name)}"

@@ -9,7 +9,7 @@ from typing import Any
 from narrows.captive.rows import Reading, checked, gathered, prepared
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
-from narrows.model.model import Source
+from narrows.model.source import Source
 from narrows.progress import file_stage
 from narrows.readers.dataframes import as_sheet, name_of, sha256_of_frame
 from narrows.readers.frames import guarded, read_frame

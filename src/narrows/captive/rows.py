@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import check, magnitudes
-from narrows.captive.columns import COLUMNS, LABELS, columns_with
+from narrows.captive.columns import COLUMNS, columns_with
 from narrows.captive.formats import layouts
 from narrows.captive.kinematics import MotionColumns, check_kinematics
 from narrows.captive.selection import chosen_early, chosen_late
-from narrows.captive.tests import CaptiveTests, Headers
-from narrows.model.model import Source
+from narrows.captive.tests import LABELS, CaptiveTests, Headers
+from narrows.model.source import Source
 from narrows.quantities.names import Quantity
 from narrows.readers import cells
 from narrows.readers.headers import Column, Vocabulary, recognised_in

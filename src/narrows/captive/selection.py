@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from narrows.captive.columns import LABELS
+from narrows.captive.tests import LABELS
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.quantities.names import Quantity
 from narrows.readers.headers import parse_header

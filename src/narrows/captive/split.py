@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.captive.tests import Block, Span, Tests
 from narrows.errors import InputError
-from narrows.model.model import Source
+from narrows.model.source import Source
 from narrows.ship.particulars import Configuration
 
 

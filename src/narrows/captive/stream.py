@@ -15,7 +15,7 @@ from narrows.captive.read import sha256_of
 from narrows.captive.rows import Reading, Rows, checked, prepared, tests_of
 from narrows.captive.tests import Block, Span, cuts
 from narrows.errors import InputError, path_of
-from narrows.model.model import Source
+from narrows.model.source import Source
 from narrows.readers.frames import notes_of, read_chunks
 from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuator import Actuator

@@ -8,8 +8,9 @@ import numpy as np
 from narrows.captive.runs import HarmonicRun, Run
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
-from narrows.model.model import Model, Source
+from narrows.model.model import Model
 from narrows.model.model_file import published
+from narrows.model.source import Source
 from narrows.ship.motion import Motion
 
 NOISE = {"X": 0.35, "Y": 0.5, "N": 0.65}

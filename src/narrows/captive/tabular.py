@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS
-from narrows.results import Shown
+from narrows.results import Tabulated
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-class Tabular(Shown):
+class Tabular(Tabulated):
     """Tests that show themselves as a table."""
 
     columns: Mapping[str, np.ndarray]
@@ -36,20 +36,6 @@ class Tabular(Shown):
         known = {name: quantity.unit for name, quantity in {**MOTION, **PARTICULARS, **FORCES}.items()}
         known |= {"t": "s", "psi": "rad"} | {own.name: own.unit for own in STANDARD}
         return {name: known.get(name, "1" if _is_part(name, self.columns) else "") for name in self.columns}
-
-    def head(self, rows: int = 5) -> "pd.DataFrame":
-        """Give the first rows as a table.
-
-        Parameters
-        ----------
-        rows : int
-            How many.
-        """
-        return self.to_dataframe().head(rows)
-
-    def describe(self) -> "pd.DataFrame":
-        """Give count, mean, spread and range of each column, as pandas does."""
-        return self.to_dataframe().describe()
 
     def summary(self) -> str:
         """Say how many tests and rows there are, of which ship in which water, and what was measured."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from narrows.captive.tabular import Tabular
 from narrows.errors import InputError, check_choice, did_you_mean, reason, shown
-from narrows.model.model import Source
+from narrows.model.source import Source
 from narrows.quantities.names import Number
-from narrows.ship.particulars import Configuration, Ship
+from narrows.ship.particulars import Configuration, Configured
 
 BLOCK_ROWS = 32_000
 """Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory."""
@@ -54,6 +54,8 @@ class Headers(NamedTuple):
     ship_file: str = ""
 
 
+LABELS = ("test", "condition")
+"""Columns of a table of tests that are words."""
 NO_TABLE = Headers()
 """Of tests that were not read from one."""
 
@@ -122,7 +124,7 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
 
 
 @dataclass(frozen=True, repr=False)
-class CaptiveTests(Tabular):
+class CaptiveTests(Configured, Tabular):
     """Captive tests in memory, in SI and radians.
 
     Parameters
@@ -159,11 +161,6 @@ class CaptiveTests(Tabular):
         """Number of rows."""
         return int(self.starts[-1])
 
-    @property
-    def ship(self) -> Ship:
-        """The hull."""
-        return self.configuration.ship
-
     def __len__(self) -> int:
         """How many tests."""
         return len(self.names)
@@ -176,6 +173,16 @@ class CaptiveTests(Tabular):
     def __contains__(self, name: object) -> bool:
         """Whether there is such a column, or such a test."""
         return name in self.columns or name in self.names
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        """No array: pandas and NumPy would make one of the tests.
+
+        Raises
+        ------
+        TypeError
+            With what gives the rows.
+        """
+        raise TypeError("tests are several tables; take their rows by tests.to_dataframe(), a column by tests['y']")
 
     def __getitem__(self, key: Any) -> Any:
         """A column by its name, a test by its name, or the rows of a mask.
@@ -192,6 +199,8 @@ class CaptiveTests(Tabular):
         """
         if not isinstance(key, str):
             return self.of_rows(key)
+        if key in LABELS:
+            return self.to_dataframe()[key].to_numpy() if key in self.to_dataframe() else ()
         if key in self.columns or key not in self.names:
             if key not in self.columns:
                 raise InputError(

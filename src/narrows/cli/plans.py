@@ -1,75 +1,107 @@
 """``plan``: the tests to run next."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from narrows.cli.app import app
-from narrows.cli.options import AsJson, Condition, Mapping, TableOutput, TermsName, Where
-from narrows.cli.output import print_json, say_written
+from narrows.cli.delivery import TableDelivery
+from narrows.cli.grouped import verb
+from narrows.cli.options import RunErrors, Selection, TermsName
 from narrows.errors import InputError
 
+if TYPE_CHECKING:
+    from narrows.captive.tests import Tests
+    from narrows.experiment_design import Tank
+    from narrows.terms.term import TermTable
 
-@app.command(epilog="Example: narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
-def plan(
-    ship: Annotated[Path, typer.Argument(help="Ship file: TOML with [ship], [canal], [water].", show_default=False)],
-    runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12,
-    run_length: Annotated[float | None, typer.Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None,
-    clearance: Annotated[float, typer.Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5,
+
+@dataclass(frozen=True)
+class Runs:
+    """What can be run."""
+
+    runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12
+    run_length: Annotated[float | None, typer.Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None
+    clearance: Annotated[float, typer.Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
     speed: Annotated[
         str | None,
         typer.Option(
             help="To run at: 0.6m/s,0.9m/s or from:to:count; those tested before, or three slow ones, unless given."
         ),
-    ] = None,
+    ] = None
     depths: Annotated[
         str | None, typer.Option(help="To run at [m]: a,b,c or from:to:count; for terms that know the depth.")
-    ] = None,
+    ] = None
     reach: Annotated[
         float | None, typer.Option(help="Farthest offset from the centreline [m]; within what was tested unless given.")
-    ] = None,
-    run_errors: Annotated[
-        str, typer.Option(help="What runs differ by: gain, zero and form, as shares of the force.")
-    ] = "0.02,0.02,0.02",
-    terms: TermsName = "paper",
-    targets: Annotated[str, typer.Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = "",
-    criterion: Annotated[str, typer.Option(help="'c': sum of the variances; 'd': determinant.")] = "c",
+    ] = None
+
+    def tank(self) -> "Tank":
+        """Return the tank in which they are run."""
+        from narrows.cli.ranges import numbers, speeds
+        from narrows.experiment_design import Tank
+
+        at_speeds = () if self.speed is None else tuple(speeds("--speed", self.speed).tolist())
+        at_depths = () if self.depths is None else tuple(numbers("--depths", self.depths).tolist())
+        return Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What is to be known."""
+
+    run_errors: RunErrors = "0.02,0.02,0.02"
+    terms: TermsName = "paper"
+    targets: Annotated[str, typer.Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = ""
+    criterion: Annotated[str, typer.Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
+
+    def options(self, terms: "TermTable") -> dict[str, Any]:
+        """What ``plan_tests`` is told of it.
+
+        Parameters
+        ----------
+        terms : TermTable
+            By their name.
+        """
+        from narrows.identification.uncertainty.run_errors import run_errors_of
+
+        targets = tuple(filter(None, self.targets.split(",")))
+        errors = run_errors_of(self.run_errors)
+        return {"terms": terms, "targets": targets, "criterion": self.criterion, "errors": errors}
+
+
+@verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
+def plan(
+    ship: Annotated[Path, typer.Argument(help="Ship file: TOML with [ship], [canal], [water].", show_default=False)],
+    runs: Runs,
+    aim: Aim,
+    selection: Selection,
+    delivery: TableDelivery,
     after: Annotated[Path | None, typer.Option(help="Captive tests that were made already.")] = None,
-    where: Where = None,
-    mapping: Mapping = None,
-    condition: Condition = None,
-    output: TableOutput = None,
-    json: AsJson = False,
 ) -> None:
     """Propose the captive tests that make the bank's coefficients best known."""
-    from narrows.captive import read_captive
-    from narrows.cli.ranges import numbers, speeds
-    from narrows.experiment_design import Tank, plan_tests
-    from narrows.identification.conditions import the_condition
-    from narrows.identification.uncertainty.run_errors import run_errors_of
+    from narrows.experiment_design import plan_tests
     from narrows.report.plan_table import print_plan
     from narrows.terms.tables import table_named
 
-    if after is None and (where or mapping or condition is not None):
-        raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
-    chosen = table_named(terms)
-    at_speeds = () if speed is None else tuple(speeds("--speed", speed).tolist())
-    at_depths = () if depths is None else tuple(numbers("--depths", depths).tolist())
-    tank = Tank(run_length, clearance, speeds=at_speeds, depths=at_depths, reach=reach)
-    actuators = chosen.actuators
-    made = the_condition(read_captive(after, ship, where, actuators, mapping), condition) if after else None
-    wanted = tuple(filter(None, targets.split(",")))
-    result = plan_tests(
-        made.configuration if made else ship, runs, tank=tank, terms=chosen,
-        targets=wanted, criterion=criterion, after=made, errors=run_errors_of(run_errors),
-    )  # fmt: skip
-    if output:
-        result.save(output)
-    if json:
-        print_json(result.to_dict())
-    else:
-        print_plan(result)
-        say_written([output])
-    if not result.determined:
-        raise SystemExit(1)
+    terms = table_named(aim.terms)
+    made = _made(after, ship, selection, terms)
+    tested = made.configuration if made else ship
+    result = plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **aim.options(terms))
+    delivery.write(result.save)
+    delivery.tell(result.to_dict, lambda: print_plan(result))
+    raise SystemExit(int(not result.determined))
+
+
+def _made(after: Path | None, ship: Path, selection: Selection, terms: "TermTable") -> "Tests | None":
+    """The tests that were made already."""
+    from narrows.captive import read_captive
+    from narrows.identification.conditions import the_condition
+
+    if after is None:
+        if selection != Selection():
+            raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
+        return None
+    read = read_captive(after, ship, selection.where, terms.actuators, selection.mapping)
+    return the_condition(read, selection.condition)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import Described, InputError
+from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip, maximum
+from narrows.results import Described
 from narrows.simulation.controllers import EARLY, Named
 
 FELT = ("y", "psi", "v", "r", "rudder", "integral")

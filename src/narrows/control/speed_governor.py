@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import Described, InputError
+from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, maximum, minimum
+from narrows.results import Described
 from narrows.simulation.controllers import ControlLaw, Named
 
 SHORTFALL = "surge_shortfall"

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.errors import Described
 from narrows.estimation.states import STATES, StateNames
 from narrows.estimation.unscented import Normal
+from narrows.results import Described
 
 
 @dataclass(frozen=True, repr=False, eq=False)

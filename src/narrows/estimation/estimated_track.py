@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.estimation.states import STATES
-from narrows.results import Shown
+from narrows.results import Tabulated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class EstimatedTrack(Shown):
+class EstimatedTrack(Tabulated):
     """States of a ship over time.
 
     Parameters

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from narrows.codegen.free_motion import Surge
-from narrows.errors import Described, InputError, check_choice
+from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimated_track import EstimatedTrack
 from narrows.estimation.moment import Moment
@@ -21,6 +21,7 @@ from narrows.estimation.ship_filter import Coefficients, ShipFilter, parted, usu
 from narrows.estimation.smoothing_pass import smooth
 from narrows.estimation.unscented import Normal
 from narrows.model.model import Model
+from narrows.results import Described
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

@@ -22,7 +22,7 @@ from narrows.experiment_design.optimal import CRITERIA, choose
 from narrows.identification.fitting import identify
 from narrows.identification.regression.problem import slots
 from narrows.identification.uncertainty.run_errors import RunErrors
-from narrows.results import Shown
+from narrows.results import Tabulated
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_from
 from narrows.terms.bank_forms import with_bank
@@ -46,7 +46,7 @@ OTHER_FORMS = ("distance", "tapered")
 
 
 @dataclass(frozen=True, repr=False)
-class Plan(Shown):
+class Plan(Tabulated):
     """Runs to make, and what they would tell.
 
     Parameters

@@ -1,16 +1,16 @@
 """A fit put on rows: forces estimated, what is left of the measured ones, and how large that is."""
 
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from narrows.captive.lacking import lacking
+import narrows
+from narrows.captive.lacking import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.identification.regression.accumulation import accumulate
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.scores import Score, score
@@ -20,6 +20,9 @@ from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
+
+ALPHA = 0.05
+"""Share of the truths that intervals are to miss."""
 
 
 class Fitted(Protocol):
@@ -118,12 +121,28 @@ class Prediction(Shown):
         InputError
             Where the file cannot be written.
         """
-        # Pages are made in a room above, which is looked up when one is asked for.
-        import_module("narrows.report.fit_page").write_report({"": self}, path, title)
+        fit: Any = self
+        narrows.report.write_report({"": fit}, path, title)
 
-    def conf_int(self: Fitted) -> "pd.DataFrame":
-        """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient."""
+    def conf_int(self: Fitted, alpha: float = ALPHA) -> "pd.DataFrame":
+        """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient.
+
+        Parameters
+        ----------
+        alpha : float [1]
+            Share that they miss: 0.05.
+
+        Raises
+        ------
+        InputError
+            Where it is another: the coverage of no others has been measured.
+        """
         import pandas as pd
+
+        if alpha != ALPHA:
+            raise InputError(
+                f"alpha = {shown(alpha)}: intervals are of 95 %, the ones whose coverage was measured; give 0.05"
+            )
 
         frame = pd.DataFrame.from_dict(dict(self.intervals), orient="index", columns=["low", "high"])
         return frame.rename_axis("coefficient")
@@ -173,9 +192,7 @@ def _rows(fit: Fitted, tests: Tests, measured: bool) -> "pd.DataFrame":
 
 
 def _force(fit: Fitted, force: str, block: Block) -> np.ndarray:
-    for name in fit.terms.inputs:
-        if name not in block.values:
-            raise InputError(lacking(name, block.headers, fit.terms.actuators))
+    check_given(fit.terms.inputs, block.values, block.headers, fit.terms.actuators)
     parts = (fit.coefficients[term.name] * term.column(block.values) for term in fit.terms.forces[force])
     return np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
 

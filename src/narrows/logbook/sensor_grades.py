@@ -4,9 +4,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from narrows.errors import Described, InputError, check_choice
+from narrows.errors import InputError, check_choice
 from narrows.logbook.signals import check_signals
 from narrows.quantities.constants import KNOT
+from narrows.results import Described
 
 DEGREE = math.pi / 180
 OURS = "ours"

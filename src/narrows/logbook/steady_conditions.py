@@ -5,9 +5,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from narrows.errors import Described, InputError
+from narrows.errors import InputError
 from narrows.logbook.beam_wind import beam_wind
 from narrows.model.model import Model
+from narrows.results import Described
 
 UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero")
 """What is estimated beside the coefficients: force [N] and moment [N m] of the wind, and three zeros [rad]."""

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import Described, InputError, did_you_mean, shown
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.quantities.names import Quantity
+from narrows.results import Described
 
 if TYPE_CHECKING:
     import pandas as pd

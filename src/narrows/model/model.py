@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import reduce
-from importlib import import_module
 from numbers import Real
 from operator import add
 from pathlib import Path
@@ -13,12 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import narrows
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange
 from narrows.model.operations import Operations
+from narrows.model.sections import fields_of, sections_of
+from narrows.model.source import Source
 from narrows.quantities.names import MOTION, Number
 from narrows.ship.motion import Motion
-from narrows.ship.particulars import Configuration, Ship
+from narrows.ship.particulars import Configuration, Configured
 from narrows.terms.bank_forms import without_bank
 from narrows.terms.term import Term, TermTable
 
@@ -32,25 +34,6 @@ SETTLED, ALONE = "identified", "rests"
 NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
 
 
-@dataclass(frozen=True)
-class Source:
-    """Where numbers come from.
-
-    Parameters
-    ----------
-    text : str
-        A citation, or how they were made.
-    table : str
-        File name of the table of tests.
-    sha256 : str
-        Hash of that file.
-    """
-
-    text: str = ""
-    table: str = ""
-    sha256: str = ""
-
-
 def _is_finite(value: object) -> bool:
     try:
         return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
@@ -59,7 +42,7 @@ def _is_finite(value: object) -> bool:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Model(Operations):
+class Model(Configured, Operations):
     """A bank-effect model: what a fit gives and what simulation takes.
 
     Parameters
@@ -138,11 +121,6 @@ class Model(Operations):
         return self.coefficients[name]
 
     @property
-    def ship(self) -> Ship:
-        """The hull."""
-        return self.configuration.ship
-
-    @property
     def notes(self) -> tuple[str, ...]:
         """What is open of the banks."""
         return self.bank_notes
@@ -179,8 +157,7 @@ class Model(Operations):
         terms : TermTable, optional
             One's own table, where the file was made with one.
         """
-        model: Model = import_module("narrows.model.model_file").load_model(path, terms)
-        return model
+        return narrows.load_model(path, terms)
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], terms: TermTable | None = None) -> "Model":
@@ -193,8 +170,11 @@ class Model(Operations):
         terms : TermTable, optional
             One's own table, where the model was made with one.
         """
-        model: Model = import_module("narrows.model.model_file").from_tables(dict(tables), terms)
-        return model
+        return cls(**fields_of(tables, terms))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: the sections of the model file."""
+        return sections_of(**{own.name: getattr(self, own.name) for own in fields(self)})
 
     def save(self, path: str | Path) -> None:
         """Write it as a model file, which ``load_model`` reads to the last bit.
@@ -209,16 +189,19 @@ class Model(Operations):
         InputError
             Where the file cannot be written.
         """
-        import_module("narrows.model.model_file").save_model(self, path)  # Files are read and written above models.
+        narrows.save_model(self, path)
 
-    def with_coefficients(self, **values: float) -> "Model":
+    def with_coefficients(self, changes: Mapping[str, float] = MappingProxyType({}), /, **values: float) -> "Model":
         """Return the model with some coefficients changed.
 
         Parameters
         ----------
-        **values : float
+        changes : mapping of str to float, optional
             New values by name.
+        **values : float
+            Likewise.
         """
+        values = {**changes, **values}
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients={**self.coefficients, **values}, verdicts=verdicts)
 

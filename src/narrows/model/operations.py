@@ -1,12 +1,12 @@
-"""What the rooms above do with a model, as its methods; each room is looked up when it is asked for."""
+"""What the rooms above do with a model, as its methods: by the public face, which loads a room when it is asked for."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+import narrows
 from narrows.errors import check_choice
 from narrows.results import Shown
 
@@ -24,8 +24,8 @@ class Operations(Shown):
         **given : Any
             As for ``nw.derivative``: X, Y, N, rudder, revolutions, surge, surge_inertia, coriolis.
         """
-        found: np.ndarray = import_module("narrows.simulation.derivative").derivative(self, state, **given)
-        return found
+        model: Any = self
+        return narrows.derivative(model, state, **given)
 
     def step(self, state: Any, dt: float, **given: Any) -> np.ndarray:
         """Return x, y, psi, u, v, r one step of the engine later, (6,).
@@ -39,10 +39,10 @@ class Operations(Shown):
         **given : Any
             As for ``nw.derivative``.
         """
-        found: np.ndarray = import_module("narrows.simulation.derivative").step(self, state, dt, **given)
-        return found
+        model: Any = self
+        return narrows.step(model, state, dt, **given)
 
-    def linearize(self, **at: Any) -> Any:
+    def linearize(self, **at: Any) -> "narrows.Jacobian":
         """Return the exact derivatives of the motion about a state, a ``Jacobian``.
 
         Parameters
@@ -50,9 +50,10 @@ class Operations(Shown):
         **at : Any
             As for ``nw.jacobian``.
         """
-        return import_module("narrows.simulation.linear_motion").jacobian(self, **at)
+        model: Any = self
+        return narrows.jacobian(model, **at)
 
-    def simulate(self, *start: float, **given: Any) -> Any:
+    def simulate(self, *start: float, **given: Any) -> "narrows.Voyage":
         """Simulate one voyage, to a ``Voyage``.
 
         Parameters
@@ -62,9 +63,10 @@ class Operations(Shown):
         **given : Any
             As for ``nw.simulate``.
         """
-        return import_module("narrows.simulation.voyage").simulate(self, *start, **given)
+        model: Any = self
+        return narrows.simulate(model, *start, **given)
 
-    def scale(self, length: float, **given: Any) -> Any:
+    def scale(self, length: float, **given: Any) -> "narrows.Scaled":
         """Scale the model by Froude's law: a ``Scaled``, with the new model and what does not scale.
 
         Parameters
@@ -74,7 +76,8 @@ class Operations(Shown):
         **given : Any
             As for ``nw.scale_model``.
         """
-        return import_module("narrows.model.froude").scale_model(self, length, **given)
+        model: Any = self
+        return narrows.scale_model(model, length, **given)
 
     def with_canal(self, **changes: float) -> Any:
         """Return the model in another canal, its coefficients as they are: ``nw.at_depth`` corrects those for depth.
@@ -112,10 +115,4 @@ class Operations(Shown):
         """
         model: Any = self
         coefficients = model.coefficients if numbers else None
-        text: str = import_module("narrows.codegen.printers.latex").latex_of(model.terms, coefficients, forces)
-        return text
-
-    def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: the sections of the model file."""
-        tables: dict[str, Any] = import_module("narrows.model.model_file").as_tables(self)
-        return tables
+        return narrows.latex(model.terms, coefficients, forces)

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from narrows.quantities.constants import KNOT
 from narrows.report.envelope_column import draw_column
 from narrows.report.rules_view import draw_rudders, draw_speeds, draw_widths
-from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture, headed
+from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture, given_axes, headed, titled
 from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
@@ -30,6 +30,13 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
     envelope : SafeEnvelope
         What to draw.
     """
+    if given := given_axes():
+        figure, axes = given
+        keys = _draw_speeds(axes, envelope)
+        _draw_banks(axes, envelope)
+        axes.legend(handles=[*_speed_legend(), *keys], frameon=False, fontsize=7)
+        titled(axes, [envelope.description, envelope.weather, envelope.summary()])
+        return figure
     with rc_context(FONT):
         figure = Picture(figsize=PAGE, layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.4, 1), height_ratios=(3, 2))

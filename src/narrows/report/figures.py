@@ -4,11 +4,12 @@ from functools import singledispatch
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
@@ -29,7 +30,7 @@ from narrows.report.motion_figures import motions_figure
 from narrows.report.pilot_page import pilot_page
 from narrows.report.rules_view import rules_figure
 from narrows.report.steady_figures import change_figure, steady_figure
-from narrows.report.style import BLACK, BLUE, ORANGE, panels
+from narrows.report.style import BLACK, BLUE, ORANGE, drawing_on, panels
 from narrows.report.uncertainty_figures import comparison_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
 from narrows.safety import OutsideRules, SafeEnvelope
@@ -41,45 +42,55 @@ from narrows.studies.mikkelsen2025 import Reproduction
 MOST_CURVES = 5
 
 
-@singledispatch
-def figure_of(result: Any) -> Figure:
+def figure_of(result: Any, axes: Axes | None = None) -> Figure:
     """Draw a result.
 
     Parameters
     ----------
     result : Result
         What to draw.
+    axes : Axes, optional
+        Where to draw what has one panel, or its main one; a figure of its own unless given.
 
     Raises
     ------
     InputError
-        Where nothing is drawn of its kind.
+        Where nothing is drawn of its kind, or axes cannot hold it.
     """
+    if axes is not None and not isinstance(axes, Axes):
+        raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes")
+    with drawing_on(axes):
+        figure: Figure = _drawn(result)
+    return figure
+
+
+@singledispatch
+def _drawn(result: Any) -> Figure:
     raise InputError(f"nothing is drawn of a {type(result).__name__}; take its data frame or dataset")
 
 
-figure_of.register(Fit, intervals_figure)
-figure_of.register(OutsideRules, rules_figure)
-figure_of.register(SafeEnvelope, envelope_chart)
-figure_of.register(EstimatedTrack, track_figure)
-figure_of.register(Consistency, consistency_figure)
-figure_of.register(ShipLog, log_figure)
-figure_of.register(LogFindings, findings_figure)
-figure_of.register(Trials, manoeuvres_figure)
-figure_of.register(Voyage, voyage_figure)
-figure_of.register(CaptiveTests, motions_figure)
-figure_of.register(Model, model_figure)
-figure_of.register(SteadyFit, steady_figure)
-figure_of.register(Foresight, foresight_figure)
-figure_of.register(EnvelopeChange, change_figure)
+_drawn.register(Fit, intervals_figure)
+_drawn.register(OutsideRules, rules_figure)
+_drawn.register(SafeEnvelope, envelope_chart)
+_drawn.register(EstimatedTrack, track_figure)
+_drawn.register(Consistency, consistency_figure)
+_drawn.register(ShipLog, log_figure)
+_drawn.register(LogFindings, findings_figure)
+_drawn.register(Trials, manoeuvres_figure)
+_drawn.register(Voyage, voyage_figure)
+_drawn.register(CaptiveTests, motions_figure)
+_drawn.register(Model, model_figure)
+_drawn.register(SteadyFit, steady_figure)
+_drawn.register(Foresight, foresight_figure)
+_drawn.register(EnvelopeChange, change_figure)
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Jacobian) -> Figure:
     return _eigenvalues(result.poles())
 
 
-@figure_of.register
+@_drawn.register
 def _(result: LinearSystem) -> Figure:
     return _eigenvalues(result.eigenvalues())
 
@@ -93,7 +104,7 @@ def _eigenvalues(poles: np.ndarray) -> Figure:
     return figure
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Sensitivities) -> Figure:
     """How far one percent more of each number moves the offset, those that move it most."""
     figure, axes = panels(1, 1, 3.2)
@@ -105,46 +116,46 @@ def _(result: Sensitivities) -> Figure:
     return figure
 
 
-@figure_of.register
+@_drawn.register
 def _(result: SteadyPlan) -> Figure:
     if not result.legs:
         raise InputError("a plan without legs has no page; its summary says why none is allowed")
     return pilot_page(result)
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Comparison) -> Figure:
     return comparison_figure(result.rows(), result.forces)
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Explanation) -> Figure:
     return comparison_figure(result.comparison.rows(), result.comparison.forces)
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Reproduction) -> Figure:
     return paths_figure(list(result.voyages.values()), result.truth.configuration)
 
 
-@figure_of.register
+@_drawn.register
 def _(result: DepthCorrected) -> Figure:
     return _bars(dict(result.factors), "factor on the coefficient [1]")
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Scaled) -> Figure:
     ratios = {name: value / result.original.coefficients[name] for name, value in result.model.coefficients.items()
               if result.original.coefficients[name]}  # fmt: skip
     return _bars(ratios, "coefficient at the new scale over that at the old [1]", log=True)
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Squat) -> Figure:
     return _bars({f"{result.gives}, by {result.formula}": result.sinkage}, "sinkage [m]")
 
 
-@figure_of.register
+@_drawn.register
 def _(result: Plan) -> Figure:
     """Standard errors after each run, beside those of the usual tests."""
     figure, axes = panels(1, len(result.targets), 2.6)

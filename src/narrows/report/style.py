@@ -1,12 +1,18 @@
 """How pictures look: colours that the colour-blind tell apart, lines that survive a grey print."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from io import BytesIO
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from narrows.errors import InputError
 
 BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
 """Okabe and Ito's."""
@@ -51,6 +57,47 @@ class Margins(NamedTuple):
     down: float = 0.15
 
 
+_GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
+
+
+@contextmanager
+def drawing_on(axes: Axes | None) -> Iterator[None]:
+    """Draw pictures of one panel on axes of the caller's (ours).
+
+    Parameters
+    ----------
+    axes : Axes, optional
+        Which; a figure of its own for each picture unless given.
+    """
+    token = _GIVEN.set(axes)
+    try:
+        yield
+    finally:
+        _GIVEN.reset(token)
+
+
+def given_axes() -> tuple[Figure, Axes] | None:
+    """Return the axes to draw on and their figure, where a caller gave some (ours)."""
+    axes = _GIVEN.get()
+    return None if axes is None else (cast(Figure, axes.figure), axes)
+
+
+def titled(axes: Axes, sentences: Iterable[str]) -> None:
+    """Write what belongs to a picture over axes of a caller's (ours).
+
+    Parameters
+    ----------
+    axes : Axes
+        Which.
+    sentences : iterable of str
+        Each is wrapped.
+    """
+    letters = int(LETTERS_AN_INCH * axes.bbox.width / axes.figure.dpi)
+    axes.set_title(
+        "\n".join(line for sentence in sentences for line in wrap(sentence, letters)), fontsize=8, loc="left"
+    )
+
+
 def panels(
     rows: int, columns: int, height: float, margins: Margins | None = None, **options: Any
 ) -> tuple[Figure, Any]:
@@ -66,7 +113,16 @@ def panels(
         Room for labels; measured by drawing everything once more unless given, which takes as long as drawing.
     **options : Any
         As for Matplotlib's ``subplots``.
+
+    Raises
+    ------
+    InputError
+        Where axes are given to draw on, and there is more than one panel.
     """
+    if given := given_axes():
+        if rows * columns > 1:
+            raise InputError(f"this picture has {rows * columns} panels, which one ax cannot hold; leave ax out")
+        return given[0], np.array([[given[1]]])
     with rc_context(FONT):
         figure = Picture(figsize=(WIDTH, height), layout=None if margins else "constrained")
         axes = figure.subplots(rows, columns, squeeze=False, **options)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from narrows.quantities.constants import KNOT
-from narrows.report.style import BLUE, DASHES, FONT, ORANGE, WIDTH, Picture, headed, notes_below
+from narrows.report.style import BLUE, DASHES, FONT, ORANGE, WIDTH, Picture, given_axes, headed, notes_below, titled
 from narrows.ship.particulars import Configuration
 from narrows.simulation.voyage import Voyage
 from narrows.waterway.waterway import Waterway
@@ -32,21 +32,23 @@ BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
 
 
 def voyage_figure(voyage: Voyage) -> Figure:
-    """Draw one voyage: its path with the hull at intervals, heading and velocities below.
+    """Draw one voyage: its path with the hull at intervals, heading and velocities below; on axes given, its path.
 
     Parameters
     ----------
     voyage : Voyage
         What to draw.
     """
+    if given := given_axes():
+        figure, axes = given
+        _draw_path(axes, voyage)
+        titled(axes, [voyage.outcome.sentence])
+        return figure
     with rc_context(FONT):
         figure = Picture(figsize=(WIDTH, WIDTH), layout="constrained")
         grid = figure.add_gridspec(1 + len(HISTORIES), 1)
         above, *below = (figure.add_subplot(grid[row]) for row in range(grid.nrows))
-        if voyage.waterway is None:
-            paths_on(above, [voyage], voyage.configuration)
-        else:
-            track_on_map(above, voyage, voyage.waterway)
+        _draw_path(above, voyage)
         _draw_histories(below, voyage)
         high = min(max(TRACK * _steepness(above), 0.7), 0.6 * TRACK)
         grid.set_height_ratios([high, *(HISTORY for _ in below)])
@@ -54,6 +56,14 @@ def voyage_figure(voyage: Voyage) -> Figure:
         headed(figure, *described(voyage))
         notes_below(figure, voyage.outcome.notes)
     return figure
+
+
+def _draw_path(axes: Axes, voyage: Voyage) -> None:
+    """Draw where it went: in its canal, or on the map."""
+    if voyage.waterway is None:
+        paths_on(axes, [voyage], voyage.configuration)
+    else:
+        track_on_map(axes, voyage, voyage.waterway)
 
 
 def _steepness(axes: Axes) -> float:

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from narrows.errors import Described, InputError, shown
+from narrows.errors import InputError, shown
+from narrows.results import Described
 from narrows.ship.actuator import Part, free
 from narrows.ship.actuators import STANDARD, Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_fields, check_particulars
@@ -226,3 +227,24 @@ class Configuration(Described):
 
 def _known(part: Any) -> dict[str, Any]:
     return {name: value for name, value in asdict(part).items() if value is not None}
+
+
+class Configured:
+    """What has a configuration, with its parts at hand."""
+
+    configuration: Configuration
+
+    @property
+    def ship(self) -> Ship:
+        """The hull."""
+        return self.configuration.ship
+
+    @property
+    def canal(self) -> Canal:
+        """The banks, and the depth where it is one number."""
+        return self.configuration.canal
+
+    @property
+    def water(self) -> Water:
+        """The water."""
+        return self.configuration.water

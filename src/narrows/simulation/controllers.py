@@ -10,9 +10,10 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from narrows.errors import Described, InputError, shortened
+from narrows.errors import InputError
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
+from narrows.results import Described, shortened
 
 Named = Mapping[str, Number]
 EARLY = 1e-6

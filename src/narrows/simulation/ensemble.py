@@ -26,6 +26,7 @@ from narrows.simulation.inputs import (
     check_workers,
 )
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
+from narrows.simulation.outcome import Code
 from narrows.simulation.output_columns import attributes_of, empty_of
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -91,7 +92,7 @@ def ensemble(
     Returns
     -------
     xarray.Dataset
-        outcome, side, time [s], distance [m] and the state at the end, over the dimensions of what varies.
+        outcome, grounded, side, time [s], distance [m] and the state at the end, over the dimensions of what varies.
         Interrupted, it holds what is done, and ``complete`` is 0.
 
     Raises
@@ -119,7 +120,8 @@ def ensemble(
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
     else:
         voyages = _labelled(grid, *_run_here(run, grid, workers, progress))
-    return voyages.assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
+    grounded = (voyages["outcome"] == Code.GROUNDED).assign_attrs(long_name="whether it grounded")
+    return voyages.assign(grounded=grounded).assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
 
 
 def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:

@@ -13,7 +13,7 @@ from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
-from narrows.results import Shown
+from narrows.results import Tabulated
 from narrows.ship.actuator import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
@@ -55,7 +55,7 @@ CONTACT = 1e-6
 
 
 @dataclass(frozen=True, repr=False)
-class Voyage(Shown):
+class Voyage(Tabulated):
     """A voyage, row by row, and how it ended.
 
     Parameters
@@ -276,13 +276,13 @@ def simulate(
         rudder.
     """
     check_waterway(waterway)
-    numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     times = None if at is None else check_times(at, duration)
     longest = times[-1] if times else LONGEST
     duration, dt = check_steps(longest if duration is None else duration, dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     pushes = stretches(X, Y, N, duration)
     check_positions(positions, ship)
+    numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     check_felt(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     steering = steering_of(controller, ship.actuators)
     march, start = departure(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))

@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from narrows.errors import Described, InputError, did_you_mean
+from narrows.errors import InputError, did_you_mean
 from narrows.physics import clearance
 from narrows.physics.bank import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
+from narrows.results import Described
 from narrows.terms.about import ScaleEffect, TermKind
 from narrows.terms.helm import WITH_HELM
 from narrows.terms.regressors import Composed

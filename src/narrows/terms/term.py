@@ -7,9 +7,10 @@ from functools import cached_property
 from keyword import iskeyword
 from typing import TYPE_CHECKING
 
-from narrows.errors import Described, InputError, did_you_mean, shown
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
+from narrows.results import Described
 from narrows.ship.actuator import Actuator
 from narrows.ship.actuators import PROPELLER, STANDARD
 from narrows.terms.about import DepthLaw, ScaleEffect, TermKind

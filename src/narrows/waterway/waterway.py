@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.errors import Described, InputError
+from narrows.errors import InputError
+from narrows.results import Described
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline

@@ -21,7 +21,7 @@ WRITTEN = {
 DIGITS = 4
 
 
-def latex_of(
+def latex(
     table: TermTable, coefficients: Mapping[str, float] | None = None, forces: Sequence[str] = tuple(FORCES)
 ) -> str:
     """Write the equations of the forces, a line a force; forces without terms are left out.

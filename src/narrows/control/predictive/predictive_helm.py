@@ -16,8 +16,9 @@ from narrows.control.predictive.voyage_orders import VoyageOrders
 from narrows.control.predictive.water_ahead import water_ahead
 from narrows.control.self_propulsion import self_propulsion
 from narrows.control.steady_course import check_inside, check_rudder
-from narrows.errors import Described, InputError, needs
+from narrows.errors import InputError, needs
 from narrows.model.model import Model
+from narrows.results import Described
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
 

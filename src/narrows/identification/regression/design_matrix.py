@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from narrows.captive.lacking import lacking
+from narrows.captive.lacking import check_given
 from narrows.captive.tests import Block, Tests
-from narrows.errors import InputError
 from narrows.identification.regression.normal_equations import ONE
 from narrows.quantities.names import FORCES, Number, asked_by
 from narrows.terms.regressors import Composed
@@ -56,9 +55,7 @@ class DesignMatrix:
         InputError
             Where a term needs what neither the table nor the ship file gives.
         """
-        for name in (*self.inputs, *self.forces):
-            if name not in block.values:
-                raise InputError(lacking(name, block.headers, self.actuators))
+        check_given((*self.inputs, *self.forces), block.values, block.headers, self.actuators)
         design = self._room(block.rows)
         values, known = block.values, {}
         for i, (regressor, inputs) in enumerate(self.regressors):

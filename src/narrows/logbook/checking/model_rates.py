@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.control import self_propulsion
+from narrows.control.self_propulsion import self_propulsion
 from narrows.logbook.checking.examined import Examined
 from narrows.simulation.derivative import derivative
 

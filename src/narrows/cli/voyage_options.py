@@ -1,0 +1,237 @@
+"""Groups of options of ``simulate`` and ``map``: start, forces, helm, time, physics, water."""
+
+from dataclasses import dataclass
+from math import radians
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from narrows.cli.options import WaterwayFile
+from narrows.cli.ranges import numbers, speeds
+from narrows.cli.ranges import speed as read_speed
+from narrows.errors import InputError, check_choice
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from narrows.model.model import Model
+    from narrows.simulation.usual import UsualVoyage
+    from narrows.waterway import Waterway
+
+HELMS = ("regulator", "predictive", "track")
+ContactKind = Annotated[
+    str, typer.Option(help="What meets the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
+]
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a voyage starts."""
+
+    y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0
+    speed: Annotated[
+        str | None,
+        typer.Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; as suits the ship unless given."),
+    ] = None
+    psi_deg: Annotated[float, typer.Option(help="Heading at the start [deg].")] = 0.0
+    v: Annotated[str, typer.Option(help="Sway velocity at the start, likewise.")] = "0m/s"
+    r_deg: Annotated[float, typer.Option(help="Yaw rate at the start [deg/s].")] = 0.0
+    x: Annotated[float, typer.Option(help="Start along the canal [m].")] = 0.0
+
+    @property
+    def u(self) -> float | None:
+        """Surge velocity [m/s], where it is given."""
+        return None if self.speed is None else read_speed("--speed", self.speed)
+
+    def values(self) -> dict[str, float]:
+        """What ``simulate`` is told of it, but the speed."""
+        turning = {"psi": radians(self.psi_deg), "r": radians(self.r_deg)}
+        return {"x": self.x, "y": self.y, "v": read_speed("--v", self.v), **turning}
+
+
+@dataclass(frozen=True)
+class Push:
+    """Forces from elsewhere."""
+
+    surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0
+    sway_force: Annotated[float, typer.Option("--Y", help="Sway force from elsewhere [N].")] = 0.0
+    yaw_moment: Annotated[float, typer.Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0
+
+    def values(self) -> dict[str, float]:
+        """By their names."""
+        return {"X": self.surge_force, "Y": self.sway_force, "N": self.yaw_moment}
+
+
+@dataclass(frozen=True)
+class Helm:
+    """Who turns the rudder."""
+
+    rudder_deg: Annotated[float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")] = (
+        0.0
+    )
+    hold: Annotated[float | None, typer.Option(help="Offset that a helm holds [m], for models with a rudder.")] = None
+    controller: Annotated[
+        str | None, typer.Option(help="That helm: regulator, predictive, or track for the one without an integral.")
+    ] = None
+
+    def of(self, model: "Model", u: float, x: float, way: "Waterway | None") -> Any:
+        """Return the helm for the model's own canal, or for the section of a waterway where the ship starts.
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        u : float [m/s]
+            Its speed.
+        x : float [m]
+            Where it starts.
+        way : Waterway, optional
+            What it sails in.
+        """
+        if self.controller is not None:
+            check_choice("--controller", self.controller, HELMS)
+        if self.hold is None:
+            if self.controller is not None:
+                raise InputError("--controller needs the offset that it holds: add --hold, or leave it out")
+            return None
+        if self.controller == "predictive":
+            from narrows.control.predictive import PredictiveHelm
+
+            return PredictiveHelm(model, self.hold, u, way)
+        if self.controller == "track":
+            return _track_pilot(model, self.hold, u, x, way)
+        from narrows.control.regulator import regulator
+
+        return regulator(model, self.hold, u, waterway=way, at=0.0 if way is None else x)
+
+
+def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway | None") -> Any:
+    from dataclasses import replace
+
+    from narrows.control.track_pilot import track_pilot
+
+    if way is None:
+        return track_pilot(model, hold, u)
+    canal = way.canal(x)
+    canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
+    there = replace(model, configuration=replace(model.configuration, canal=canal))
+    # That section counts from its middle, the voyage from the line.
+    return replace(track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
+
+
+@dataclass(frozen=True)
+class Time:
+    """How long voyages last, and in which steps."""
+
+    duration: Annotated[
+        float | None, typer.Option(help="Longest time of a voyage [s]; that of 15 ship lengths unless given.")
+    ] = None
+    dt: Annotated[
+        float | None, typer.Option(help="Time step [s]; a 200th of the time of a ship length unless given.")
+    ] = None
+
+    def values(self, usual: "UsualVoyage") -> dict[str, Any]:
+        """What simulations are told of it.
+
+        Parameters
+        ----------
+        usual : UsualVoyage
+            What suits the ship, where nothing is given.
+        """
+        duration = usual.duration if self.duration is None else self.duration
+        return {"duration": duration, "dt": usual.dt if self.dt is None else self.dt}
+
+
+@dataclass(frozen=True)
+class Physics:
+    """What counts in the motion."""
+
+    surge: Annotated[str, typer.Option(help="'held': the speed stays; 'free': it is integrated.")] = "held"
+    surge_inertia: Annotated[float | None, typer.Option(help="Mass in surge with its added mass [kg], for 'free'.")] = (
+        None
+    )
+    coriolis: Annotated[bool, typer.Option("--coriolis", help="Add the rigid body's Coriolis force.")] = False
+    contact: ContactKind = "corners"
+
+
+@dataclass(frozen=True)
+class Water:
+    """The waterway, and its water."""
+
+    waterway: WaterwayFile = None
+    current: Annotated[str, typer.Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s"
+    level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0
+
+    def read(self) -> "Waterway | None":
+        """Return the waterway with its water, where one is given."""
+        current = read_speed("--current", self.current)
+        if self.waterway is None:
+            if current or self.level:
+                raise InputError("--current and --level are a waterway's; add --waterway, or leave them out")
+            return None
+        from narrows.waterway import read_waterway
+
+        return read_waterway(self.waterway).with_water(current, self.level)
+
+
+@dataclass(frozen=True)
+class Varied:
+    """What a map varies."""
+
+    y: Annotated[
+        str | None,
+        typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+    ] = None
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; what suits the ship unless given."
+        ),
+    ] = None
+    psi_deg: Annotated[str, typer.Option(help="Heading at the start [deg], likewise.")] = "0"
+    width: Annotated[str | None, typer.Option(help="Canal width [m], likewise; the model's own unless given.")] = None
+    x: Annotated[str, typer.Option(help="Start along the waterway [m], likewise.")] = "0"
+
+    @property
+    def u(self) -> "np.ndarray | None":
+        """Surge velocities [m/s], where they are given."""
+        return None if self.speed is None else speeds("--speed", self.speed)
+
+    def values(self, usual: "UsualVoyage", offsets: int) -> dict[str, Any]:
+        """What ``ensemble`` is told of it; a number alone is no dimension.
+
+        Parameters
+        ----------
+        usual : UsualVoyage
+            What suits the ship, where nothing is given.
+        offsets : int
+            How many, where none are given.
+        """
+        import numpy as np
+
+        aside = np.linspace(-usual.offset, usual.offset, offsets)
+        vary = {
+            "y": aside if self.y is None else numbers("--y", self.y),
+            "u": np.array([usual.speed]) if self.u is None else self.u,
+            "psi": radians(1) * numbers("--psi-deg", self.psi_deg), "x": numbers("--x", self.x),
+        }  # fmt: skip
+        if self.width is not None:
+            vary["width"] = numbers("--width", self.width)
+        return {name: values if values.size > 1 else float(values[0]) for name, values in vary.items()}
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples of the coefficients, and the probability that they give."""
+
+    samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0
+    within: Annotated[
+        float | None, typer.Option(help="With --samples: map the probability of grounding so near [m].")
+    ] = None
+    seed: Annotated[int, typer.Option(help="Of the samples.")] = 0
+
+    def __post_init__(self) -> None:
+        if self.within is not None and not 0 < self.within < float("inf"):
+            raise InputError(f"--within {self.within} is no distance; give metres")
+        if self.within is not None and not self.samples:
+            raise InputError("--within maps a probability, which needs samples of the coefficients: add --samples 200")

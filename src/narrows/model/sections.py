@@ -1,0 +1,144 @@
+"""The sections of a model file, and the fields of a model that they are."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean, shown
+from narrows.model.data_range import DataRange, Range
+from narrows.model.source import Source
+from narrows.ship.particulars import Configuration
+from narrows.ship.ship_file import actuator_sections, check_table, configuration_from
+from narrows.terms.tables import table_named
+from narrows.terms.term import TermTable
+
+PARTS = ("ship", "canal", "water")
+REQUIRED = (*PARTS, "terms", "coefficients")
+OPTIONAL = ("covariance", "data_range", "source", "verdicts")
+
+
+def sections_of(
+    configuration: Configuration, terms: TermTable, coefficients: Mapping[str, float], covariance: np.ndarray | None,
+    data_range: DataRange, source: Source, verdicts: Mapping[str, str],
+) -> dict[str, Any]:  # fmt: skip
+    """Return the sections of the file of a model, of its fields (ours).
+
+    Parameters
+    ----------
+    configuration, terms, coefficients, covariance, data_range, source, verdicts
+        As of a ``Model``.
+    """
+    parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
+    tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
+    lists = {force: [term.name for term in group] for force, group in terms.forces.items()}
+    tables["terms"] = {"table": terms.name, **lists}
+    tables["coefficients"] = {name: float(coefficients[name]) for name in terms.names}
+    if covariance is not None:
+        tables["covariance"] = {"names": list(terms.names), "matrix": covariance.tolist()}
+    tables["data_range"] = {name: list(pair) for name, pair in _without_none(asdict(data_range)).items()}
+    tables["source"] = asdict(source)
+    if verdicts:
+        tables["verdicts"] = dict(verdicts)
+    return tables
+
+
+def _without_none(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, Any]:
+    """Return the fields of a ``Model``, by name, of the sections of its file (ours).
+
+    Parameters
+    ----------
+    tables : mapping of str to mapping
+        By section.
+    terms : TermTable, optional
+        The user's own table, where the file was made with one.
+
+    Raises
+    ------
+    InputError
+        Where a section, a key or a coefficient is missing or misspelt.
+    """
+    actuators = terms.actuators if terms else ()
+    parts = (*PARTS, *actuator_sections(actuators))
+    known = {*REQUIRED, *OPTIONAL, *parts}
+    if "ship" in tables and not {"terms", "coefficients"} & set(tables):
+        raise InputError(
+            "this is a ship file, which has no coefficients; give a model, as narrows identify makes of tests of this "
+            "ship"
+        )
+    for name, table in tables.items():
+        if name not in known:
+            raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")
+        check_table(name, table, "its tables")
+    for name in REQUIRED:
+        if name not in tables:
+            raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
+    terms = terms or _known_table(str(tables["terms"].get("table", "")))
+    sections = {name: table for name, table in tables.items() if name in parts}
+    covered = {name: _pair(name, pair) for name, pair in tables.get("data_range", {}).items()}
+    cited = {name: str(text) for name, text in tables.get("source", {}).items()}
+    return {
+        "configuration": configuration_from(sections, "its setting", actuators),
+        "terms": terms,
+        "coefficients": tables["coefficients"],
+        "covariance": _covariance(tables.get("covariance"), terms),
+        "data_range": _of("data_range", DataRange, covered),
+        "verdicts": tables.get("verdicts", {}),
+        "source": _of("source", Source, cited),
+    }
+
+
+def _known_table(name: str) -> TermTable:
+    try:
+        return table_named(name)
+    except InputError as error:
+        raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
+
+
+def _is_covariance(matrix: np.ndarray) -> bool:
+    if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0):
+        return False
+    size = np.sqrt(np.abs(np.diag(matrix)))
+    scaled = matrix / np.outer(size, size) if size.all() else matrix / max(size.max() ** 2, 1e-300)
+    return bool((np.diag(matrix) >= 0).all() and np.linalg.eigvalsh(scaled).min() > -1e-6)
+
+
+def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
+    if section is None:
+        return None
+    fault = InputError("[covariance] does not have one row and one column for each coefficient; mend it")
+    try:
+        names = list(section["names"])
+        matrix = np.array(section["matrix"], dtype=float)
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise fault from None
+    if matrix.shape != (len(names), len(names)) or sorted(map(str, names)) != sorted(terms.names):
+        raise fault
+    if not _is_covariance(matrix):
+        raise InputError("[covariance] is no covariance: symmetric, finite, nothing below 0; mend it or leave it out")
+    order = [names.index(name) for name in terms.names]
+    return matrix[np.ix_(order, order)]
+
+
+def _pair(name: str, pair: Any) -> Range:
+    try:
+        low, high = (float(end) for end in pair)
+    except (TypeError, ValueError, OverflowError):
+        low = high = math.nan
+    if not -math.inf < low <= high < math.inf:
+        raise InputError(f"[data_range] {name} = {shown(pair)} is not a pair of numbers; give lowest and highest")
+    return low, high
+
+
+def _of(section: str, cls: type, values: dict[str, Any]) -> Any:
+    known = cls.__annotations__
+    for name in values:
+        if name not in known:
+            raise InputError(f"[{section}] unknown key {name!r}{did_you_mean(name, known)}")
+    return cls(**values)

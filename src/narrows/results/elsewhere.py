@@ -1,0 +1,107 @@
+"""What other libraries call the same things: names that are answered, and names for which there is another way."""
+
+from collections.abc import Iterable
+from functools import partial
+from typing import Any
+
+from narrows.errors import near_miss
+
+CALL = "()"
+SAME = {
+    "coefficients": ("params", "coef_", "coef", "popt"),
+    "std": ("bse", "stderr", "standard_errors", "std_errors"),
+    "covariance": ("pcov", "cov()", "cov_params()"),
+    "intervals": ("confidence_intervals", "ci"),
+    "residuals": ("resid",),
+    "predict()": ("fittedvalues", "fitted"),
+    "corr()": ("correlation", "correlation_matrix"),
+    "latex()": ("to_latex()", "equations()"),
+    "poles()": ("eigenvalues()", "eigvals()"),
+    "with_coefficients()": ("replace()", "set_params()", "assign()", "set_coefficients()", "with_values()"),
+    "with_parts()": ("replace()",),
+    "to_dataframe()": ("df", "to_frame()", "to_pandas()"),
+    "save()": ("write()", "dump()", "to_toml()", "to_file()"),
+    "t": ("time", "times"),
+    "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
+}  # fmt: skip
+"""Names of ours by what is called the same elsewhere; brackets after whatever is called."""
+ANOTHER = {
+    **dict.fromkeys(("success", "status", "message"), ("outcome",)),
+    **dict.fromkeys(("show", "figure"), ("plot()",)),
+    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), ("verdicts",)),
+    **dict.fromkeys(("aic", "bic", "llf"), ("left_out",)),
+    **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
+    **dict.fromkeys(("data", "values_"), ("to_dataframe()",)),
+    "tests": ("test(name)",), "speed": ("u",),
+}  # fmt: skip
+"""What does not mean the same, and what is written here instead."""
+FUNCTIONS = {
+    "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
+    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
+    "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
+}  # fmt: skip
+"""Functions of ours by what verbs of the command line and other libraries call the same."""
+OTHER_FUNCTIONS = {
+    "jacobian or control.linearize": ("linearize", "linearise", "linear"),
+    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
+    "measured_tests": ("datasets", "load_dataset", "example_data"), "Configuration": ("Config", "Setup"),
+    "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet"),
+}  # fmt: skip
+
+
+def answer(thing: Any, name: str) -> Any:
+    """Return what a thing has under another name, by what that is called elsewhere (ours).
+
+    Parameters
+    ----------
+    thing : Any
+        What was asked.
+    name : str
+        That it does not have.
+
+    Raises
+    ------
+    AttributeError
+        Where it has nothing that means the same; with what to write instead, where there is that.
+    """
+    known = {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
+    for ours, theirs in SAME.items():
+        attribute = ours.removesuffix(CALL)
+        if attribute in known and (name in theirs or name + CALL in theirs):
+            value = getattr(thing, attribute)
+            called, calls = name + CALL in theirs, ours.endswith(CALL)
+            if called == calls:
+                return value
+            return partial(getattr, thing, attribute) if called else value()
+    remedy = next((it for it in ANOTHER.get(name, ()) if it.partition("(")[0] in known), None)
+    if remedy is None:
+        return object.__getattribute__(thing, name)
+    raise AttributeError(f"a {type(thing).__name__} has no {name!r}; write {remedy}", name=None, obj=None)
+
+
+def same_function(name: str) -> str | None:
+    """Return the function of the package that means what is called so elsewhere (ours).
+
+    Parameters
+    ----------
+    name : str
+        Asked for.
+    """
+    return next((ours for ours, theirs in FUNCTIONS.items() if name in theirs), None)
+
+
+def public_name(name: str, known: Iterable[str]) -> str:
+    """Return what to write for a name that the package does not have, as the end of a sentence (ours).
+
+    Parameters
+    ----------
+    name : str
+        Asked for.
+    known : iterable of str
+        The public names.
+    """
+    known = sorted(known)
+    if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
+        return f"; write {meant}"
+    longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
+    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known)

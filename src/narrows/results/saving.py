@@ -1,0 +1,134 @@
+"""What goes into files, by suffix: tables, datasets, tracks, pictures."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from narrows.files import (
+    PICTURES,
+    form_of,
+    matlab_of,
+    netcdf_of,
+    parquet_of,
+    picture_of,
+    write_whole,
+    write_zarr,
+)
+from narrows.results.plain_values import to_json
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
+Form = Callable[[], str | bytes | None]
+"""Makes what goes into a file, or writes a folder itself."""
+FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
+"""Suffixes by what libraries call the form, as in ``to_netcdf``."""
+
+
+def save_dataset(dataset: "xarray.Dataset", path: str | Path) -> None:
+    """Write a dataset in the form that the suffix says, whole or not at all.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of an ensemble.
+    path : str or Path
+        Where to: ``.nc``, ``.zarr``, ``.csv``, ``.parquet``, ``.mat`` or ``.json``; NetCDF into a device.
+
+    Raises
+    ------
+    InputError
+        Where there is no such form, or the file cannot be written.
+    """
+    forms = _dataset_forms(dataset, path) | {".json": lambda: to_json(_as_mapping(dataset))}
+    write(forms, path)
+
+
+def write(forms: Mapping[str, Form], path: str | Path) -> None:
+    """Write what the suffix of a path says (ours).
+
+    Parameters
+    ----------
+    forms : mapping of str to callable
+        What makes each content, by suffix; the first is what a device without a suffix gets.
+    path : str or Path
+        Where to.
+    """
+    content = forms[form_of(path, tuple(forms))]()
+    if content is not None:
+        write_whole(path, content)
+
+
+def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
+    """Return what a result can be written as, by suffix; the first is what a device gets (ours).
+
+    Parameters
+    ----------
+    result : Result
+        Of any kind.
+    path : str or Path
+        Where to, for what is written as a folder.
+    """
+    forms: dict[str, Form] = {}
+    if hasattr(result, "dataset"):
+        forms |= _dataset_forms(result.dataset(), path)
+    if hasattr(result, "to_dataframe"):
+        forms |= _table_forms(result.to_dataframe, path)
+    forms[".json"] = lambda: to_json(_with_data(result))
+    if hasattr(result, "track"):
+        forms |= {".geojson": lambda: str(result.track().geojson()), ".kml": lambda: str(result.track().kml())}
+    return forms | {suffix: lambda kind=suffix: picture_of(result.plot(), kind) for suffix in PICTURES}
+
+
+def _with_data(result: Any) -> dict[str, Any]:
+    """A result by name, and its data where these are a dataset."""
+    data = {"data": _as_mapping(result.dataset())} if hasattr(result, "dataset") else {}
+    return dict(result.to_dict()) | data
+
+
+def _table_forms(table: Callable[[], "pd.DataFrame"], path: str | Path) -> dict[str, Form]:
+    return {
+        ".csv": lambda: csv_of(table()),
+        ".parquet": lambda: parquet_of(table(), path),
+        ".mat": lambda: matlab_of({str(name): column.to_numpy() for name, column in table().items()}),
+    }
+
+
+def _dataset_forms(dataset: "xarray.Dataset", path: str | Path) -> dict[str, Form]:
+    def rows() -> "pd.DataFrame":
+        frame: pd.DataFrame = dataset.to_dataframe() if dataset.sizes else dataset.expand_dims("row").to_dataframe()
+        return frame.reset_index()
+
+    return {
+        ".nc": lambda: netcdf_of(dataset, path),
+        ".zarr": lambda: write_zarr(dataset, path),
+        **_table_forms(rows, path),
+        ".mat": lambda: matlab_of({str(name): variable.to_numpy() for name, variable in dataset.variables.items()}),
+    }
+
+
+def _as_mapping(dataset: "xarray.Dataset") -> dict[str, Any]:
+    """A dataset by name: its coordinates, its variables and what is known of it."""
+    return {
+        "attributes": dict(dataset.attrs),
+        "coordinates": {str(name): _column(coordinate) for name, coordinate in dataset.coords.items()},
+        "variables": {str(name): _column(variable) for name, variable in dataset.data_vars.items()},
+    }
+
+
+def _column(array: "xarray.DataArray") -> dict[str, Any]:
+    return {"dimensions": list(array.dims), "unit": array.attrs.get("units", ""), "values": array.to_numpy()}
+
+
+def csv_of(frame: Any, **options: Any) -> str:
+    """Return a table as text; rows that have no names are not numbered (ours).
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table.
+    **options : Any
+        As of its ``to_csv``.
+    """
+    return str(frame.to_csv(**{"index": frame.index.names != [None], **options}))
