@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Grid:
+class GridOptions:
     """Offsets and speeds that are tried."""
 
     y: Annotated[
@@ -41,7 +41,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Section:
+class SectionOptions:
     """The section of a waterway."""
 
     waterway: Annotated[
@@ -86,7 +86,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Weather:
+class WeatherOptions:
     """What throws the ship off."""
 
     heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
@@ -109,7 +109,7 @@ class Weather:
 
 
 @dataclass(frozen=True)
-class Reserves:
+class ReserveOptions:
     """What is to be left of rudder, water and engine."""
 
     reserve: Annotated[float, typer.Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3
@@ -120,7 +120,7 @@ class Reserves:
 
 
 @dataclass(frozen=True)
-class Cases:
+class CaseOptions:
     """How many cases are tried."""
 
     samples: Annotated[

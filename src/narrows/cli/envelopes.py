@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from narrows.cli.delivery import DatasetDelivery
-from narrows.cli.envelope_options import Cases, Grid, Reserves, Section, Weather
+from narrows.cli.envelope_options import CaseOptions, GridOptions, ReserveOptions, SectionOptions, WeatherOptions
 from narrows.cli.grouped import verb
 from narrows.cli.options import ModelFile
 
@@ -14,11 +14,11 @@ from narrows.cli.options import ModelFile
 @verb("narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc")
 def envelope(
     model: ModelFile,
-    grid: Grid,
-    section: Section,
-    weather: Weather,
-    reserves: Reserves,
-    cases: Cases,
+    grid: GridOptions,
+    section: SectionOptions,
+    weather: WeatherOptions,
+    reserves: ReserveOptions,
+    cases: CaseOptions,
     delivery: DatasetDelivery,
     controller: Annotated[
         str, typer.Option(help="Who is tried: regulator, human or track (that of earlier versions).")

@@ -8,7 +8,7 @@ import typer
 
 from narrows.cli.delivery import ModelDelivery, ReportDelivery
 from narrows.cli.grouped import verb
-from narrows.cli.options import AsJson, ModelFile, RunErrors, Selection, ShipFile, Table, TermsName
+from narrows.cli.options import AsJson, ModelFile, RunErrors, SelectionOptions, ShipFile, Table, TermsName
 from narrows.cli.output import folder, output_of, print_json, say_written
 from narrows.errors import InputError
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Fitting:
+class FittingOptions:
     """How the coefficients are fitted and checked."""
 
     split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test"
@@ -49,8 +49,8 @@ class Fitting:
 def identify(
     table: Table,
     ship: ShipFile,
-    fitting: Fitting,
-    selection: Selection,
+    fitting: FittingOptions,
+    selection: SelectionOptions,
     delivery: ModelDelivery,
     stream: Annotated[bool, typer.Option(help="Read block by block: for tables larger than memory.")] = False,
 ) -> None:
@@ -89,7 +89,7 @@ def demo(
 def explain(
     model: ModelFile,
     table: Table,
-    selection: Selection,
+    selection: SelectionOptions,
     delivery: ReportDelivery,
     ship: Annotated[
         Path | None, typer.Option("--ship", help="Ship file of the tests; the model's own ship unless given.")

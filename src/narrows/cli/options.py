@@ -43,7 +43,7 @@ WaterwayOutput = Annotated[
 
 
 @dataclass(frozen=True)
-class Selection:
+class SelectionOptions:
     """Which rows of a table, and what its columns are called."""
 
     where: Annotated[

@@ -8,7 +8,7 @@ import typer
 
 from narrows.cli.delivery import TableDelivery
 from narrows.cli.grouped import verb
-from narrows.cli.options import RunErrors, Selection, TermsName
+from narrows.cli.options import RunErrors, SelectionOptions, TermsName
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Runs:
+class RunOptions:
     """What can be run."""
 
     runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12
@@ -48,7 +48,7 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class Aim:
+class AimOptions:
     """What is to be known."""
 
     run_errors: RunErrors = "0.02,0.02,0.02"
@@ -74,9 +74,9 @@ class Aim:
 @verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
 def plan(
     ship: Annotated[Path, typer.Argument(help="Ship file: TOML with [ship], [canal], [water].", show_default=False)],
-    runs: Runs,
-    aim: Aim,
-    selection: Selection,
+    runs: RunOptions,
+    aim: AimOptions,
+    selection: SelectionOptions,
     delivery: TableDelivery,
     after: Annotated[Path | None, typer.Option(help="Captive tests that were made already.")] = None,
 ) -> None:
@@ -94,13 +94,13 @@ def plan(
     raise SystemExit(int(not result.determined))
 
 
-def _made(after: Path | None, ship: Path, selection: Selection, terms: "TermTable") -> "Tests | None":
+def _made(after: Path | None, ship: Path, selection: SelectionOptions, terms: "TermTable") -> "Tests | None":
     """The tests that were made already."""
     from narrows.captive import read_captive
     from narrows.identification.conditions import the_condition
 
     if after is None:
-        if selection != Selection():
+        if selection != SelectionOptions():
             raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
         return None
     read = read_captive(after, ship, selection.where, terms.actuators, selection.mapping)

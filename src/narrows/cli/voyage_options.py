@@ -25,7 +25,7 @@ ContactKind = Annotated[
 
 
 @dataclass(frozen=True)
-class Start:
+class StartOptions:
     """How a voyage starts."""
 
     y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0
@@ -50,7 +50,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Push:
+class PushOptions:
     """Forces from elsewhere."""
 
     surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0
@@ -63,7 +63,7 @@ class Push:
 
 
 @dataclass(frozen=True)
-class Helm:
+class HelmOptions:
     """Who turns the rudder."""
 
     rudder_deg: Annotated[float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")] = (
@@ -120,7 +120,7 @@ def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway
 
 
 @dataclass(frozen=True)
-class Time:
+class TimeOptions:
     """How long voyages last, and in which steps."""
 
     duration: Annotated[
@@ -143,7 +143,7 @@ class Time:
 
 
 @dataclass(frozen=True)
-class Physics:
+class PhysicsOptions:
     """What counts in the motion."""
 
     surge: Annotated[str, typer.Option(help="'held': the speed stays; 'free': it is integrated.")] = "held"
@@ -155,7 +155,7 @@ class Physics:
 
 
 @dataclass(frozen=True)
-class Water:
+class WaterOptions:
     """The waterway, and its water."""
 
     waterway: WaterwayFile = None
@@ -175,7 +175,7 @@ class Water:
 
 
 @dataclass(frozen=True)
-class Varied:
+class VariedOptions:
     """What a map varies."""
 
     y: Annotated[
@@ -221,7 +221,7 @@ class Varied:
 
 
 @dataclass(frozen=True)
-class Samples:
+class SampleOptions:
     """Samples of the coefficients, and the probability that they give."""
 
     samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0

@@ -9,7 +9,17 @@ import narrows
 from narrows.cli.delivery import DatasetDelivery, TrackDelivery
 from narrows.cli.grouped import verb
 from narrows.cli.options import ModelFile
-from narrows.cli.voyage_options import ContactKind, Helm, Physics, Push, Samples, Start, Time, Varied, Water
+from narrows.cli.voyage_options import (
+    ContactKind,
+    HelmOptions,
+    PhysicsOptions,
+    PushOptions,
+    SampleOptions,
+    StartOptions,
+    TimeOptions,
+    VariedOptions,
+    WaterOptions,
+)
 
 OFFSETS = 101
 """Of a map, where none are given."""
@@ -17,9 +27,15 @@ OFFSETS = 101
 
 @verb("narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")
 def simulate(
-    model: ModelFile, start: Start, push: Push, helm: Helm, time: Time, physics: Physics, water: Water,
+    model: ModelFile,
+    start: StartOptions,
+    push: PushOptions,
+    helm: HelmOptions,
+    time: TimeOptions,
+    physics: PhysicsOptions,
+    water: WaterOptions,
     delivery: TrackDelivery,
-) -> None:  # fmt: skip
+) -> None:
     """Simulate one voyage: where, when and on which side the ship grounds.
 
     MODEL is a model file, or the name of a published model.
@@ -43,9 +59,14 @@ def simulate(
 
 @verb("narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png", name="map")
 def map_(
-    model: ModelFile, varied: Varied, samples: Samples, time: Time, water: Water, delivery: DatasetDelivery,
+    model: ModelFile,
+    varied: VariedOptions,
+    samples: SampleOptions,
+    time: TimeOptions,
+    water: WaterOptions,
+    delivery: DatasetDelivery,
     contact: ContactKind = "corners",
-) -> None:  # fmt: skip
+) -> None:
     """Map where the ship grounds over one or two things that vary, or how likely it does.
 
     MODEL is a model file, or the name of a published model.
