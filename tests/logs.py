@@ -96,24 +96,34 @@ def kvlcc2() -> nw.Model:
 
 
 @cache
+def trial(law: nw.ControlLaw, duration: float) -> nw.Voyage:
+    """In open water."""
+    told = {"u": 7.0, "duration": duration, "dt": 1.0, "contact": "none", "surge": "free"}
+    return nw.simulate(kvlcc2(), controller=law, **told)
+
+
+@cache
 def zigzag(rudder_deg: float = 20.0, seed: int = 0) -> nw.ShipRecord:
     """A zigzag in open water."""
     law = nw.Zigzag(rudder_deg * D, abs(rudder_deg) * D)
-    voyage = nw.simulate(kvlcc2(), u=7.0, duration=900.0, dt=1.0, controller=law, contact="none", surge="free")
-    return sensed(f"zigzag {rudder_deg:+g}", voyage, seed)
+    return sensed(f"zigzag {rudder_deg:+g}", trial(law, 900.0), seed)
 
 
 @cache
-def circle(rudder_deg: float = 35.0) -> nw.ShipRecord:
+def circle(rudder_deg: float = 35.0, seed: int = 0) -> nw.ShipRecord:
     """A turning circle."""
-    law = nw.ConstantRudder(rudder_deg * D)
-    voyage = nw.simulate(kvlcc2(), u=7.0, duration=1500.0, dt=1.0, controller=law, contact="none", surge="free")
-    return sensed("circle", voyage)
+    return sensed("circle", trial(nw.ConstantRudder(rudder_deg * D), 1500.0), seed)
 
 
 @cache
-def bend() -> nw.ShipRecord:
-    """A way round a bend, along it."""
+def round_the_bend() -> nw.Voyage:
+    """Along a bend, in which the ship is afloat all the way."""
     pilot = nw.Autopilot(0.0, (0.003, 1.5, 0.0, 25.0))
     way = {"waterway": bent_waterway(length=9000.0), "controller": pilot}
-    return sensed("bend", nw.simulate(kvlcc2(), x=500.0, y=10.0, u=5.0, duration=1200.0, dt=1.0, **way))
+    return nw.simulate(kvlcc2(), x=500.0, y=10.0, u=5.0, duration=1200.0, dt=1.0, **way)
+
+
+@cache
+def bend(seed: int = 0) -> nw.ShipRecord:
+    """A way round a bend, along it."""
+    return sensed("bend", round_the_bend(), seed)

@@ -23,6 +23,7 @@ PAGES = {
     "estimation": "estimation.md",
     "helms": "control.md",
     "channel_rules": "safe-envelope.md",
+    "log_faults": "ship-log.md",
 }
 CHECKED = {"separation": {"sets": ("harmonic yaw, one run", "and straight runs off the centreline")}}
 """What of a table is made again where all of it takes minutes."""
