@@ -22,6 +22,7 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,16 @@ import tomli_w
 import xarray as xr
 
 import narrows as nw
+from engine_models import steered
 from narrows.errors import InputError
 from tables import DTC_SHIP, frame_of, short_twin
+
+
+def held_ship() -> nw.Model:
+    """A steered ship that is known to a tenth."""
+    model = steered().with_coefficients(b_bank=0.3, c_bank=0.04)
+    return replace(model, covariance=np.diag([(0.1 * model[name]) ** 2 for name in model.terms.names]))
+
 
 MEMORY = "/dev/shm"
 """Where files cost no disk, on systems that have it."""
@@ -40,6 +49,7 @@ SLOW = 120.0
 DTC, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")
 PUBLISHED = Path(nw.__file__).parent / "model" / "published"
 TESTS = short_twin()
+HELD = held_ship()
 FRAME = frame_of(TESTS).iloc[:40:4]
 CSV = FRAME.to_csv(index=False)
 DIALECTS = (
@@ -48,6 +58,8 @@ DIALECTS = (
     ("lab\n\n" + CSV.replace("\n", "\n" + "m,rad;".join(",," for _ in range(7)) + "\n", 1)).encode(),
     CSV.replace(",", " ").encode(), b"# " + CSV.encode(),
 )  # fmt: skip
+CONDITIONS = "wind windage wind_change rudder_zero_deg y_zero yaw_rate_deg sway_change leg_time"
+LEGS = "leg,y [m],u [kn],rudder [deg],drift [deg],y_error\na,0.5,1.6,3.0,1.0,0.1\nb,-0.5,1.6,-3.0,-1.0,0.1\n"
 MAPPING = {"columns": {"y": "y", "X": "x", "x": "X", "N": ""}, "units": {"psi": "rad"}, "positive": {"y": "port"}}
 
 NUMBERS = (
@@ -326,6 +338,22 @@ class Doors:
         if part is nw.Ship:
             nw.Configuration(made, nw.Canal(7.0, 1.0)).values()
 
+    def legs(self, chance: random.Random) -> None:
+        told: dict[str, Any] = {}
+        if chance.random() < 0.2:
+            told["errors"] = nw.ReadingErrors(**given("y u rudder_deg drift_deg heading_deg", chance))
+        if chance.random() < 0.3:
+            told["conditions"] = nw.SteadyConditions(**given(CONDITIONS, chance))
+        kind = chance.randrange(4)
+        if kind == 0:
+            asked = given("offsets speeds legs targets reserve clearance seed", chance)
+            nw.plan_steady(HELD, **{"samples": 4, **asked, **told})
+        elif kind == 1:
+            nw.learn_steady(HELD, self._file("h.csv", bytes_of(LEGS.encode(), chance)), **told)
+        else:
+            columns = {"y": [0.5, -0.5], "u": [0.8, 0.8], "rudder": [0.05, -0.05], "drift": [0.02, -0.02]}
+            nw.learn_steady(HELD, struck(columns, chance), **told)
+
     def terms(self, chance: random.Random) -> None:
         name = (
             chance.choice(WORDS)
@@ -439,9 +467,9 @@ def command(words: list[str]) -> tuple[int, str]:
 
 
 SHARES = {
-    "model_bytes": 14, "model_tables": 16, "ship_bytes": 14, "ship_tables": 14, "csv_bytes": 6, "csv_cells": 6,
+    "model_bytes": 14, "model_tables": 16, "ship_bytes": 14, "ship_tables": 14, "csv_bytes": 5, "csv_cells": 4,
     "mappings": 2, "other_tables": 4, "simulate": 5, "ensemble": 6, "identify": 1, "scale": 4, "particulars": 5,
-    "terms": 2, "command_line": 1,
+    "legs": 3, "terms": 2, "command_line": 1,
 }  # fmt: skip
 """How often each door is tried, of a hundred: the dear ones less."""
 

@@ -28,6 +28,7 @@ def write(folder: Path) -> None:
     model = nw.identify(nw.read_captive(table, ship, TURNED).by_condition()[DEPTH], terms).model
     nw.save_model(model, folder / "model.toml")
     nw.save_model(nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model, folder / "full.toml")
+    (folder / "held.csv").write_text(HELD)
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})
@@ -36,6 +37,14 @@ def write(folder: Path) -> None:
     shutil.copy(Path(__file__).parents[1] / "examples" / "waterway.geojson", folder / "bend.geojson")
 
 
+HELD = """\
+leg,y [m],u [kn],rudder [deg],drift [deg]
+1,20.5,8.7,2.9,1.0
+2,-19.6,8.6,-1.2,-1.4
+3,-20.3,8.7,-1.6,-1.3
+4,19.8,8.8,2.6,1.1
+"""
+"""Of a ship of ``full.toml`` that was held to either side."""
 COLUMNS = """\
 [columns]
 test = "Run"

@@ -212,7 +212,7 @@ def built() -> dict[str, Built]:
             nw.SteadyConditions(),
             lambda conditions: held(held_legs() | {"heading": [0.03, -0.01]}, conditions=conditions),
             {"wind": 4.0, "windage": 0.5, "wind_lever": 0.1, "wind_change": 0.5, "rudder_zero_deg": 2.0,
-             "drift_zero_deg": 2.0, "heading_zero_deg": 2.0, "yaw_rate_deg": 0.5, "yaw_change_deg": 5.0,
+             "drift_zero_deg": 2.0, "heading_zero_deg": 2.0, "y_zero": 0.2, "yaw_rate_deg": 0.5, "yaw_change_deg": 5.0,
              "sway_change": 0.2, "leg_time": 5.0},
         ),
         "Tank": Built(

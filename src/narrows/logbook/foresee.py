@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.control.steady_course import check_rudder
-from narrows.errors import InputError, check_count, did_you_mean
+from narrows.errors import InputError, check_count
 from narrows.logbook.foresight import ForeseenTransit, Foresight
 from narrows.logbook.gaussian_update import NormalPrior
 from narrows.logbook.learn_steady import check_covariance
 from narrows.logbook.planned_transit import Excursion, PlannedTransit
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.steady_candidates import usual_offsets, usual_speeds
+from narrows.logbook.targets import learnable
 from narrows.logbook.transit_conditions import TransitConditions
 from narrows.logbook.transit_filter import Unknowns
 from narrows.model.model import Model
@@ -94,7 +95,7 @@ def foresee(
     check_waterway(waterway)
     for count in transits:
         check_count("transits", count, 1)
-    names, grade, conditions = _targets(model, targets), sensor_grade(sensors), conditions or TransitConditions()
+    names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
     lasting = _duration(waterway, speed) if duration is None else finite_numbers(duration=duration)["duration"]
     if speed <= 0 or lasting <= 0:
@@ -174,17 +175,6 @@ def _foreseen(
 
 def _std(model: Model, names: Sequence[str], root: np.ndarray) -> dict[str, float]:
     return {name: float(np.linalg.norm(root[model.terms.names.index(name)])) for name in names}
-
-
-def _targets(model: Model, targets: Sequence[str]) -> tuple[str, ...]:
-    names = (targets,) if isinstance(targets, str) else tuple(targets)
-    for name in names:
-        if name not in model.terms.names:
-            raise InputError(f"there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
-    names = names or tuple(term.name for term in model.terms.terms if term.from_bank)
-    if not names:
-        raise InputError("this model has no terms of the bank to learn; name the coefficients that matter as targets")
-    return names
 
 
 def _duration(waterway: "Waterway | None", u: float) -> float:

@@ -6,6 +6,9 @@ import numpy as np
 
 from narrows.errors import InputError
 
+UNLIKE = (
+    "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and its unit"
+)
 MISSED = 1e-12
 """Of a standard deviation, by which a bound may be missed."""
 
@@ -74,8 +77,17 @@ class Blocks:
     covariance: np.ndarray
 
     def whitened(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return values and design with independent errors of size one."""
-        root = np.linalg.cholesky(self.covariance)
+        """Return values and design with independent errors of size one.
+
+        Raises
+        ------
+        InputError
+            Where errors are none, or differ by too many powers of ten.
+        """
+        try:
+            root = np.linalg.cholesky(self.covariance)
+        except np.linalg.LinAlgError:
+            raise InputError(UNLIKE) from None
         return np.linalg.solve(root, self.value[..., None])[..., 0], np.linalg.solve(root, self.design)
 
 

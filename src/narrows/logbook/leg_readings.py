@@ -9,7 +9,7 @@ from narrows.logbook.steady_balance import BALANCED, LATENT, SteadyBalance
 from narrows.logbook.steady_conditions import UNKNOWN
 from narrows.logbook.steady_readings import SteadyReadings
 
-ZEROS = {"rudder": 2, "drift": 3, "heading": 4}
+ZEROS = {"rudder": 2, "drift": 3, "heading": 4, "y": 5}
 """Which of ``UNKNOWN`` adds to a reading."""
 
 

@@ -6,20 +6,22 @@ from dataclasses import replace
 import numpy as np
 
 from narrows.control.steady_course import check_inside, check_rudder
-from narrows.errors import InputError, check_count, did_you_mean
+from narrows.errors import InputError, check_count, shown
 from narrows.logbook.learn_steady import check_covariance
 from narrows.logbook.pair_design import pair_design
-from narrows.logbook.steady_balance import BALANCED
 from narrows.logbook.steady_candidates import Candidates, candidates, usual_offsets, usual_speeds
 from narrows.logbook.steady_conditions import SteadyConditions
 from narrows.logbook.steady_plan import PlannedLeg, SteadyPlan
 from narrows.logbook.steady_readings import ReadingErrors
+from narrows.logbook.targets import learnable
 from narrows.model.model import Model
 from narrows.safety.answer import SURE_SHARE
 from narrows.safety.envelope import RESERVE
+from narrows.ship.checks import is_finite
 
 SAMPLES = 400
 """Of coefficients, that must leave the rudder its reserve."""
+MOST_LEGS, MOST_SAMPLES = 1000, 100_000
 WHO_HOLDS = (
     "The plan looks at the steady rudder, the side and the keel; whether a pilot holds the ship there is what the safe "
     "envelope says, and the master decides."
@@ -75,11 +77,11 @@ def plan_steady(
     """
     check_rudder(model)
     check_covariance(model)
-    names, conditions, errors = _targets(model, targets), conditions or SteadyConditions(), errors or ReadingErrors()
+    names, conditions, errors = learnable(model, targets), conditions or SteadyConditions(), errors or ReadingErrors()
     side = model.configuration.ship.beam / 2 if clearance is None else clearance
-    _check(legs, reserve, side)
-    beside = usual_offsets(model, side) if offsets is None else _rising("offsets", np.abs(np.asarray(offsets, float)))
-    ahead = usual_speeds(model) if speeds is None else _rising("speeds", np.asarray(speeds, float))
+    _check(legs, samples, reserve, side)
+    beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
+    ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
     allowed = np.flatnonzero(found.allowed(SURE_SHARE))
@@ -97,38 +99,27 @@ def plan_steady(
     )  # fmt: skip
 
 
-def _check(legs: int, reserve: float, clearance: float) -> None:
-    check_count("legs", legs, 2)
+def _check(legs: int, samples: int, reserve: float, clearance: float) -> None:
+    check_count("legs", legs, 2, MOST_LEGS)
+    check_count("samples", samples, 1, MOST_SAMPLES)
     if legs % 2:
         raise InputError(
             f"legs = {legs}: give an even number, for each side cancels what the other has of wind and zeros"
         )
-    if not (0 <= reserve < 1 and 0 <= clearance < np.inf):
+    if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(clearance) and clearance >= 0):
         raise InputError(
-            f"a reserve of {reserve} and a clearance of {clearance} m: give a share under 1, and metres from 0"
+            f"a reserve of {shown(reserve)} and {shown(clearance)} m of clearance: give a share under 1, metres from 0"
         )
 
 
-def _rising(name: str, column: np.ndarray) -> np.ndarray:
+def _rising(name: str, values: object) -> np.ndarray:
+    try:
+        column = np.asarray(values, float)
+    except (TypeError, ValueError, OverflowError):
+        column = np.array([np.nan])
     if column.ndim != 1 or not column.size or not (np.isfinite(column) & (column > 0)).all():
-        raise InputError(f"the {name} that may be held are finite numbers over 0; give one or more")
+        raise InputError(f"the {name} that may be held are finite numbers over 0; give a sequence of them")
     return np.unique(column)
-
-
-def _targets(model: Model, targets: Sequence[str]) -> tuple[str, ...]:
-    names = (targets,) if isinstance(targets, str) else tuple(targets)
-    for name in names:
-        if name not in model.terms.names:
-            raise InputError(f"there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
-    names = names or tuple(term.name for term in model.terms.terms if term.from_bank and term.name in _steered(model))
-    if not names:
-        raise InputError("this model has no terms of the bank to learn; name the coefficients that matter as targets")
-    return names
-
-
-def _steered(model: Model) -> set[str]:
-    """Coefficients of what a steady leg has in balance."""
-    return {term.name for force in BALANCED for term in model.terms.forces[force]}
 
 
 def _both_sides(found: Candidates, place: int, turn: int) -> tuple[PlannedLeg, PlannedLeg]:

@@ -4,10 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from narrows.errors import InputError, check_choice
+from narrows.errors import InputError, check_choice, shown
 from narrows.logbook.signals import check_signals
 from narrows.quantities.constants import KNOT
 from narrows.results import Described
+from narrows.ship.checks import is_finite
 
 DEGREE = math.pi / 180
 OURS = "ours"
@@ -60,8 +61,8 @@ class SignalGrade:
     def __post_init__(self) -> None:
         for name in ("noise", "period", "wander", "memory", "zero"):
             value, least = getattr(self, name), "over 0" if name in ("noise", "period", "memory") else "from 0"
-            if not math.isfinite(value) or value < 0 or (least == "over 0" and value == 0):
-                raise InputError(f"a signal's {name} = {value}: give a finite number {least}, in its unit")
+            if not is_finite(value) or value < 0 or (least == "over 0" and value == 0):
+                raise InputError(f"a signal's {name} = {shown(value)}: give a finite number {least}, in its unit")
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,13 +5,16 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.logbook.beam_wind import beam_wind
 from narrows.model.model import Model
 from narrows.results import Described
+from narrows.ship.checks import is_finite
 
-UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero")
-"""What is estimated beside the coefficients: force [N] and moment [N m] of the wind, and three zeros [rad]."""
+UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_zero")
+"""What is estimated beside the coefficients: force [N] and moment [N m] of the wind, zeros of angles [rad], y [m]."""
+MISPLACED = 1 / 30
+"""Of the beam, that banks are from where they are thought to be: used where nothing is given (ours)."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,6 +36,9 @@ class SteadyConditions(Described):
         Of force and moment of the wind, from leg to leg.
     rudder_zero_deg, drift_zero_deg, heading_zero_deg : float [deg]
         Of the readings, the same on every leg.
+    y_zero : float [m], optional
+        Of the offset: how far banks and antenna are from where they are thought to be; a thirtieth of the beam unless
+        given.
     yaw_rate_deg : float [deg/s]
         Mean over a leg: what is left of turning.
     yaw_change_deg : float [deg/s]
@@ -55,6 +61,7 @@ class SteadyConditions(Described):
     rudder_zero_deg: float = 1.0
     drift_zero_deg: float = 1.0
     heading_zero_deg: float = 1.0
+    y_zero: float | None = None
     yaw_rate_deg: float = 0.005
     yaw_change_deg: float = 0.01
     sway_change: float = 0.02
@@ -63,27 +70,30 @@ class SteadyConditions(Described):
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
-            if (value is not None and not (0 <= value < math.inf)) or (entry.name == "leg_time" and value == 0):
-                raise InputError(f"conditions of legs: {entry.name} = {value} must be a finite number from 0")
+            missing = value is None and entry.default is None
+            if not missing and (not is_finite(value) or value < 0 or (entry.name == "leg_time" and value == 0)):
+                raise InputError(f"conditions of legs: {entry.name} = {shown(value)} must be a finite number from 0")
 
     def summary(self) -> str:
         """Say them."""
+        aside = f"{self.y_zero:g} m" if self.y_zero is not None else f"{MISPLACED:.2f} beams"
         return (
             f"beam wind {self.wind:g} m/s, its force changing by {100 * self.wind_change:.0f} % from leg to leg; zeros "
             f"of rudder {self.rudder_zero_deg:g}, drift {self.drift_zero_deg:g} and heading {self.heading_zero_deg:g} "
-            f"deg; turning at {self.yaw_rate_deg:g} deg/s (standard deviations)"
+            f"deg, of the offset {aside}; turning at {self.yaw_rate_deg:g} deg/s (standard deviations)"
         )
 
     def shared(self, model: Model) -> np.ndarray:
-        """Return the standard deviations of ``UNKNOWN`` for a ship, (5,) [N, N m, rad, rad, rad].
+        """Return the standard deviations of ``UNKNOWN`` for a ship, (6,) [N, N m, rad, rad, rad, m].
 
         Parameters
         ----------
         model : Model
             The ship.
         """
-        zeros = np.radians([self.rudder_zero_deg, self.drift_zero_deg, self.heading_zero_deg])
-        return np.array([*self._wind(model), *zeros])
+        zeros = map(math.radians, (self.rudder_zero_deg, self.drift_zero_deg, self.heading_zero_deg))
+        aside = MISPLACED * model.configuration.ship.beam if self.y_zero is None else self.y_zero
+        return np.array([*self._wind(model), *zeros, aside], float)
 
     def left_over(self, model: Model) -> np.ndarray:
         """Return what is left on each leg: force and moment [N, N m], yaw rate [rad/s], accelerations [m/s2, rad/s2].

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 SHARED = {
     "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
     "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
-    "heading_zero": ("zero of the heading", "deg", 180 / np.pi),
+    "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
 }  # fmt: skip
 """What legs share: words, unit to print it in, how many of it one in SI is."""
 
@@ -42,8 +42,8 @@ class SteadyFit(Shown):
     coefficients : mapping of str to LearnedCoefficient
         Each before and after.
     shared : mapping of str to (float, float)
-        What all legs share, in SI: ``wind_Y``, ``wind_N``, ``rudder_zero``, ``drift_zero``, ``heading_zero``; most
-        likely value and standard error.
+        What all legs share, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
+        ``heading_zero``, ``y_zero``; most likely value and standard error.
     latent : array (legs, 4)
         Where the ship most likely was: y [m], u [m/s], rudder, psi [rad].
     checks : SteadyChecks

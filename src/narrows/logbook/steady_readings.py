@@ -1,5 +1,6 @@
 """What was read while a ship was held: a row a leg, from a file, a DataFrame or a mapping, with the error of each."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.quantities.names import Quantity
 from narrows.results import Described
+from narrows.ship.checks import is_finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,8 +67,8 @@ class ReadingErrors(Described):
         for entry in fields(self):
             value = getattr(self, entry.name)
             least = "over 0" if entry.name.endswith("_deg") else "from 0"
-            if not (np.isfinite(value) and value >= 0) or (least == "over 0" and value == 0):
-                raise InputError(f"a reading's error {entry.name} = {value}: give a finite number {least}")
+            if not is_finite(value) or value < 0 or (least == "over 0" and value == 0):
+                raise InputError(f"a reading's error {entry.name} = {shown(value)}: give a finite number {least}")
 
     def summary(self) -> str:
         """Say them."""
@@ -83,8 +85,9 @@ class ReadingErrors(Described):
         name : str
             ``y``, ``u``, ``rudder``, ``drift`` or ``heading``.
         """
-        angle = READ[name].unit == "rad"
-        return float(np.radians(getattr(self, f"{name}_deg")) if angle else getattr(self, name))
+        if READ[name].unit == "rad":
+            return math.radians(getattr(self, f"{name}_deg"))
+        return float(getattr(self, name))
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,10 +5,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.logbook.beam_wind import beam_wind
 from narrows.model.model import Model
 from narrows.results import Described
+from narrows.ship.checks import is_finite
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,9 +50,11 @@ class TransitConditions(Described):
     def __post_init__(self) -> None:
         for entry in fields(self):
             value, least = getattr(self, entry.name), entry.name.endswith("_time")
-            if value is not None and not (0 <= value < math.inf and (value > 0 or not least)):
+            missing = value is None and entry.default is None
+            if not missing and (not is_finite(value) or value < 0 or (least and value == 0)):
+                from_where = "over" if least else "from"
                 raise InputError(
-                    f"conditions of transits: {entry.name} = {value} must be finite and {'over' if least else 'from'} 0"
+                    f"conditions of transits: {entry.name} = {shown(value)}: give a finite number {from_where} 0"
                 )
 
     def summary(self) -> str:
