@@ -1,17 +1,19 @@
 """``learn``: a model that knows more, from what the ship itself did."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from narrows.cli.app import app
-from narrows.cli.options import AsJson, ModelFile, ModelOutput, Report, WaterwayFile
+from narrows.cli.delivery import ModelDelivery
+from narrows.cli.grouped import verb
+from narrows.cli.options import ModelFile, WaterwayFile
 from narrows.cli.output import named, print_json, say_written
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.logbook import EnvelopeChange, Foresight, SteadyFit, SteadyPlan
+    from narrows.logbook import EnvelopeChange, Foresight, SteadyConditions, SteadyFit, SteadyPlan
     from narrows.model.model import Model
 
 PARTS = ("steady", "envelope", "plan", "foresight")
@@ -19,78 +21,93 @@ PARTS = ("steady", "envelope", "plan", "foresight")
 PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
 
-@app.command(epilog="Example: narrows learn full.toml --steady held.csv -o learned.toml --report learned.html")
-def learn(
-    model: ModelFile,
+@dataclass(frozen=True)
+class LegOptions:
+    """Steady legs, held or to be held."""
+
     steady: Annotated[
         Path | None,
         typer.Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, a row a leg."),
-    ] = None,
+    ] = None
     plan_steady: Annotated[
         Path | None,
         typer.Option(
             help="Plan steady legs and write the pilot's page: .html, .pdf, .svg or .png.", callback=named(PILOT_PAGES)
         ),
-    ] = None,
-    foresee: Annotated[
-        str | None, typer.Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
-    ] = None,
-    waterway: WaterwayFile = None,
-    legs: Annotated[int, typer.Option(help="How many legs to plan, an even number.")] = 4,
+    ] = None
+    legs: Annotated[int, typer.Option(help="How many legs to plan, an even number.")] = 4
     y: Annotated[
         str | None, typer.Option(help="Offsets [m] that may be held, to either side: a,b,c or from:to:count.")
+    ] = None
+    wind: Annotated[str, typer.Option(help="Beam wind of one standard deviation: 8m/s, 16kn.")] = "8m/s"
+
+    def conditions(self) -> "SteadyConditions":
+        """What all legs share."""
+        from narrows.cli.ranges import speed
+        from narrows.logbook import SteadyConditions
+
+        return SteadyConditions(wind=speed("--wind", self.wind))
+
+
+@dataclass(frozen=True)
+class ForesightOptions:
+    """Transits that are not sailed yet."""
+
+    foresee: Annotated[
+        str | None, typer.Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
+    ] = None
+    waterway: WaterwayFile = None
+
+
+@verb("narrows learn full.toml --steady held.csv -o learned.toml --report learned.html")
+def learn(
+    model: ModelFile,
+    legs: LegOptions,
+    ahead: ForesightOptions,
+    delivery: ModelDelivery,
+    speed: Annotated[
+        str | None, typer.Option(help="Speeds that may be held, or that of transits: 8kn, 4.1m/s.")
     ] = None,
-    speed: Annotated[str | None, typer.Option(help="Speeds that may be held: 8kn, 6kn:10kn:3, 4.1m/s.")] = None,
-    wind: Annotated[str, typer.Option(help="Beam wind of one standard deviation: 8m/s, 16kn.")] = "8m/s",
-    output: ModelOutput = None,
-    report: Report = None,
-    json: AsJson = False,
 ) -> None:
     """Learn the bank's coefficients from the ship itself: held to one side, then to the other.
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
-    from narrows.cli.ranges import speed as read_speed
-    from narrows.logbook import SteadyConditions
     from narrows.model.model_file import model_named
 
-    if sum(asked is not None for asked in (steady, plan_steady, foresee)) != 1:
-        raise InputError(
-            "give --steady with legs that were held, --plan-steady to plan some, or --foresee; one of them"
-        )
-    if waterway is not None and foresee is None:
-        raise InputError("--waterway is for --foresee; steady legs are held in the canal of the model")
-    ship, conditions = model_named(model), SteadyConditions(wind=read_speed("--wind", wind))
-    if steady is None and (output or report):
-        raise InputError("nothing is learned yet: leave --output and --report out, or give --steady")
-    if foresee is not None:
-        told = _foresee(ship, foresee, waterway, speed, json)
-    elif plan_steady is not None:
-        told = _plan(ship, conditions, plan_steady, legs, y, speed, json)
+    _check(legs, ahead, delivery)
+    ship = model_named(model)
+    if legs.steady is not None:
+        told = _learn_steady(ship, legs, legs.steady, delivery)
+    elif legs.plan_steady is not None:
+        told = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
     else:
-        told = _learn_steady(ship, conditions, steady, output, report, json)
-    say_written((output, report, plan_steady) if told else (output, report), json)
+        told = _foresee(ship, ahead, speed, delivery.json)
     raise SystemExit(int(not told))
 
 
-def _learn_steady(
-    model: "Model", conditions: Any, legs: Path | None, output: Path | None, report: Path | None, json: bool
-) -> bool:
+def _check(legs: LegOptions, ahead: ForesightOptions, delivery: ModelDelivery) -> None:
+    if sum(asked is not None for asked in (legs.steady, legs.plan_steady, ahead.foresee)) != 1:
+        raise InputError("give --steady with the legs that were held, --plan-steady, or --foresee; one of them")
+    if ahead.waterway is not None and ahead.foresee is None:
+        raise InputError("--waterway is for --foresee; steady legs are held in the canal of the model")
+    if legs.steady is None and (delivery.output or delivery.report):
+        raise InputError("nothing is learned yet: leave --output and --report out, or give --steady")
+
+
+def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
     """Learn, print, write; return whether the legs tell of the bank."""
     from narrows.logbook import learn_steady
     from narrows.report.steady_report import write_steady_report
     from narrows.report.steady_table import print_steady_fit
 
-    fit = learn_steady(model, legs, conditions=conditions)
+    fit = learn_steady(model, table, conditions=legs.conditions())
     change = _change(fit)
-    if output:
-        fit.model.save(output)
-    if report:
-        write_steady_report(fit, change, report)
-    if json:
-        print_json(_told(fit, steady=fit.to_dict(), envelope=change.to_dict()))
-    else:
-        print_steady_fit(fit, change)
+    delivery.write(fit.model.save)
+    if delivery.report:
+        write_steady_report(fit, change, delivery.report)
+    told = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
+    delivery.tell(lambda: told, lambda: print_steady_fit(fit, change))
     return fit.tells
 
 
@@ -104,33 +121,33 @@ def _change(fit: "SteadyFit") -> "EnvelopeChange":
         return envelope_change(fit.prior, fit.model, *places_of(read["y"], read["u"], room))
 
 
-def _plan(
-    model: "Model", conditions: Any, page: Path, legs: int, y: str | None, speed: str | None, json: bool
-) -> bool:  # fmt: skip
+def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
     """Plan, print, write the pilot's page; return whether there is a leg."""
     from narrows.cli.ranges import numbers, speeds
     from narrows.logbook import plan_steady
     from narrows.report.pilot_page import write_pilot_page
     from narrows.report.steady_table import print_steady_plan
 
-    offsets = None if y is None else numbers("--y", y)
+    offsets = None if legs.y is None else numbers("--y", legs.y)
     ahead = None if speed is None else speeds("--speed", speed)
-    plan = plan_steady(model, offsets, ahead, legs=legs, conditions=conditions)
+    plan = plan_steady(model, offsets, ahead, legs=legs.legs, conditions=legs.conditions())
     if plan.legs:
         write_pilot_page(plan, page)
     print_json(_told(plan, plan=plan.to_dict())) if json else print_steady_plan(plan)
+    say_written([page] if plan.legs else [], json)
     return bool(plan.legs)
 
 
-def _foresee(model: "Model", sensors: str, waterway: Path | None, speed: str | None, json: bool) -> bool:
+def _foresee(model: "Model", ahead: ForesightOptions, speed: str | None, json: bool) -> bool:
     """Foretell and print; return whether anything is foretold."""
     from narrows.cli.ranges import speed as read_speed
     from narrows.logbook import foresee
     from narrows.report.foresight_view import print_foresight
     from narrows.waterway import read_waterway
 
-    way = None if waterway is None else read_waterway(waterway)
-    found = foresee(model, way, sensors, u=None if speed is None else read_speed("--speed", speed))
+    way = None if ahead.waterway is None else read_waterway(ahead.waterway)
+    u = None if speed is None else read_speed("--speed", speed)
+    found = foresee(model, way, ahead.foresee or "", u=u)
     print_json(_told(found, foresight=found.to_dict())) if json else print_foresight(found)
     return bool(found.kinds)
 
