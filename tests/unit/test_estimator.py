@@ -396,8 +396,9 @@ def test_every_option_changes_the_estimate() -> None:
 
 
 SENSED: dict[str, Any] = {
-    "noise of the fix": (Gnss(0.03, period=0.2), *SENSORS[1:]), "forward": (Gnss(0.02, 1.0, period=0.2), *SENSORS[1:]),
-    "starboard": (Gnss(0.02, 0.0, 0.3, period=0.2), *SENSORS[1:]), "late": (Gnss(0.02, late=0.2), *SENSORS[1:]),
+    "noise of the fix": (Gnss(0.03, period=0.2), *SENSORS[1:]),
+    "forward": (Gnss(0.02, forward=1.0, period=0.2), *SENSORS[1:]),
+    "starboard": (Gnss(0.02, starboard=0.3, period=0.2), *SENSORS[1:]), "late": (Gnss(0.02, late=0.2), *SENSORS[1:]),
     "noise of the gyro": (SENSORS[0], Gyro(0.01), *SENSORS[2:]),
     "its bias": (SENSORS[0], Gyro(bias=0.01), *SENSORS[2:]),
     "noise of the rate": (*SENSORS[:2], RateOfTurn(0.01), SENSORS[3]), "noise of the log": (*SENSORS[:3], Log(0.1)),

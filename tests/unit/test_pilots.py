@@ -260,7 +260,7 @@ class TestWords:
         assert {PILOT, KNOWLEDGE} & set(found.limited_by())
         rows = found.offset_rows()
         assert all(row["known"] >= row["held"] for row in rows)
-        words = [text.get_text() for text in found.plot().axes[0].get_legend().get_texts()]
+        words = [text.get_text() for text in found.plot().legends[0].get_texts()]
         assert "by a pilot who knew the ship" in words
         assert any(note.startswith("one pilot for all cases: a regulator") for note in found.notes)
 

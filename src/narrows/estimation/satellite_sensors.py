@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -16,21 +16,55 @@ STRAIGHT = 1e-9
 
 
 @dataclass(frozen=True)
-class Gnss(Measuring):
-    """A satellite receiver: the place of its antenna in the canal.
+class Antenna(Measuring):
+    """What receivers have in common: an antenna, and two numbers, along and across.
 
     Parameters
     ----------
-    noise : float [m]
-        Standard deviation along and across.
-    forward, starboard : float [m]
-        Of the antenna, from midship.
+    noise : float
+        Standard deviation along and across [SI].
     period : float [s]
         Between readings.
     late : float [s]
         How old a reading is when it comes.
     name : str
         Of its readings.
+    forward, starboard : float [m]
+        Of the antenna, from midship.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    _: KW_ONLY
+    forward: float = 0.0
+    starboard: float = 0.0
+    angles: ClassVar[tuple[bool, ...]] = (False, False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (math.isfinite(self.forward) and math.isfinite(self.starboard)):
+            raise InputError("an antenna needs a place; give forward and starboard in metres from midship")
+
+
+@dataclass(frozen=True)
+class Gnss(Antenna):
+    """A satellite receiver: the place of its antenna in the canal.
+
+    Parameters
+    ----------
+    noise : float [m]
+        Standard deviation along and across.
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
+    forward, starboard : float [m]
+        Of the antenna, from midship.
 
     Raises
     ------
@@ -39,32 +73,18 @@ class Gnss(Measuring):
     """
 
     noise: float = 1.5
-    forward: float = 0.0
-    starboard: float = 0.0
-    period: float = 1.0
-    late: float = 0.0
+    _: KW_ONLY
     name: str = "gnss"
-    angles: ClassVar[tuple[bool, ...]] = (False, False)
-
-    def __post_init__(self) -> None:
-        self.check(noise=self.noise)
-        if not (math.isfinite(self.forward) and math.isfinite(self.starboard)):
-            raise InputError("an antenna needs a place; give forward and starboard in metres from midship")
 
     @property
-    def straight(self) -> bool:  # type: ignore[override]
+    def straight(self) -> bool:
         """Where the antenna stands at midship."""
         return not (self.forward or self.starboard)
 
     @property
-    def fields(self) -> tuple[str, ...]:  # type: ignore[override]
+    def fields(self) -> tuple[str, ...]:
         """Along and across."""
         return (f"{self.name}_x", f"{self.name}_y")
-
-    @property
-    def sigma(self) -> tuple[float, ...]:
-        """The same along and across."""
-        return (self.noise, self.noise)
 
     def measured(self, at: Columns) -> Values:
         """Return where the antenna is; along a bend by the circle that the line follows there.
@@ -100,7 +120,7 @@ class Gnss(Measuring):
 
 
 @dataclass(frozen=True)
-class CourseOverGround(Measuring):
+class CourseOverGround(Antenna):
     """Course and speed over ground, as a satellite receiver tells them from Doppler shifts.
 
     Told as course and speed, believed as velocities along and across, whose noise does not depend on the speed. With
@@ -110,14 +130,14 @@ class CourseOverGround(Measuring):
     ----------
     noise : float [m/s]
         Standard deviation of the velocity along and across.
-    forward, starboard : float [m]
-        Of the antenna, from midship.
     period : float [s]
         Between readings.
     late : float [s]
         How old a reading is when it comes.
     name : str
         Of its readings.
+    forward, starboard : float [m]
+        Of the antenna, from midship.
 
     Raises
     ------
@@ -126,28 +146,18 @@ class CourseOverGround(Measuring):
     """
 
     noise: float = 0.05
-    forward: float = 0.0
-    starboard: float = 0.0
-    period: float = 1.0
-    late: float = 0.0
+    _: KW_ONLY
     name: str = "course"
-    angles: ClassVar[tuple[bool, ...]] = (False, False)
-    straight: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        self.check(noise=self.noise)
-        if not (math.isfinite(self.forward) and math.isfinite(self.starboard)):
-            raise InputError("an antenna needs a place; give forward and starboard in metres from midship")
 
     @property
-    def fields(self) -> tuple[str, ...]:  # type: ignore[override]
+    def straight(self) -> bool:
+        """Not linear in the heading."""
+        return False
+
+    @property
+    def fields(self) -> tuple[str, ...]:
         """Course [rad] and speed [m/s]."""
         return (f"{self.name}_over_ground", f"{self.name}_speed")
-
-    @property
-    def sigma(self) -> tuple[float, ...]:
-        """The same along and across."""
-        return (self.noise, self.noise)
 
     def numbers(self, reading: Sequence[float]) -> Values:
         """Return the velocities along and across [m/s].

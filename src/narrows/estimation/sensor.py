@@ -5,6 +5,7 @@ Places are those of the canal: x along its line, y to starboard of it; headings 
 
 import math
 from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from narrows.errors import InputError
@@ -79,34 +80,56 @@ class Sensor(Protocol):
         """
 
 
+@dataclass(frozen=True)
 class Measuring:
-    """Checks and defaults of the package's own sensors."""
+    """What the package's own sensors have in common: one noise for all of their numbers.
 
-    name: str
-    period: float
-    late: float
-    fields: ClassVar[tuple[str, ...]]
-    angles: ClassVar[tuple[bool, ...]]
-    straight: ClassVar[bool] = True
+    Parameters
+    ----------
+    noise : float
+        Standard deviation of each of its numbers [SI].
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
 
-    def check(self, **sizes: float) -> None:
-        """Raise where a number is none.
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
 
-        Parameters
-        ----------
-        **sizes : float
-            Numbers that are over 0, by name.
+    noise: float
+    _: KW_ONLY
+    period: float = 1.0
+    late: float = 0.0
+    name: str = ""
+    angles: ClassVar[tuple[bool, ...]] = (False,)
 
-        Raises
-        ------
-        InputError
-            Names the first.
-        """
-        for name, value in {"period": self.period, **sizes}.items():
+    def __post_init__(self) -> None:
+        for name in ("period", "noise"):
+            value = getattr(self, name)
             if not (math.isfinite(value) and value > 0.0):
                 raise InputError(f"a sensor's {name} is a finite number over 0, and this one is {value}; give it in SI")
         if not (math.isfinite(self.late) and self.late >= 0.0):
             raise InputError(f"a sensor's readings cannot come {self.late} s late; give 0 or more")
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Its name, where it tells one number."""
+        return (self.name,)
+
+    @property
+    def sigma(self) -> tuple[float, ...]:
+        """Standard deviations of its numbers."""
+        return (self.noise,) * len(self.angles)
+
+    @property
+    def straight(self) -> bool:
+        """Whether its numbers are sums of states times constants: they are."""
+        return True
 
     def numbers(self, reading: Sequence[float]) -> Values:
         """Return a reading as it is.

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import ClassVar
 
 from narrows.estimation.sensor import Measuring, Values, check_bias
@@ -10,21 +10,19 @@ from narrows.estimation.states import Columns
 
 
 class Single(Measuring):
-    """What sensors of one number have in common: the number is called as the sensor is, and tells one state."""
+    """What sensors of one number have in common: it tells one state."""
 
     state: ClassVar[str]
-    noise: float
-    angles: ClassVar[tuple[bool, ...]] = (False,)
 
-    @property
-    def fields(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Its name."""
-        return (self.name,)
+    def measured(self, at: Columns) -> Values:
+        """Return the state that it tells.
 
-    @property
-    def sigma(self) -> tuple[float, ...]:
-        """Of its number."""
-        return (self.noise,)
+        Parameters
+        ----------
+        at : Columns
+            The states.
+        """
+        return (getattr(at, self.state),)
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
         """Return the state that it tells.
@@ -45,14 +43,14 @@ class Gyro(Single):
     ----------
     noise : float [rad]
         Standard deviation.
-    bias : float [rad]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     period : float [s]
         Between readings.
     late : float [s]
         How old a reading is when it comes.
     name : str
         Of its readings.
+    bias : float [rad]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
 
     Raises
     ------
@@ -61,15 +59,14 @@ class Gyro(Single):
     """
 
     noise: float = math.radians(0.2)
-    bias: float = 0.0
-    period: float = 1.0
-    late: float = 0.0
+    _: KW_ONLY
     name: str = "gyro"
+    bias: float = 0.0
     state: ClassVar[str] = "psi"
     angles: ClassVar[tuple[bool, ...]] = (True,)
 
     def __post_init__(self) -> None:
-        self.check(noise=self.noise)
+        super().__post_init__()
         check_bias(self.bias)
 
     def measured(self, at: Columns) -> Values:
@@ -105,23 +102,9 @@ class RateOfTurn(Single):
     """
 
     noise: float = math.radians(0.03)
-    period: float = 1.0
-    late: float = 0.0
+    _: KW_ONLY
     name: str = "rate_of_turn"
     state: ClassVar[str] = "r"
-
-    def __post_init__(self) -> None:
-        self.check(noise=self.noise)
-
-    def measured(self, at: Columns) -> Values:
-        """Return the yaw rate.
-
-        Parameters
-        ----------
-        at : Columns
-            The states.
-        """
-        return (at.r,)
 
 
 @dataclass(frozen=True)
@@ -146,23 +129,9 @@ class Log(Single):
     """
 
     noise: float = 0.05
-    period: float = 1.0
-    late: float = 0.0
+    _: KW_ONLY
     name: str = "log"
     state: ClassVar[str] = "u"
-
-    def __post_init__(self) -> None:
-        self.check(noise=self.noise)
-
-    def measured(self, at: Columns) -> Values:
-        """Return the surge velocity.
-
-        Parameters
-        ----------
-        at : Columns
-            The states.
-        """
-        return (at.u,)
 
 
 @dataclass(frozen=True)
