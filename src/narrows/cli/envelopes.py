@@ -36,6 +36,7 @@ def envelope(
     """
     from narrows.model.model_file import model_named
     from narrows.model.rudder_transfer import borrow_rudder
+    from narrows.report.envelope_chart import envelope_chart
     from narrows.report.envelope_table import print_envelope
     from narrows.safety import safe_envelope
 
@@ -48,6 +49,6 @@ def envelope(
         bank=bank, controller=controller, progress=sys.stderr.isatty() and not delivery.json,
     )  # fmt: skip
     result = result.noting(where) if where else result
-    delivery.write(result.save, result.plot)
+    delivery.write(result.save, lambda: envelope_chart(result))
     delivery.tell(result.to_dict, lambda: print_envelope(result))
     raise SystemExit(int(bool(result.highest_speed().isnull().all())))
