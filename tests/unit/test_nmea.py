@@ -105,6 +105,19 @@ def test_a_sensor_that_says_it_is_invalid_tells_nothing(tmp_path: Path) -> None:
     assert len(record["x"]) == 3
 
 
+def test_a_receiver_that_changes_its_name_is_listened_to(tmp_path: Path) -> None:
+    """GP with one system of satellites, GN with several; a second receiver beside the first is not mixed in."""
+    place = "5200.0,N,00500.0,E,1,08,0.9,5.4,M,46.9,M,,"
+    beside = "5200.0,N,00501.0,E,1,08,0.9,5.4,M,46.9,M,,"
+    lines = [sentence(f"{'GP' if i < 10 else 'GN'}GGA,{clock(i)},{place}") for i in range(30)]
+    record = nw.read_log(write_recording(tmp_path / "renamed.log", lines))[0]
+    assert len(record["x"]) >= 21  # but for the seconds in which the other might come back
+    both = [line for i in range(30) for line in (lines[i], sentence(f"INGGA,{clock(i)},{beside}"))]
+    log = nw.read_log(write_recording(tmp_path / "both.log", both[:20]))
+    assert np.ptp(log[0]["y"].values) < 1e-6
+    assert log.notes[0].startswith("position by GPGGA;")
+
+
 def ais(kind: str, mmsi: int, **told: float) -> str:
     """A report as pyais encodes it."""
     usual = {"lon": 5.0, "lat": 52.0, "speed": 7.4, "course": 10.0, "heading": 12, "turn": 20.0}

@@ -1,5 +1,6 @@
 """A ship's own log, however it was written, makes the same records in the package's axes."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -145,11 +146,60 @@ def test_the_wind_that_is_felt_becomes_the_wind_over_ground() -> None:
     np.testing.assert_allclose(record["wind_direction"].values, come_from)
 
 
+def test_speed_and_course_tell_velocities_along_and_across_the_ship() -> None:
+    table = {
+        "t": T,
+        "psi": np.full(len(T), 0.3),
+        "speed_over_ground": np.full(len(T), 5.0),
+        "course": np.full(len(T), 0.4),
+    }
+    ahead, aside = nw.read_log(table)[0].over_ground() or (None, None)
+    assert ahead is not None
+    assert ahead.values == pytest.approx(5 * np.cos(0.1))
+    assert aside.values == pytest.approx(5 * np.sin(0.1))
+    assert nw.read_log({"t": T, "psi": T})[0].over_ground() is None
+
+
 def test_times_that_are_rounded_are_one_by_their_means() -> None:
     table = {"t": [0.0, 0.0, 1.0, 1.0], "psi [deg]": [359.0, 1.0, 2.0, 4.0], "r": [1.0, 3.0, 5.0, 5.0]}
     record = nw.read_log(table)[0]
     assert np.degrees(record["psi"].values) % 360 == pytest.approx([0.0, 3.0], abs=1e-9)
     assert record["r"].values.tolist() == [2.0, 5.0]
+
+
+def told_by_a_tank(tank: str, path: Path) -> nw.Voyage:
+    """A zigzag as a tank writes its columns: rudder to port, velocities in fixed axes, no headers."""
+    voyage = zigzagged()
+    ahead = voyage.u * np.cos(voyage.psi) - voyage.v * np.sin(voyage.psi)
+    aside = voyage.u * np.sin(voyage.psi) + voyage.v * np.cos(voyage.psi)
+    place, turning = [voyage.t, voyage.x, voyage.y], np.degrees([voyage.psi, voyage.r, -voyage.rudder])
+    roll = np.full(len(voyage), 0.123)
+    if tank == "hsva":
+        columns = [*place, turning[0], ahead, aside, turning[1], roll, turning[2], roll + 10, roll, roll]
+    else:
+        columns = [*place, roll, turning[0], ahead, aside, roll, *turning[1:], 60 * (roll + 10)]
+    lines = ["a tank", "a ship", "some columns", "of numbers"][: 4 if tank == "hsva" else 3]
+    rows = [" ".join(f"{number:.9f}" for number in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([*lines, *rows]))
+    return voyage
+
+
+@cache
+def zigzagged() -> nw.Voyage:
+    law = nw.Zigzag(np.radians(10.0), np.radians(10.0))
+    model = nw.published("yasukawa2015_kvlcc2")
+    return nw.simulate(model, u=1.2, duration=60.0, dt=0.5, controller=law, contact="none", surge="free")
+
+
+@pytest.mark.parametrize("tank", ["hsva", "marin"])
+def test_the_mappings_of_two_tanks_read_what_they_write(tank: str, tmp_path: Path) -> None:
+    voyage = told_by_a_tank(tank, tmp_path / "zigzag.dat")
+    record = nw.read_log(tmp_path / "zigzag.dat", mapping=EXAMPLES / f"{tank}_kvlcc2.toml")["zigzag"]
+    for name in ("x", "y", "psi", "r", "rudder"):
+        np.testing.assert_allclose(record[name].values, voyage[name], atol=1e-7)
+    np.testing.assert_allclose(record["u_ground"].values, voyage.u, atol=1e-7)
+    np.testing.assert_allclose(record["v_ground"].values, voyage.v, atol=1e-7)
+    np.testing.assert_allclose(record["revolutions"].values, 10.123)
 
 
 @pytest.mark.parametrize(("tank", "records"), [("hsva", 11), ("marin", 6)])
@@ -176,6 +226,9 @@ def test_free_running_tests_of_two_tanks_are_one_motion(tank: str, records: int,
         ({"t": [0.0]}, {}, "has times and nothing else"),
         ({"x": [0.0]}, {}, "no column tells the time"),
         ({"time": ["yesterday"], "x": [0.0]}, {}, "row 0, column 'time' is no date"),
+        ({"time": ["2026-05-01", 3.5], "x": [0.0, 1.0]}, {}, "row 1, column 'time' is no date"),
+        ({"t": [0.0, 1.0], "lat": [52.0, 5200.0], "lon": [5.0, 5.0]}, {}, "row 1, latitude 5200 is not on earth"),
+        ({"t": [], "x": []}, {}, "tells nothing of a ship"),
         ({"t": [0.0], "rudder [m]": [0.0]}, {}, "not a unit of this quantity"),
         ({"t": [0.0], "rudder": ["left"]}, {}, "row 0, column 'rudder' holds left"),
         ({"record": ["A", "B", "A"], "t": [0.0, 1.0, 2.0], "r": [0, 0, 0]}, {}, "record A do not stand together"),

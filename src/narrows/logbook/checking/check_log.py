@@ -1,6 +1,7 @@
 """A ship's own log beside its model, before any fit: what is wrong with it, with evidence and remedy."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from narrows.errors import InputError
 from narrows.logbook.checking.agreement import SURE
@@ -59,7 +60,8 @@ def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None
     findings: list[Finding] = []
     effects: list[tuple[float, float]] = []
     records = 0
-    for record in log:
+    for whole in log:
+        record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         records += 1
         found = list(check_clock(record, model.configuration.ship.length))
         if not _wrong(found):

@@ -155,7 +155,7 @@ def usual_speed(record: ShipRecord) -> float | None:
     if "x" in record and "y" in record and len(record["x"]) > PIECES:
         at = np.linspace(record["x"].t[0], record["x"].t[-1], PIECES + 1)
         steps = np.hypot(*(np.diff(record[name].at(at)) for name in ("x", "y")))
-        speed = float(np.nanmedian(steps) / (at[1] - at[0]))
+        speed = float(np.median(steps[np.isfinite(steps)]) / (at[1] - at[0])) if np.isfinite(steps).any() else 0.0
     else:
         known = [record[name].values for name in ("u_ground", "speed_over_ground", "u") if name in record]
         speed = float(np.median(known[0])) if known else 0.0

@@ -134,7 +134,10 @@ def _through_water(at: Examined) -> Iterator[Finding]:
         return
     windows = motion.windows(LENGTHS)
     ground = np.gradient(motion.position, motion.dt) * np.exp(-1j * motion.heading)
-    mean, through = float(np.nanmean(ground.real)), float(np.nanmean(motion["u"]))
+    known = np.isfinite(ground.real + motion["u"])
+    if not known.any():
+        return
+    mean, through = float(np.mean(ground.real[known])), float(np.mean(motion["u"][known]))
     if through != 0 and abs(mean - through) > CURRENT * abs(mean):
         unit = nearest(mean / through, UNITS, 1.25)
         yield at.finding(

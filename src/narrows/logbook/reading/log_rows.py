@@ -12,6 +12,9 @@ from narrows.logbook.reading.log_mapping import LogMapping
 from narrows.readers import cells
 from narrows.readers.headers import recognised_in
 
+EARTH = {"latitude": 90.0, "longitude": 360.0}
+"""Degrees that a place on earth has at most."""
+
 
 class LogRows(NamedTuple):
     """Rows of a log.
@@ -72,6 +75,7 @@ class RowReader:
         t = columns.pop("t") if "t" in columns else self._clock(frame)
         if not columns:
             raise InputError(f"{self.table}: has times and nothing else; head its columns as in docs/ship-log.md")
+        self._check_on_earth(frame, columns)
         record = cells.labels(frame, "record", self.table) if "record" in frame else np.empty(0, dtype=object)
         return LogRows(t, record, {name: self._measured(name, column) for name, column in columns.items()})
 
@@ -85,12 +89,24 @@ class RowReader:
         """Seconds since the first row, of a column of dates and times."""
         if "time" not in frame:
             raise InputError(f"{self.table}: no column tells the time; head one 't [s]', or 'time' for dates and times")
-        times = pd.to_datetime(frame["time"], utc=True, errors="coerce", format="ISO8601")
+        if not len(frame):
+            return np.empty(0)
+        dated = frame["time"] if frame["time"].dtype.kind == "M" else frame["time"].astype(str)
+        times = pd.to_datetime(dated, utc=True, errors="coerce", format="ISO8601")
         if times.isna().any():
             row = cells.row_number(frame, times.isna().to_numpy())
             raise InputError(f"{self.table}: row {row}, column 'time' is no date and time; write 2026-05-01T10:00:00Z")
         begin = self.begin = self.begin or times.iloc[0]
         return (times - begin).dt.total_seconds().to_numpy(float)
+
+    def _check_on_earth(self, frame: pd.DataFrame, columns: dict[str, np.ndarray]) -> None:
+        for name in columns.keys() & EARTH.keys():
+            beyond = (np.abs(columns[name]) > EARTH[name]) & ~np.isin(columns[name], ABSENT[name])
+            if beyond.any():
+                row, value = cells.row_number(frame, beyond), columns[name][int(np.argmax(beyond))]
+                raise InputError(
+                    f"{self.table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84"
+                )
 
     def _measured(self, name: str, column: np.ndarray) -> np.ndarray:
         """A column without the numbers that stand for none."""

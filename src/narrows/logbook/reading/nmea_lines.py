@@ -13,6 +13,7 @@ TAG = re.compile(rb"\\(?:[^\\]*,)?c:(\d{10,13})(?:[,*][^\\]*)?\\")
 """A block before the sentence, with the time of the logger [s] or [ms] since 1970."""
 ISO = re.compile(rb"(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)(Z|[+-]\d\d:?\d\d)?")
 EPOCH = re.compile(rb"(?<![\d.])(1\d{9}(?:\.\d+)?)(?![\d.])")
+REMARK = b"#"
 MILLISECONDS = 1e11
 """Beyond this a time since 1970 is in milliseconds."""
 
@@ -46,6 +47,8 @@ def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence
         Counts, by what is wrong, sentences that were left out.
     """
     for line in lines:
+        if line.startswith(REMARK):
+            continue
         begin = 0
         for match in SENTENCE.finditer(line):
             if match[3] is None:

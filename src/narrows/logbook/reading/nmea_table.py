@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,7 +11,8 @@ import pandas as pd
 from narrows.errors import InputError, needs
 from narrows.logbook.reading.nmea_clock import Clock, Entry
 from narrows.logbook.reading.nmea_lines import SENTENCE, Sentence, sentences
-from narrows.logbook.reading.nmea_sentences import SOURCES, Telling, told_by
+from narrows.logbook.reading.nmea_sentences import Telling, told_by
+from narrows.logbook.reading.nmea_sources import Sources
 from narrows.progress import opened
 
 SNIFFED = 1 << 16
@@ -20,21 +20,6 @@ SNIFFED = 1 << 16
 SAMPLE = 20_000
 """Sentences that are looked at to choose who tells what."""
 MOSTLY = 0.5
-
-
-class Choice(NamedTuple):
-    """Who tells what in a recording.
-
-    Parameters
-    ----------
-    sources : dict of str to str
-        By what it is about: talker and type.
-    clock : Clock
-        That tells when.
-    """
-
-    sources: dict[str, str]
-    clock: Clock
 
 
 def is_nmea(path: Path) -> bool:
@@ -66,7 +51,7 @@ class NmeaTable:
         self.path, self.mmsi = path, mmsi
         self.faults: Counter[str] = Counter()
         self.heard: Counter[str] = Counter()
-        self.choice: Choice | None = None
+        self.sources, self.clock = Sources(), Clock(logged=False)
 
     def frames(self, rows: int) -> Iterator[pd.DataFrame]:
         """Yield the recording in the documented columns, SI, piece by piece (ours).
@@ -84,34 +69,38 @@ class NmeaTable:
         with needs("nmea", "a recording of NMEA 0183"):
             import pyais  # noqa: F401
             import pynmeagps  # noqa: F401
-        with self.path.open("rb") as file:
-            self.choice = _choice(islice(self._told(file), SAMPLE))
-        self.faults.clear()
-        self.heard.clear()
+        self._begin()
         first = 0
         with opened(self.path) as file:
-            entries = self.choice.clock.entries(self._told(file))
+            entries = self.clock.entries(self._told(file))
             while piece := list(islice(entries, rows)):
-                frame = _frame(piece, self.choice.sources, first)
+                frame = _frame(piece, self.sources, first)
                 first += len(piece)
                 if len(frame.columns) > 1:
                     yield frame
-        if not self.choice.sources:
+        if not self.sources.chosen:
             ships = ", ".join(name for name, _ in self.heard.most_common(3))
             heard = f"; it heard the ships {ships} by AIS: say whose reports to read, mmsi=" if ships else ""
             raise InputError(f"{self.path}: no sentence tells where this ship is or how it moves{heard}")
 
     def notes(self) -> tuple[str, ...]:
         """What there is to say of the recording once it is read."""
-        if self.choice is None:
-            return ()
-        clock = self.choice.clock
+        clock = self.clock
         by = "the logger's times" if clock.logged else "the clocks in the sentences, evenly between them"
         start = f", from {clock.started.isoformat()}" if clock.started else ""
-        told = ", ".join(f"{about} by {source}" for about, source in self.choice.sources.items())
         left = [f"{count} sentences {what} were left out" for what, count in self.faults.items()]
         lost = [f"{clock.lost} sentences before the first time were left out"] if clock.lost else []
-        return (f"{told}; timed by {by}{start}", *left, *lost)
+        return (f"{self.sources.words()}; timed by {by}{start}", *left, *lost)
+
+    def _begin(self) -> None:
+        """Choose sources and clock by the first sentences."""
+        with self.path.open("rb") as file:
+            sample = list(islice(self._told(file), SAMPLE))
+        self.faults.clear()
+        self.heard.clear()
+        logged = sum(sentence.logged is not None for sentence, _ in sample)
+        day = next((told.day for _, told in sample if told.day), None)
+        self.sources, self.clock = Sources(told for _, told in sample), Clock(logged > MOSTLY * len(sample), day)
 
     def _told(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, Telling]]:
         """Sentences that tell something here."""
@@ -128,32 +117,12 @@ class NmeaTable:
             yield sentence, told
 
 
-def _choice(sample: Iterable[tuple[Sentence, Telling]]) -> Choice:
-    """Who tells what: the best type of sentence, and of that the one that comes most often."""
-    counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
-    logged, day, total = 0, None, 0
-    for sentence, told in sample:
-        total += 1
-        logged += sentence.logged is not None
-        day = day or told.day
-        for about, values in told.values.items():
-            if values:
-                counts[about][told.source] += 1
-    sources = {about: _best(found, SOURCES[about]) for about, found in counts.items() if found}
-    return Choice(sources, Clock(logged > MOSTLY * total, day))
-
-
-def _best(found: Counter[str], types: tuple[str, ...]) -> str:
-    """The source of the best type, and of that the one that tells most."""
-    return min(found, key=lambda source: (types.index(source.split()[0][-3:]), -found[source]))
-
-
-def _frame(entries: list[Entry], sources: dict[str, str], first: int) -> pd.DataFrame:
+def _frame(entries: list[Entry], sources: Sources, first: int) -> pd.DataFrame:
     """A row a sentence; what is told by a source that is not chosen is passed over."""
     cells: dict[str, list[tuple[int, float]]] = {}
-    for row, (_, told) in enumerate(entries):
+    for row, (t, told) in enumerate(entries):
         for about, values in told.values.items():
-            if values and sources.setdefault(about, told.source) == told.source:
+            if values and sources.tells(about, told.source, t):
                 for name, value in values.items():
                     cells.setdefault(name, []).append((row, value))
     columns = {"t": np.array([entry.t for entry in entries])}

@@ -78,7 +78,7 @@ class LogReading:
         stem = log.table.stem if isinstance(log.table, Path) else "record"
         self.split = RecordSplit(log.name, stem, log.gap)
         self.about: tuple[str, ...] = ()
-        self.rounded = 0
+        self.rounded = self.given = 0
 
     def records(self) -> Iterator[ShipRecord]:
         """Yield the records.
@@ -91,14 +91,19 @@ class LogReading:
         placing = Placing(self.log.name, self.log.mapping, self.log.waterway)
         for raw in self.split.records(map(self.rows.rows, self._frames())):
             self.rounded += _repeated(raw)
-            yield placing.record(raw)
-        if not self.split.names:
-            raise InputError(f"{self.log.name}: has no rows; give a log with at least one")
+            record = placing.record(raw)
+            self.given += bool(record.signals)
+            if record.signals:
+                yield record
+        if not self.given:
+            raise InputError(
+                f"{self.log.name}: tells nothing of a ship; give a log with at least one row and one signal"
+            )
 
     def notes(self) -> tuple[str, ...]:
         """What there is to say of what was read."""
         told = {
-            f"cut into {len(self.split.names)} records where nothing came for {self.log.gap:g} s": self.split.cuts > 0,
+            f"cut into {self.given} records where nothing came for {self.log.gap:g} s": self.split.cuts > 0,
             "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded > 0,
             "positions are brought from the antenna to midship, where the heading is known": any(
                 self.log.mapping.antenna
