@@ -34,6 +34,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "control.png": from_decision("helms"),
     "suez.png": from_decision("suez"),
     "estimation.png": from_decision("estimation"),
+    "steady.png": from_decision("steady"),
 }
 
 

@@ -177,7 +177,8 @@ def test_an_excursion_goes_no_farther_than_it_may_and_comes_back() -> None:
     [
         ({"sensors": "radar"}, "sensors = 'radar' is unknown"),
         ({"transits": (0,)}, "whole number from 1"),
-        ({"u": -1.0}, "numbers over 0"),
+        ({"u": -1.0}, "no speed ahead"),
+        ({"u": 0.7, "duration": 0.0}, "a transit of 0 s"),
         ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),
     ],
 )

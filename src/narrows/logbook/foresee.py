@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 TRANSITS = (1, 5, 20)
 ROUTINE, LONGEST = 2400.0, 3600.0
 """Of a transit [s]: where no waterway says how long, and at most."""
+MOST = 86_400.0
+"""Seconds of a transit."""
 SAILED = 2
 """Transits of each kind, over whose gusts and wander what they tell is averaged."""
 SHARES = (0.5, 1.0)
@@ -96,30 +98,43 @@ def foresee(
     for count in transits:
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
-    speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
-    lasting = _duration(waterway, speed) if duration is None else finite_numbers(duration=duration)["duration"]
-    if speed <= 0 or lasting <= 0:
-        raise InputError(f"u = {speed:g} m/s and a duration of {lasting:g} s: give numbers over 0")
+    plan = _plan(model, waterway, u, duration, conditions)
     prior = NormalPrior.of(np.zeros(len(model.terms.names)), np.asarray(model.covariance))
-    told: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": speed, "duration": lasting}
-    told |= {"transits": tuple(transits), "targets": names, "prior_std": _std(model, names, prior.root)}
+    told: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
+    told |= {"duration": plan.duration, "transits": tuple(transits), "targets": names}
+    told |= {"prior_std": _std(model, names, prior.root)}
     if "rudder" not in grade.signals:
         return Foresight((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
-    safe = (
-        safe_offset(_narrowest(model, waterway), speed, seed)
-        if within is None
-        else finite_numbers(within=within)["within"]
-    )
-    plan = PlannedTransit(model, speed, lasting, conditions, waterway)
+    safe = within if within is not None else safe_offset(_narrowest(model, waterway), plan.u, seed)
     unknowns = Unknowns(conditions.gust_push(model), conditions.steady_push(model), conditions.gust_time, grade, prior)
+    kinds, reasons = _kinds(plan, unknowns, finite_numbers(within=safe)["within"], names, transits, seed)
+    return Foresight(kinds, safe_offset=safe, reasons=reasons, **told)
+
+
+def _plan(
+    model: Model, waterway: "Waterway | None", u: float | None, duration: float | None, conditions: TransitConditions
+) -> PlannedTransit:
+    speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
+    if speed <= 0:
+        raise InputError(f"u = {speed:g} m/s is no speed ahead; give one over 0")
+    lasting = _duration(waterway, speed) if duration is None else finite_numbers(duration=duration)["duration"]
+    if not 0 < lasting <= MOST:
+        raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {MOST:g}")
+    return PlannedTransit(model, speed, lasting, conditions, waterway)
+
+
+def _kinds(
+    plan: PlannedTransit, unknowns: Unknowns, safe: float, names: tuple[str, ...], transits: Sequence[int], seed: int
+) -> tuple[tuple[ForeseenTransit, ...], tuple[str, ...]]:
+    """What routine tells, and each excursion that comes through; why others are left out."""
     kinds, reasons = [_foreseen(plan, unknowns, Excursion("routine"), names, transits, seed)], []
-    for excursion in excursions(safe, model.configuration.ship.length / speed):
+    for excursion in excursions(safe, plan.model.configuration.ship.length / plan.u):
         try:
             kinds.append(_foreseen(plan, unknowns, excursion, names, transits, seed))
         except InputError as error:
             reasons.append(f"Left out: {error}.")
-    reasons += [] if safe > 0 else [NOWHERE.format(speed)]
-    return Foresight(tuple(kinds), safe_offset=safe, reasons=tuple(reasons), **told)
+    reasons += [] if safe > 0 else [NOWHERE.format(plan.u)]
+    return tuple(kinds), tuple(reasons)
 
 
 def safe_offset(model: Model, u: float, seed: int = 0) -> float:

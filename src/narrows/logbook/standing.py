@@ -2,5 +2,3 @@
 
 ON_TWINS = "Bank coefficients from legs and transits are shown on twins only, until a log is at hand."
 """The label of every page, result and report."""
-OF_THE_TESTS = "the tests of the model"
-"""What a prior is called."""
