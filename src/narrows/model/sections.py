@@ -1,7 +1,7 @@
 """The sections of a model file, and the fields of a model that they are."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -66,19 +66,7 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
     """
     actuators = terms.actuators if terms else ()
     parts = (*PARTS, *actuator_sections(actuators))
-    known = {*REQUIRED, *OPTIONAL, *parts}
-    if "ship" in tables and not {"terms", "coefficients"} & set(tables):
-        raise InputError(
-            "this is a ship file, which has no coefficients; give a model, as narrows identify makes of tests of this "
-            "ship"
-        )
-    for name, table in tables.items():
-        if name not in known:
-            raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")
-        check_table(name, table, "its tables")
-    for name in REQUIRED:
-        if name not in tables:
-            raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
+    _check_sections(tables, parts)
     terms = terms or _known_table(str(tables["terms"].get("table", "")))
     sections = {name: table for name, table in tables.items() if name in parts}
     covered = {name: _pair(name, pair) for name, pair in tables.get("data_range", {}).items()}
@@ -92,6 +80,22 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
         "verdicts": tables.get("verdicts", {}),
         "source": _of("source", Source, cited),
     }
+
+
+def _check_sections(tables: Mapping[str, Any], parts: Iterable[str]) -> None:
+    if "ship" in tables and not {"terms", "coefficients"} & set(tables):
+        raise InputError(
+            "this is a ship file, which has no coefficients; give a model, as narrows identify makes of tests of this "
+            "ship"
+        )
+    known = {*REQUIRED, *OPTIONAL, *parts}
+    for name, table in tables.items():
+        if name not in known:
+            raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")
+        check_table(name, table, "its tables")
+    for name in REQUIRED:
+        if name not in tables:
+            raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
 
 
 def _known_table(name: str) -> TermTable:
