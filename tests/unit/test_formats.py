@@ -82,6 +82,21 @@ def test_a_map_in_every_form(suffix: str, tmp_path: Path, cli) -> None:
         assert set(read(path)) == {0.0, 0.5, 1.0}
 
 
+@pytest.mark.parametrize("what", ["voyage", "map"])
+def test_caveats_travel_with_the_file(what: str, tmp_path: Path, cli) -> None:
+    verb = VOYAGE if what == "voyage" else MAP
+    for suffix in (".nc", ".parquet", ".mat", ".json"):
+        assert cli(*verb, "-o", tmp_path / f"file{suffix}")[0] == 0
+    parts = (
+        xr.load_dataset(tmp_path / "file.nc", engine="scipy").attrs,
+        pd.read_parquet(tmp_path / "file.parquet").attrs,
+    )
+    arrays = loadmat(tmp_path / "file.mat")
+    told = [*(" ".join(map(str, part.values())) for part in parts), " ".join(str(arrays[name]) for name in arrays)]
+    told.append((tmp_path / "file.json").read_text())
+    assert ["outside the data" in words for words in told] == [True] * 4
+
+
 def test_a_track_on_the_map(bend: Path, tmp_path: Path, cli) -> None:
     arguments = (*VOYAGE, "--waterway", bend, "--x", "2")
     for suffix in (".geojson", ".kml", ".csv"):

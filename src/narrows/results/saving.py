@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 Form = Callable[[], str | bytes | None]
 """Makes what goes into a file, or writes a folder itself."""
+Words = Callable[[], dict[str, str]]
+"""Gives what is said of a table, by name."""
 FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
 """Suffixes by what libraries call the form, as in ``to_netcdf``."""
 
@@ -74,7 +76,7 @@ def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
     if hasattr(result, "dataset"):
         forms |= _dataset_forms(result.dataset(), path)
     if hasattr(result, "to_dataframe"):
-        forms |= _table_forms(result.to_dataframe, path)
+        forms |= _table_forms(result.to_dataframe, path, lambda: _words_of(result))
     forms[".json"] = lambda: to_json(_with_data(result))
     if hasattr(result, "track"):
         forms |= {".geojson": lambda: str(result.track().geojson()), ".kml": lambda: str(result.track().kml())}
@@ -87,12 +89,24 @@ def _with_data(result: Any) -> dict[str, Any]:
     return dict(result.to_dict()) | data
 
 
-def _table_forms(table: Callable[[], "pd.DataFrame"], path: str | Path) -> dict[str, Form]:
+def _words_of(result: Any) -> dict[str, str]:
+    """What a result says of itself, to go into its files."""
+    return {"summary": result.summary(), "notes": "\n".join(result.notes)}
+
+
+def _table_forms(table: Callable[[], "pd.DataFrame"], path: str | Path, words: Words) -> dict[str, Form]:
     return {
         ".csv": lambda: csv_of(table()),
-        ".parquet": lambda: parquet_of(table(), path),
-        ".mat": lambda: matlab_of({str(name): column.to_numpy() for name, column in table().items()}),
+        ".parquet": lambda: parquet_of(_noted(table(), words()), path),
+        ".mat": lambda: matlab_of({str(name): column.to_numpy() for name, column in table().items()} | words()),
     }
+
+
+def _noted(frame: "pd.DataFrame", words: Mapping[str, str]) -> "pd.DataFrame":
+    """A table with what is said of it, where its file has room for that."""
+    frame = frame.copy(deep=False)
+    frame.attrs.update(words)
+    return frame
 
 
 def _dataset_forms(dataset: "xarray.Dataset", path: str | Path) -> dict[str, Form]:
@@ -100,11 +114,15 @@ def _dataset_forms(dataset: "xarray.Dataset", path: str | Path) -> dict[str, For
         frame: pd.DataFrame = dataset.to_dataframe() if dataset.sizes else dataset.expand_dims("row").to_dataframe()
         return frame.reset_index()
 
+    def words() -> dict[str, str]:
+        return {str(name): value for name, value in dataset.attrs.items() if isinstance(value, str)}
+
+    arrays = {str(name): variable.to_numpy() for name, variable in dataset.variables.items()}
     return {
         ".nc": lambda: netcdf_of(dataset, path),
         ".zarr": lambda: write_zarr(dataset, path),
-        **_table_forms(rows, path),
-        ".mat": lambda: matlab_of({str(name): variable.to_numpy() for name, variable in dataset.variables.items()}),
+        **_table_forms(rows, path, words),
+        ".mat": lambda: matlab_of(words() | arrays),
     }
 
 
