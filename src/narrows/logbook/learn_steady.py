@@ -13,6 +13,8 @@ from narrows.logbook.steady_readings import ReadingErrors, steady_readings
 from narrows.logbook.steady_update import SteadyProblem
 from narrows.model.model import Model
 
+HASHED = 12
+"""Digits of a hash that a model carries of its legs."""
 NO_COVARIANCE = (
     "this model has no covariance of its coefficients, so nothing says what a record may change; identify it from "
     "tests, or state one"
@@ -63,7 +65,7 @@ def learn_steady(
     count = len(model.terms.names)
     learned = learned_coefficients(model, mean[:count], covariance[:count, :count])
     after = learned_model(
-        model, learned, covariance[:count, :count], f"learned from {readings.summary()} ({readings.source})",
+        model, learned, covariance[:count, :count], f"learned from {readings.summary()} ({readings.source}, sha256 {readings.sha256[:HASHED]})",
         _ends(abs(readings.values["y"])), _ends(readings.values["u"]), checks.contradicted,
     )  # fmt: skip
     shared = shared_of(mean, covariance)
