@@ -64,8 +64,9 @@ def learn_steady(
     mean, covariance = found.posterior.mean, found.posterior.covariance
     count = len(model.terms.names)
     learned = learned_coefficients(model, mean[:count], covariance[:count, :count])
+    source = f"learned from {readings.summary()} ({readings.source}, sha256 {readings.sha256[:HASHED]})"
     after = learned_model(
-        model, learned, covariance[:count, :count], f"learned from {readings.summary()} ({readings.source}, sha256 {readings.sha256[:HASHED]})",
+        model, learned, covariance[:count, :count], source,
         _ends(abs(readings.values["y"])), _ends(readings.values["u"]), checks.contradicted,
     )  # fmt: skip
     shared = shared_of(mean, covariance)
