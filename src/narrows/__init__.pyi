@@ -29,6 +29,7 @@ from .identification import identify_conditions as identify_conditions
 from .logbook import EnvelopeChange as EnvelopeChange
 from .logbook import Foresight as Foresight
 from .logbook import LogFindings as LogFindings
+from .logbook import LogFit as LogFit
 from .logbook import PlannedLeg as PlannedLeg
 from .logbook import ReadingErrors as ReadingErrors
 from .logbook import SensorGrade as SensorGrade
@@ -44,6 +45,7 @@ from .logbook import TransitConditions as TransitConditions
 from .logbook import check_log as check_log
 from .logbook import envelope_change as envelope_change
 from .logbook import foresee as foresee
+from .logbook import learn as learn
 from .logbook import learn_steady as learn_steady
 from .logbook import plan_steady as plan_steady
 from .logbook import read_log as read_log

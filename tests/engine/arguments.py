@@ -294,6 +294,13 @@ class Table:
                  "conditions": nw.TransitConditions(wind=0.4, gust_time=2.0, wander=0.05, wander_time=9.0), "seed": 1},
                 answer=lambda found: found.to_dict(),
             ),
+            "learn": Entry(
+                {"model": kvlcc2(), "log": [zigzag()], "spread": 0.1, "sensors": "basin"},
+                {"model": kvlcc2().with_coefficients(N_v=-0.12), "log": [zigzag(10.0)], "free": ("N_v",),
+                 "sensors": "vdr", "spread": 0.2, "gusts": True, "waterway": bent_waterway(length=9000.0),
+                 "window": 100.0},
+                answer=lambda found: found.to_dict(),
+            ),
             "learn_steady": Entry(
                 {"model": by_depth(), "observations": held_legs()},
                 {"model": surer, "observations": held_legs(0.05), "errors": nw.ReadingErrors(rudder_deg=2.0),

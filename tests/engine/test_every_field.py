@@ -13,9 +13,8 @@ import narrows as nw
 
 MADE = {
     "CaptiveTests", "Comparison", "DepthCorrected", "EnvelopeChange", "Explanation", "Fit", "Foresight", "InputError",
-    "Jacobian", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope", "Scaled",
-    "Sensitivities",
-    "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
+    "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
+    "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
 }  # fmt: skip
 """What functions return."""
 VOCABULARY = {

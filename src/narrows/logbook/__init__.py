@@ -8,8 +8,10 @@ from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.foresee import foresee as foresee
 from narrows.logbook.foresight import ForeseenTransit as ForeseenTransit
 from narrows.logbook.foresight import Foresight as Foresight
+from narrows.logbook.learn_log import learn as learn
 from narrows.logbook.learn_steady import learn_steady as learn_steady
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient
+from narrows.logbook.log_fit import LogFit as LogFit
 from narrows.logbook.plan_steady import plan_steady as plan_steady
 from narrows.logbook.planned_transit import Excursion as Excursion
 from narrows.logbook.reading.read_log import read_log as read_log

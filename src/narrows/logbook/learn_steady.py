@@ -13,8 +13,6 @@ from narrows.logbook.steady_readings import ReadingErrors, steady_readings
 from narrows.logbook.steady_update import SteadyProblem
 from narrows.model.model import Model
 
-HASHED = 12
-"""Digits of a hash that a model carries of its legs."""
 NO_COVARIANCE = (
     "this model has no covariance of its coefficients, so nothing says what a record may change; identify it from "
     "tests, or state one"
@@ -64,9 +62,8 @@ def learn_steady(
     mean, covariance = found.posterior.mean, found.posterior.covariance
     count = len(model.terms.names)
     learned = learned_coefficients(model, mean[:count], covariance[:count, :count])
-    source = f"learned from {readings.summary()} ({readings.source}, sha256 {readings.sha256[:HASHED]})"
     after = learned_model(
-        model, learned, covariance[:count, :count], source,
+        model, learned, covariance[:count, :count], f"learned from {readings.summary()} ({readings.source})",
         _ends(abs(readings.values["y"])), _ends(readings.values["u"]), checks.contradicted,
     )  # fmt: skip
     shared = shared_of(mean, covariance)

@@ -2,11 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.model.model import Model
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
 LEARNED_TO, SHARPENED_TO = 0.5, 0.9
@@ -69,6 +73,11 @@ class LearnedCoefficient:
         """The word, and of a bank's coefficient whose interval holds 0 that it is unresolved."""
         return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.holds_zero else self.word
 
+    def to_dict(self) -> dict[str, Any]:
+        """Give it by name."""
+        known = {"prior": self.prior, "prior_std": self.prior_std, "value": self.value, "std": self.std}
+        return {"name": self.name, "unit": self.unit, **known, "interval": list(self.interval), "verdict": self.verdict}
+
     def sentence(self) -> str:
         """Say what was learned of it."""
         low, high = self.interval
@@ -96,6 +105,23 @@ def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarra
         )
         for i, term in enumerate(prior.terms.terms)
     }  # fmt: skip
+
+
+def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.DataFrame":
+    """Return coefficients as a table: a row each, before and after (ours).
+
+    Parameters
+    ----------
+    coefficients : mapping of str to LearnedCoefficient
+        By name.
+    """
+    import pandas as pd
+
+    rows = [
+        (c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict) for c in coefficients.values()
+    ]
+    columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
+    return pd.DataFrame(rows, columns=columns, index=pd.Index(list(coefficients), name="coefficient"))
 
 
 def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray) -> list[tuple[str, str, float]]:

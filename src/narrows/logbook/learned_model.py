@@ -47,7 +47,7 @@ def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
     """Return what tests and record cover together (ours).
 
     In a section that no test had, the record alone says how far off the middle and how fast the bank was met; slower
-    than that, its force is less.
+    than that, its force is less. Where no bank is felt, speeds count alone.
 
     Parameters
     ----------
@@ -62,6 +62,9 @@ def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
     section = {"width_to_beam": configuration.canal.width / configuration.ship.beam}
     if configuration.canal.depth is not None:
         section["depth_to_draft"] = configuration.canal.depth / configuration.ship.draft
+    if not prior.feels_bank:
+        low, high = known.speed or speeds
+        return replace(known, speed=(min(speeds[0], low), max(speeds[1], high)))
     new = any(getattr(known, name) is None or known.outside(name, ratio) for name, ratio in section.items())
     slowest = min(speeds[0], (known.speed or speeds)[0])
     fastest = speeds[1] if new else max(speeds[1], (known.speed or speeds)[1])

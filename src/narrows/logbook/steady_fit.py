@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, pairs
+from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, coefficient_frame, pairs
 from narrows.logbook.standing import ON_TWINS
 from narrows.logbook.steady_checks import SteadyChecks
 from narrows.logbook.steady_conditions import UNKNOWN, SteadyConditions
@@ -113,11 +113,7 @@ class SteadyFit(Shown):
         return {
             "summary": self.summary(),
             "tells": self.tells,
-            "coefficients": [
-                {"name": c.name, "unit": c.unit, "prior": c.prior, "prior_std": c.prior_std, "value": c.value,
-                 "std": c.std, "interval": list(c.interval), "verdict": c.verdict}
-                for c in self.coefficients.values()
-            ],
+            "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
             "shared": [
                 {"name": name, "unit": SHARED[name][1], "value": value * SHARED[name][2], "std": std * SHARED[name][2],
                  "prior_std": before * SHARED[name][2]}
@@ -135,12 +131,7 @@ class SteadyFit(Shown):
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the coefficients as a table: a row each, before and after."""
-        import pandas as pd
-
-        rows = [(c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict)
-                for c in self.coefficients.values()]  # fmt: skip
-        columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
-        return pd.DataFrame(rows, columns=columns, index=pd.Index(list(self.coefficients), name="coefficient"))
+        return coefficient_frame(self.coefficients)
 
     def leg_rows(self) -> list[dict[str, Any]]:
         """Give a row a leg: what was read, where the ship most likely was, and how well the leg fits the others."""

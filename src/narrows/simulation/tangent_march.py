@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -125,7 +126,7 @@ class TangentMarch:
         surge, sway, yaw = (self.schedules[name] for name in PUSHED)
         return surge, sway, yaw
 
-    @property
+    @cached_property
     def _particulars(self) -> tuple[str, ...]:
         return tuple(self.ship.model.configuration.values())
 
@@ -205,21 +206,59 @@ class TangentMarch:
         return np.stack([column["x"], column["y"], turned, *(column[name] for name in ("u", "v", "r"))], axis=1)
 
     def _marched(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        system, moving = self._system, self.input_slopes()
-        module = system.tangent(tuple(filter(self._may_move, system.scalar.STEP_INPUTS)))
-        inputs = {LENGTH: 0.0, **self.march.inputs}
+        pushed = dict(zip(INPUTS.values(), self._pushes(times).T, strict=True))
+        whole = np.array([0, len(times) - 1])
+        return self.segments(np.array([self.start]), self.start_slopes()[None], whole, pushed, np.diff(times))
+
+    def segments(
+        self, starts: np.ndarray, start_slopes: np.ndarray, first: np.ndarray, orders: Mapping[str, np.ndarray],
+        lengths: np.ndarray, **others: float,
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        """Sail from several starts in one call; return what is kept, and its slopes, at each sample of each (ours).
+
+        Parameters
+        ----------
+        starts : array (segments, kept)
+            Where each begins.
+        start_slopes : array (segments, kept, by)
+            Of those.
+        first : array (segments + 1,)
+            The step with which each begins, and the last one's end.
+        orders : mapping of str to array (steps,)
+            Inputs of the lines that change from step to step, by name.
+        lengths : array (steps,) [s]
+            Of the steps.
+        **others : float
+            Inputs of the lines that are not those of the march.
+
+        Returns
+        -------
+        pair of array (steps + segments, kept) and (steps + segments, kept, by)
+            The samples of each segment, its end included, one segment after the other.
+        """
+        moving, module = self._input_slopes, self._module
+        inputs = {LENGTH: 0.0, **self.march.inputs, **others}
         values = np.array([float(inputs[name]) for name in module.INPUTS])
         along = np.array([moving.get(name, np.zeros(len(self.by))) for name in module.INPUTS[: module.MOVING]])
-        places = np.array([i for i, name in enumerate(module.INPUTS) if name in INPUTS.values()], np.int64)
-        orders = self._pushes(times)[:, [list(INPUTS.values()).index(module.INPUTS[i]) for i in places]]
-        count, by = len(times), len(self.by)
+        known = [name for name in module.INPUTS if name in orders]
+        places = np.array([module.INPUTS.index(name) for name in known], np.int64)
+        changing = np.array([orders[name] for name in known], float).reshape(len(known), len(lengths))
+        count, by = len(lengths) + len(starts), len(self.by)
         states, slopes = np.empty((count, module.KEPT)), np.empty((count, module.KEPT, by))
         module.march(
-            np.array([self.start]), self.start_slopes()[None], np.array([0, count - 1]), values,
-            along.reshape(module.MOVING, by), places, np.ascontiguousarray(orders), np.diff(times), 1,
+            np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
+            values, along.reshape(module.MOVING, by), places, np.ascontiguousarray(changing.T), lengths, 1,
             self.march.channel.water.table, states, slopes,
         )  # fmt: skip
         return states, slopes
+
+    @cached_property
+    def _input_slopes(self) -> dict[str, np.ndarray]:
+        return self.input_slopes()
+
+    @cached_property
+    def _module(self) -> ModuleType:
+        return self._system.tangent(tuple(filter(self._may_move, self._system.scalar.STEP_INPUTS)))
 
     def _may_move(self, name: str) -> bool:
         """Whether an input of the lines can have a slope: all that can have one, so that few modules are ever made."""

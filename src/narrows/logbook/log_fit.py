@@ -1,0 +1,218 @@
+"""The answer of a log: what it taught of the coefficients, what still comes from the prior, how well that foretells."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, coefficient_frame, pairs
+from narrows.logbook.record_answers import RecordAnswer
+from narrows.logbook.shooting.noise_left import NoiseLeft
+from narrows.logbook.standing import ON_TWINS
+from narrows.model.model import Model
+from narrows.results import Shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+IN_OPEN_WATER = "Identification in open water is held to measured manoeuvres."
+"""What stands beside the label of this room where no bank is felt."""
+UNLIKELY = 1e-3
+"""Probability under which log and prior are said to disagree."""
+FAR = 3.0
+"""Standard deviations before, from which a coefficient is named."""
+
+
+@dataclass(frozen=True)
+class Gusts:
+    """Pushes with a memory, as the records make them most likely.
+
+    Parameters
+    ----------
+    sway : float [m/s2]
+        Standard deviation of the acceleration.
+    yaw : float [rad/s2]
+        Likewise.
+    memory : float [s]
+        How long they stay.
+    correlation : float [1]
+        Between the two.
+    """
+
+    sway: float
+    yaw: float
+    memory: float
+    correlation: float
+
+
+@dataclass(frozen=True, repr=False)
+class LogFit(Shown):
+    """What a log taught.
+
+    Parameters
+    ----------
+    model : Model
+        The model that comes out.
+    prior : Model
+        The model before, with the covariance that it was given.
+    coefficients : mapping of str to LearnedCoefficient
+        Each before and after.
+    records : tuple of RecordAnswer
+        What each record did.
+    gusts : Gusts, optional
+        None where none were looked for.
+    noise : mapping of str to NoiseLeft
+        What the model leaves of each signal, in its unit.
+    disagreement : float [1]
+        Square of how far the log moved the coefficients, over what was to be expected.
+    freedom : int
+        How many combinations of coefficients the log tells.
+    probability : float [1]
+        Of at least such a disagreement where log and prior speak of one ship.
+    held : tuple of str
+        Coefficients of inertia that the log left as they were: what holds the others, for motion tells ratios.
+    about : tuple of str
+        What was taken for granted, and what was left out.
+    settled : bool
+        Whether the search came to rest.
+    """
+
+    model: Model
+    prior: Model
+    coefficients: Mapping[str, LearnedCoefficient]
+    records: tuple[RecordAnswer, ...]
+    gusts: Gusts | None
+    noise: Mapping[str, NoiseLeft]
+    disagreement: float
+    freedom: int
+    probability: float
+    held: tuple[str, ...]
+    about: tuple[str, ...]
+    settled: bool
+
+    def __repr__(self) -> str:
+        return f"<LogFit of {self.model.ship.name}: {self._size}>"
+
+    @property
+    def _size(self) -> str:
+        hours = sum(record.duration for record in self.records) / 3600
+        lasting = f"{hours:.3g} h" if hours >= 1 else f"{60 * hours:.3g} min"
+        return f"{len(self.records)} {'record' if len(self.records) == 1 else 'records'}, {lasting}"
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard error of each coefficient."""
+        return {name: coefficient.std for name, coefficient in self.coefficients.items()}
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """95 % interval of each coefficient."""
+        return {name: coefficient.interval for name, coefficient in self.coefficients.items()}
+
+    @property
+    def verdicts(self) -> dict[str, str]:
+        """What was learned of each coefficient, in a word or two."""
+        return {name: coefficient.verdict for name, coefficient in self.coefficients.items()}
+
+    @property
+    def tells(self) -> bool:
+        """Whether the log taught a coefficient: one of the bank, where the model feels one."""
+        asked = [c for c in self.coefficients.values() if c.from_bank or not self.prior.feels_bank]
+        return any(c.word == LEARNED for c in asked)
+
+    @property
+    def disagrees(self) -> bool:
+        """Whether log and prior speak of different ships, as far as they say."""
+        return self.probability < UNLIKELY
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What disagrees, what is known only as a pair, what was taken for granted or left out, what holds the rest."""
+        together = [
+            f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
+            for name, other, by in pairs(self.coefficients, np.asarray(self.model.covariance))
+        ]
+        inertia = (
+            f"Motion tells of forces over inertia: {', '.join(self.held)} "
+            f"{'holds' if len(self.held) == 1 else 'hold'} the rest, as before the log."
+        )
+        search = ("The search did not come to rest; take the numbers with care.",) * (not self.settled)
+        open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
+        return (*search, *self._disagreement, *together, inertia, *self.about, *open_water, ON_TWINS)
+
+    @property
+    def _disagreement(self) -> tuple[str, ...]:
+        if not self.disagrees:
+            return ()
+        far = [c for c in self.coefficients.values() if c.prior_std > 0 and abs(c.value - c.prior) > FAR * c.prior_std]
+        named = f", most of all {', '.join(c.name for c in far)}" if far else ""
+        return (
+            f"The log and what was known before disagree{named}: a sum of squares of {self.disagreement:.0f}, "
+            f"{self.freedom} expected. One of them errs, or their errors are larger than they say.",
+        )
+
+    def summary(self) -> str:
+        """Say what was learned, what still comes from the prior, and how much better the model foretells."""
+        bank = [c for c in self.coefficients.values() if c.from_bank and c.prior_std > 0]
+        learned = [c.name for c in self.coefficients.values() if c.word == LEARNED and not c.from_bank]
+        open_still = [c.name for c in self.coefficients.values() if c.word == PRIOR and c.prior_std > 0]
+        told = [c.sentence() for c in bank if c.word != PRIOR]
+        told += [f"learned: {', '.join(learned)}"] if learned else []
+        first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
+        rest = f" From the prior still: {', '.join(open_still)}." if open_still else ""
+        return "\n".join(filter(None, (first + rest, self._foretold, self._gusty, ON_TWINS)))
+
+    @property
+    def _foretold(self) -> str:
+        before, after = self.missed("psi")
+        if not np.isfinite([before, after]).all():
+            return ""
+        words = f"Forecasts over 3.5 ship lengths miss the heading by {np.degrees(after):.2g} deg"
+        return f"{words} on records that were left out, {np.degrees(before):.2g} deg before."
+
+    @property
+    def _gusty(self) -> str:
+        if self.gusts is None:
+            return ""
+        return (
+            f"Gusts of {self.gusts.sway:.2g} m/s2 and {self.gusts.yaw:.2g} rad/s2 that stay {self.gusts.memory:.0f} s "
+            "act beside the model (standard deviations)."
+        )
+
+    def missed(self, state: str) -> tuple[float, float]:
+        """Return what forecasts miss over all records, before and after, each record left out in turn.
+
+        Parameters
+        ----------
+        state : {"y", "psi", "r"}
+            Of what, in SI.
+        """
+        rows = np.array([record.missed[state] for record in self.records]).reshape(-1, 2)
+        rows = rows[np.isfinite(rows).all(axis=1)]
+        before, after = np.sqrt(np.mean(rows**2, axis=0)).tolist() if len(rows) else (np.nan, np.nan)
+        return before, after
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: part of what ``learn --json`` prints."""
+        return {
+            "summary": self.summary(),
+            "tells": self.tells,
+            "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
+            "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability},
+            "gusts": None if self.gusts is None else vars(self.gusts),
+            "noise": {name: {"size": left.size, "memory": left.memory, "outliers": left.beyond}
+                      for name, left in self.noise.items()},
+            "records": [
+                {"name": r.name, "duration": r.duration, "windows": r.windows, "zeros": r.zeros,
+                 "information": r.information, "moved": r.moved,
+                 "missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
+                for r in self.records
+            ],
+            "settled": self.settled,
+            "notes": list(self.notes),
+        }  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, before and after."""
+        return coefficient_frame(self.coefficients)

@@ -1,0 +1,109 @@
+"""What is known of all coefficients after a log: normal, by the information of the records and the prior."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.logbook.shooting.log_problem import CoefficientPrior
+from narrows.logbook.shooting.log_search import Found
+from narrows.model.model import Model
+
+TOLD = 1e-3
+"""Of a variance before, what a log takes away at least where it tells something."""
+
+
+@dataclass(frozen=True)
+class LogPosterior:
+    """Coefficients after a log.
+
+    Parameters
+    ----------
+    values : array (n,)
+        All of them, in the order of the table.
+    covariance : array (n, n)
+        Of them.
+    scaled : array (p, p) [1]
+        Covariance of those that were solved for, in units of their standard deviations before.
+    disagreement : float [1]
+        Square of how far the log moved them, over what was to be expected of it.
+    freedom : int
+        How many combinations of them the log tells.
+    """
+
+    values: np.ndarray
+    covariance: np.ndarray
+    scaled: np.ndarray
+    disagreement: float
+    freedom: int
+
+    @property
+    def probability(self) -> float:
+        """Of at least such a disagreement where log and prior speak of one ship."""
+        from scipy.stats import chi2
+
+        return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
+
+
+def log_posterior(model: Model, before: np.ndarray, prior: CoefficientPrior, found: Found) -> LogPosterior:
+    """Return what is known after a log (Bayes; of coefficients that were held, that they may be wrong).
+
+    Parameters
+    ----------
+    model : Model
+        Before.
+    before : array (n, n)
+        Covariance of its coefficients.
+    prior : CoefficientPrior
+        Of those that were solved for.
+    found : Found
+        What the records tell.
+    """
+    scaled = scaled_covariance(prior, found.information)
+    shift, known = prior.scale * found.scaled, scaled * np.outer(prior.scale, prior.scale)
+    weights = _weights(model, before, prior)
+    places = [model.terms.names.index(name) for name in prior.names]
+    covariance = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
+    values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ shift
+    disagreement, freedom = _disagreement(prior, scaled, found.scaled)
+    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom)
+
+
+def scaled_covariance(prior: CoefficientPrior, information: np.ndarray) -> np.ndarray:
+    """Return the covariance in units of the standard deviations before, (p, p) (ours).
+
+    Parameters
+    ----------
+    prior : CoefficientPrior
+        Which coefficients move, and what is known of them.
+    information : array (p, p) [1]
+        Of the records.
+    """
+    moves, held = prior.moves, ~prior.moves
+    whole = information + prior.precision
+    free = np.linalg.inv(whole[np.ix_(moves, moves)])
+    correlation = np.linalg.inv(prior.precision)
+    pulled = -free @ whole[np.ix_(moves, held)] @ correlation[np.ix_(held, held)]
+    covariance = correlation.copy()
+    covariance[np.ix_(moves, held)], covariance[np.ix_(held, moves)] = pulled, pulled.T
+    covariance[np.ix_(moves, moves)] = free - pulled @ whole[np.ix_(held, moves)] @ free
+    return (covariance + covariance.T) / 2
+
+
+def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.ndarray:
+    """How every coefficient goes with those that were solved for: ties, and what the prior says of the others."""
+    names = model.terms.names
+    places = [names.index(name) for name in prior.names]
+    across = before[:, places] / prior.scale @ prior.precision / prior.scale
+    for place, group in enumerate(prior.groups):
+        for name in group:
+            across[names.index(name)] = np.eye(len(places))[place]
+    return np.asarray(across)
+
+
+def _disagreement(prior: CoefficientPrior, after: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
+    """Squares of how far the log moved combinations, over the variance that it took from them."""
+    moves = prior.moves
+    taken = (np.linalg.inv(prior.precision) - after)[np.ix_(moves, moves)]
+    sizes, axes = np.linalg.eigh(taken)
+    told = sizes > TOLD
+    return float(np.sum((axes.T @ moved[moves])[told] ** 2 / sizes[told])), int(told.sum())

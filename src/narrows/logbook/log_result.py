@@ -1,0 +1,66 @@
+"""From a search that is done to its answer."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from narrows.logbook.grid_source import GridSource
+from narrows.logbook.learned_coefficient import learned_coefficients
+from narrows.logbook.learned_model import learned_model
+from narrows.logbook.log_fit import Gusts, LogFit
+from narrows.logbook.log_posterior import log_posterior
+from narrows.logbook.record_answers import record_answers
+from narrows.logbook.refined_search import Refined
+from narrows.logbook.shooting.push_chain import SWAY, YAW, WindowChain
+from narrows.model.data_range import Range
+from narrows.model.model import Model
+from narrows.terms.about import TermKind
+
+
+def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridSource, name: str) -> LogFit:
+    """Return the answer of a search (ours).
+
+    Parameters
+    ----------
+    model : Model
+        Before.
+    before : array (n, n)
+        Covariance of its coefficients.
+    refined : Refined
+        The search.
+    source : GridSource
+        The records.
+    name : str
+        Of the log, for the source of the model.
+    """
+    found, prior = refined.found, replace(model, covariance=before)
+    after = log_posterior(model, before, refined.problem.prior, found)
+    learned = learned_coefficients(prior, after.values, after.covariance)
+    answers = record_answers(refined, source)
+    source_text = f"learned from {len(answers)} records of the ship itself ({name})"
+    stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
+    return LogFit(
+        learned_model(prior, learned, after.covariance, source_text, *_ranges(refined)), prior, learned, answers,
+        _gusts(refined.problem.chain), refined.left, after.disagreement, after.freedom, after.probability,
+        _inertia(model), (*source.left_out, *stopped * found.interrupted), found.settled,
+    )  # fmt: skip
+
+
+def _inertia(model: Model) -> tuple[str, ...]:
+    """Coefficients of inertia, one for each that are tied."""
+    seconds = {second for _, second in model.terms.ties}
+    return tuple(term.name for term in model.terms.terms if term.kind == TermKind.INERTIA and term.name not in seconds)
+
+
+def _ranges(refined: Refined) -> tuple[Range, Range]:
+    """Distances off the middle, and speeds."""
+    starts = np.concatenate([told.own.starts for told in refined.found.told])
+    offsets, speeds = np.abs(starts[:, 1]), np.abs(starts[:, 3])
+    return (float(offsets.min()), float(offsets.max())), (float(speeds.min()), float(speeds.max()))
+
+
+def _gusts(chain: WindowChain) -> Gusts | None:
+    if SWAY not in chain.names:
+        return None
+    sway, yaw = chain.names.index(SWAY), chain.names.index(YAW)
+    return Gusts(float(chain.std[sway]), float(chain.std[yaw]), float(chain.memory[sway]), float(chain.correlation))

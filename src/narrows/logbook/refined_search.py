@@ -1,0 +1,141 @@
+"""The search with noise and gusts estimated between: until neither moves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.logbook.grid_source import GridSource
+from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_chain
+from narrows.logbook.shooting.first_guess import first_guess
+from narrows.logbook.shooting.log_problem import LogProblem
+from narrows.logbook.shooting.log_search import ENOUGH, NEARLY_ENOUGH, Found, RecordState, searched
+from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
+from narrows.logbook.shooting.window_links import WindowLinks
+from narrows.logbook.shooting.window_scatter import overdispersion
+from narrows.progress import stage
+
+ROUNDS, SETTLED = 5, 0.1
+"""Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
+SAMPLES, SAMPLES_ALONE = 8, 64
+"""Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
+WORSE = 1.2
+"""Over the noise of a grade, from which what is left of a signal counts instead."""
+RUNS_AWAY = (
+    "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
+)
+
+
+@dataclass(frozen=True)
+class Refined:
+    """A search that is done.
+
+    Parameters
+    ----------
+    problem : LogProblem
+        With the noise and the gusts that were found.
+    found : Found
+        Coefficients, and what each record tells.
+    states : tuple of RecordState
+        Where each record stands.
+    left : mapping of str to NoiseLeft
+        What the model leaves of each signal.
+    """
+
+    problem: LogProblem
+    found: Found
+    states: tuple[RecordState, ...]
+    left: dict[str, NoiseLeft]
+
+
+def refined_search(problem: LogProblem, source: GridSource) -> Refined:
+    """Search for coefficients, noise and gusts (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    source : GridSource
+        The records.
+
+    Raises
+    ------
+    InputError
+        Where no record can be used, or the model cannot follow them.
+    """
+    scaled = np.zeros(len(problem.prior.groups))
+    states = _begun(problem, source, scaled)
+    if not states:
+        raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")
+    sampled, least = _sampled(len(states), problem.linked), source.assumptions.least_noise
+    for _ in range(ROUNDS):
+        found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH)
+        if found.interrupted:
+            return Refined(problem, found, tuple(states), noise_left(source, found))
+        after = _reestimated(problem, source, states, found, least)
+        problem, scaled, moved = after, found.scaled, _moved(problem, after)
+        if moved < SETTLED:
+            break
+    found = _searched(problem, scaled, source, states, sampled, ENOUGH)
+    return Refined(problem, found, tuple(states), noise_left(source, found))
+
+
+def _searched(
+    problem: LogProblem, scaled: np.ndarray, source: GridSource, states: Sequence[RecordState], sampled: frozenset[int],
+    enough: float,
+) -> Found:  # fmt: skip
+    with stage("fitting the records"):
+        found = searched(problem, scaled, source, states, sampled, enough)
+    if found is None:
+        raise InputError(RUNS_AWAY)
+    return found
+
+
+def _begun(problem: LogProblem, source: GridSource, scaled: np.ndarray) -> list[RecordState]:
+    motion, states = problem.at(scaled), []
+    for grid in source:
+        own = first_guess(problem, grid)
+        links = WindowLinks.of(problem, motion, scaled, grid, own) if problem.linked else None
+        states.append(RecordState(own, links))
+    return states
+
+
+def _sampled(count: int, linked: bool) -> frozenset[int]:
+    most = min(count, SAMPLES if linked else SAMPLES_ALONE)
+    return frozenset(np.linspace(0, count - 1, most).round().astype(int).tolist())
+
+
+def _reestimated(
+    problem: LogProblem, source: GridSource, states: Sequence[RecordState], found: Found, least: dict[str, float]
+) -> LogProblem:
+    """Noise of the grade, or what the model leaves where that is more; gusts by their likelihood."""
+    left = noise_left(source, found)
+    if not problem.linked:
+        return problem.with_noise(_noise_alone(problem, found, left, least))
+    noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
+    problem = problem.with_noise(noise)
+    samples = [
+        ChainSample(grid, told, state.links)
+        for grid, told, state in zip(source, found.told, states, strict=False)
+        if told.best is not None and state.links is not None
+    ]
+    return replace(problem, chain=most_likely_chain(problem, samples, found.scaled))
+
+
+def _noise_alone(
+    problem: LogProblem, found: Found, left: dict[str, NoiseLeft], least: dict[str, float]
+) -> dict[str, float]:
+    """Noise where windows stand alone: the model's own error is in it, its memory, and how windows disagree."""
+    counted = {name: max(least[name], own.counted) for name, own in left.items()}
+    before = np.mean([np.log(problem.noise[name] / size) for name, size in counted.items()])
+    windows = (told.best.found for told in found.told if told.best is not None)
+    factor = np.sqrt(max(1.0, overdispersion(problem, windows) * float(np.exp(2 * before))))
+    return {name: float(factor * size) for name, size in counted.items()}
+
+
+def _moved(before: LogProblem, after: LogProblem) -> float:
+    """The largest change of a logarithm."""
+    pairs = [(before.noise[name], size) for name, size in after.noise.items()]
+    pairs += list(zip(before.chain.std.tolist(), after.chain.std.tolist(), strict=True))
+    return max((abs(float(np.log(new / old))) for old, new in pairs if old > 0 and new > 0), default=0.0)

@@ -1,0 +1,63 @@
+"""Where a search begins: what a record says of the states itself, smoothed."""
+
+import numpy as np
+
+from narrows.logbook.shooting.log_problem import LogProblem
+from narrows.logbook.shooting.record_grid import Readings, RecordGrid
+from narrows.logbook.shooting.window_equations import RecordUnknowns
+
+NODES = 9
+"""That are averaged."""
+SPIKES = 5
+"""Readings among which the middle one is taken."""
+
+
+def first_guess(problem: LogProblem, grid: RecordGrid) -> RecordUnknowns:
+    """Return starts from the record itself, nothing of the chain, no zeros (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    grid : RecordGrid
+        The record.
+    """
+    place = {name: _at_nodes(grid, read) for name, read in grid.readings.items() if len(read.values)}
+    x, y = (smoothed(place[name]) if name in place else np.zeros(len(grid.times)) for name in ("x", "y"))
+    along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
+    psi = smoothed(place["psi"]) if "psi" in place else np.unwrap(np.arctan2(across, along))
+    cosine, sine = np.cos(psi), np.sin(psi)
+    guessed = {
+        "u": along * cosine + across * sine,
+        "v": across * cosine - along * sine,
+        "r": np.gradient(psi, grid.times),
+    }
+    for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
+        guessed[name] = next((smoothed(place[other]) for other in others if other in place), guessed[name])
+    states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)[grid.first[:-1]]
+    return RecordUnknowns(states, np.zeros((len(grid), len(problem.chain.names))), np.zeros(len(problem.zeros)))
+
+
+def _at_nodes(grid: RecordGrid, read: Readings) -> np.ndarray:
+    """Readings at the nodes, straight between them, spikes cut off."""
+    from scipy.ndimage import median_filter
+
+    t = grid.times[grid.first[read.window]] + read.elapsed
+    return np.asarray(np.interp(grid.times, t, median_filter(read.values, SPIKES, mode="nearest")))
+
+
+def smoothed(column: np.ndarray, nodes: int = NODES) -> np.ndarray:
+    """Return means of a few nodes, straight on at the ends (ours).
+
+    Parameters
+    ----------
+    column : array (n,)
+        At even times.
+    nodes : int
+        An odd number.
+    """
+    width = min(nodes, len(column) // 2 * 2 - 1)
+    if width < 3:
+        return column
+    padded = np.pad(column, width // 2, mode="reflect", reflect_type="odd")
+    return np.convolve(padded, np.ones(width) / width, "valid")

@@ -1,0 +1,146 @@
+"""What each signal of a record says of the state of a ship, and its slopes."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+CURRENT_X, CURRENT_Y = "current_x", "current_y"
+"""The current along the axes [m/s], which enters what is told over ground."""
+ERROR = "{}_error".format
+"""What the constant error of a signal is called."""
+
+
+class PredictedSignal(NamedTuple):
+    """A signal as the state predicts it.
+
+    Parameters
+    ----------
+    value : array (n,)
+        In the unit of the signal.
+    by_state : mapping of int to array (n,)
+        Slopes by those of x, y, psi, u, v, r that it depends on.
+    by_error : mapping of str to array (n,)
+        Slopes by errors of the sensors and by the current.
+    """
+
+    value: np.ndarray
+    by_state: Mapping[int, np.ndarray]
+    by_error: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class SeenStates:
+    """States at the times of the readings of a signal.
+
+    Parameters
+    ----------
+    states : array (n, 6)
+        x, y, psi, u, v, r.
+    drifted : array (n,) [s]
+        How long the current has carried the ship off these since the window began; 0 where the motion knows it.
+    errors : mapping of str to array (n,) or float
+        Errors of the sensors, and the current; 0 where nothing is said.
+    antenna : pair of float [m]
+        Forward and to starboard of midship.
+    """
+
+    states: np.ndarray
+    drifted: np.ndarray
+    errors: Mapping[str, np.ndarray | float]
+    antenna: tuple[float, float]
+
+    def error(self, name: str) -> np.ndarray | float:
+        """Return an error, 0 where nothing is said of it.
+
+        Parameters
+        ----------
+        name : str
+            Of it.
+        """
+        return self.errors.get(name, 0.0)
+
+
+ONE = np.ones(1)
+Predicting = Callable[[SeenStates], PredictedSignal]
+
+
+def _x(at: SeenStates) -> PredictedSignal:
+    cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
+    forward, starboard = at.antenna
+    value = at.states[:, 0] + forward * cosine - starboard * sine + at.error(CURRENT_X) * at.drifted
+    by_state = {0: ONE, 2: -forward * sine - starboard * cosine}
+    return PredictedSignal(value + at.error(ERROR("x")), by_state, {CURRENT_X: at.drifted, ERROR("x"): ONE})
+
+
+def _y(at: SeenStates) -> PredictedSignal:
+    cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
+    forward, starboard = at.antenna
+    value = at.states[:, 1] + forward * sine + starboard * cosine + at.error(CURRENT_Y) * at.drifted
+    by_state = {1: ONE, 2: forward * cosine - starboard * sine}
+    return PredictedSignal(value + at.error(ERROR("y")), by_state, {CURRENT_Y: at.drifted, ERROR("y"): ONE})
+
+
+def _state(name: str, column: int) -> Predicting:
+    """A signal that is a state."""
+    error = ERROR(name)
+    return lambda at: PredictedSignal(at.states[:, column] + at.error(error), {column: ONE}, {error: ONE})
+
+
+def _over_ground(at: SeenStates) -> tuple[PredictedSignal, PredictedSignal]:
+    """Velocities over ground along and across the ship."""
+    psi, u, v = at.states[:, 2], at.states[:, 3], at.states[:, 4]
+    cosine, sine = np.cos(psi), np.sin(psi)
+    x, y = at.error(CURRENT_X), at.error(CURRENT_Y)
+    along, across = cosine * x + sine * y, cosine * y - sine * x
+    return (
+        PredictedSignal(u + along, {2: across, 3: ONE}, {CURRENT_X: cosine, CURRENT_Y: sine}),
+        PredictedSignal(v + across, {2: -along, 4: ONE}, {CURRENT_X: -sine, CURRENT_Y: cosine}),
+    )
+
+
+def _of_velocity(place: int, name: str) -> Predicting:
+    def predicted(at: SeenStates) -> PredictedSignal:
+        return _with_error(_over_ground(at)[place], at, name)
+
+    return predicted
+
+
+def _speed(at: SeenStates) -> PredictedSignal:
+    along, across = _over_ground(at)
+    speed = np.maximum(np.hypot(along.value, across.value), 1e-9)
+    seen = _combined(speed, along.value / speed, along, across.value / speed, across)
+    return _with_error(seen, at, "speed_over_ground")
+
+
+def _course(at: SeenStates) -> PredictedSignal:
+    along, across = _over_ground(at)
+    square = np.maximum(along.value**2 + across.value**2, 1e-12)
+    value = at.states[:, 2] + np.arctan2(across.value, along.value)
+    seen = _combined(value, -across.value / square, along, along.value / square, across)
+    turned = PredictedSignal(seen.value, {**seen.by_state, 2: seen.by_state[2] + 1.0}, seen.by_error)
+    return _with_error(turned, at, "course")
+
+
+def _with_error(seen: PredictedSignal, at: SeenStates, name: str) -> PredictedSignal:
+    error = ERROR(name)
+    return PredictedSignal(seen.value + at.error(error), seen.by_state, {**seen.by_error, error: ONE})
+
+
+def _combined(
+    value: np.ndarray, by_one: np.ndarray, one: PredictedSignal, by_other: np.ndarray, other: PredictedSignal
+) -> PredictedSignal:
+    """What depends on two signals has the slopes of both."""
+    none = np.zeros(1)
+    state = {i: by_one * one.by_state.get(i, none) + by_other * other.by_state.get(i, none) for i in (2, 3, 4)}
+    error = {name: by_one * slope + by_other * other.by_error[name] for name, slope in one.by_error.items()}
+    return PredictedSignal(value, state, error)
+
+
+PREDICTED: Mapping[str, Predicting] = {
+    "x": _x, "y": _y, "psi": _state("psi", 2), "r": _state("r", 5), "u": _state("u", 3), "v": _state("v", 4),
+    "u_ground": _of_velocity(0, "u_ground"), "v_ground": _of_velocity(1, "v_ground"),
+    "speed_over_ground": _speed, "course": _course,
+}  # fmt: skip
+"""How each signal that the motion is held to is predicted."""

@@ -1,0 +1,110 @@
+"""What changes from window to window: first-order processes, constant in each window.
+
+A gust has a memory and the pilot answers it; a reading wanders; what the rudder's indicator misses comes and goes. Each
+is a number a window, correlated from window to window by its memory, sway and yaw by one correlation.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+SWAY, YAW = "Y", "N"
+
+
+@dataclass(frozen=True)
+class WindowChain:
+    """First-order processes, constant in each window.
+
+    Parameters
+    ----------
+    names : tuple of str
+        X, Y or N, as accelerations; ``rudder_offset``; ``y_error`` ...
+    std : array (n,)
+        Standard deviation of each, in the unit of what it adds to.
+    memory : array (n,) [s]
+        How long each stays; 0 where windows have nothing to do with each other.
+    correlation : float [1]
+        Between the pushes in sway and in yaw.
+    """
+
+    names: tuple[str, ...] = ()
+    std: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    memory: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    correlation: float = 0.0
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of one window, (n, n)."""
+        matrix = np.diag(self.std**2)
+        if SWAY in self.names and YAW in self.names:
+            i, j = self.names.index(SWAY), self.names.index(YAW)
+            matrix[i, j] = matrix[j, i] = self.correlation * self.std[i] * self.std[j]
+        return matrix
+
+    def kept(self, window: float) -> np.ndarray:
+        """Return what of each stays from one window to the next, (n,) [1].
+
+        Parameters
+        ----------
+        window : float [s]
+            From one to the next.
+        """
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.exp(-window / self.memory))
+
+    def innovations(self, window: float) -> np.ndarray:
+        """Return the covariance of what is new in a window, (n, n).
+
+        Parameters
+        ----------
+        window : float [s]
+            From one to the next.
+        """
+        kept = self.kept(window)
+        return np.asarray(self.covariance * (1 - np.outer(kept, kept)))
+
+    def within(self, place: int, steps: int, step: float) -> np.ndarray:
+        """Return how a process of unit size strays within a window from its mean there, (steps, steps).
+
+        Parameters
+        ----------
+        place : int
+            Of the process.
+        steps : int
+            In a window.
+        step : float [s]
+            Its length.
+        """
+        memory, about = self.memory[place], np.eye(steps) - 1.0 / steps
+        if memory == 0:
+            return about * steps
+        t = step * np.arange(steps)
+        return np.asarray(about @ np.exp(-np.abs(t[:, None] - t) / memory) @ about)
+
+    def with_pushes(self, std: dict[str, float], memory: float, correlation: float) -> "WindowChain":
+        """Return the chain with other pushes.
+
+        Parameters
+        ----------
+        std : dict of str to float
+            Of X, Y, N, as accelerations.
+        memory : float [s]
+            Of all of them.
+        correlation : float [1]
+            Between sway and yaw.
+        """
+        sizes = np.array([std.get(name, size) for name, size in zip(self.names, self.std, strict=True)])
+        stays = np.array([memory if name in std else own for name, own in zip(self.names, self.memory, strict=True)])
+        return WindowChain(self.names, sizes, stays, correlation)
+
+
+def bounded_correlation(free: float) -> float:
+    """Return a correlation of a free number, short of one (ours).
+
+    Parameters
+    ----------
+    free : float [1]
+        Any.
+    """
+    return 0.995 * math.tanh(free)

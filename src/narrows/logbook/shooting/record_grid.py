@@ -1,0 +1,189 @@
+"""A record on even times: where its steps and windows begin, where its actuators are, what was read between."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook.signals import TURNING, Signal
+
+READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
+"""Signals that the motion is held to."""
+GAP = 3.0
+"""Usual times between two values, over which nothing is drawn straight from one to the next."""
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What one signal says, by the step that each value lies in.
+
+    Parameters
+    ----------
+    values : array (n,)
+        In the unit of the signal.
+    window : array (n,) of int
+        In which each lies.
+    row : array (n,) of int
+        The node before each, where the nodes of all windows stand one after the other, their ends included.
+    share : array (n,) [1]
+        Of the step that is over.
+    elapsed : array (n,) [s]
+        Since the window began.
+    counted : array (n,)
+        How many values each is the mean of.
+    """
+
+    values: np.ndarray
+    window: np.ndarray
+    row: np.ndarray
+    share: np.ndarray
+    elapsed: np.ndarray
+    counted: np.ndarray
+
+
+@dataclass(frozen=True)
+class RecordGrid:
+    """A record, cut into steps and windows.
+
+    Parameters
+    ----------
+    record : ShipRecord
+        What was recorded.
+    times : array (nodes,) [s]
+        Ends of the steps.
+    first : array (windows + 1,) of int
+        The node at which each window begins, and the last one ends.
+    whole : array (windows,) of bool
+        Whether the actuators are known all through it.
+    positions : mapping of str to array (nodes,)
+        Of the actuators at the nodes.
+    readings : mapping of str to Readings
+        By signal; of whole windows alone.
+    """
+
+    record: ShipRecord
+    times: np.ndarray
+    first: np.ndarray
+    whole: np.ndarray
+    positions: Mapping[str, np.ndarray]
+    readings: Mapping[str, Readings]
+
+    def __len__(self) -> int:
+        """How many windows."""
+        return len(self.first) - 1
+
+    @property
+    def step(self) -> float:
+        """Length of a step [s]."""
+        return float(self.times[1] - self.times[0])
+
+    @property
+    def window(self) -> float:
+        """Length of a window [s]."""
+        return float(self.times[self.first[1]] - self.times[self.first[0]])
+
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """The window of each node, the ends of windows included, (nodes + windows - 1,)."""
+        return np.repeat(np.arange(len(self)), np.diff(self.first) + 1)
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """What puts the readings of all signals, one after the other, into the order of their windows."""
+        return np.argsort(np.concatenate([read.window for read in self.readings.values()]), kind="stable")
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Where the readings of each window begin in that order, and the last ones end, (windows + 1,)."""
+        windows = np.concatenate([read.window for read in self.readings.values()])[self.order]
+        return np.asarray(np.searchsorted(windows, np.arange(len(self) + 1)))
+
+
+def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
+    """Return a record on even times (ours).
+
+    Values finer than a step are averaged over it, what is coarser stays where it is.
+
+    Parameters
+    ----------
+    record : ShipRecord
+        What was recorded.
+    step : float [s]
+        Between nodes.
+    window : float [s]
+        Of a window.
+    usual : mapping of str to float
+        The actuators, each with where it is if nothing was recorded of it.
+
+    Raises
+    ------
+    InputError
+        Where the record is shorter than two windows.
+    """
+    read = {name: record[name] for name in READ if name in record and len(record[name])}
+    moved = {name: record[name] for name in usual if name in record and len(record[name])}
+    if not read:
+        raise InputError(f"record {record.name} holds nothing of the ship's motion; give x, y, psi or r")
+    begun = max(min(s.t.min() for s in read.values()), max((s.t.min() for s in moved.values()), default=-np.inf))
+    ended = min(max(s.t.max() for s in read.values()), min((s.t.max() for s in moved.values()), default=np.inf))
+    count = int((ended - begun) / step + 1e-9)
+    each = max(2, round(window / step))
+    if count < 2 * each:
+        raise InputError(f"record {record.name} lasts {ended - begun:.0f} s, less than two windows; leave it out")
+    times = begun + step * np.arange(count + 1)
+    first = np.append(np.arange(0, count - each // 2, each), count)
+    positions = {
+        name: _at_nodes(moved[name], times) if name in moved else np.full(count + 1, at) for name, at in usual.items()
+    }
+    whole = np.ones(len(first) - 1, bool)
+    for signal in moved.values():
+        whole &= _is_whole(signal, times[first], max(GAP * signal.step, step))
+    readings = {name: _readings(name, signal, times, first, whole) for name, signal in read.items()}
+    return RecordGrid(record, times, first, whole, positions, readings)
+
+
+def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
+    """Positions at the nodes: means over a step where values are finer, straight between them where coarser."""
+    step = times[1] - times[0]
+    if signal.step > step / 2:
+        return np.asarray(np.interp(times, signal.t, signal.values))
+    edges = np.append(times - step / 2, times[-1] + step / 2)
+    place = np.searchsorted(edges, signal.t) - 1
+    inside = (place >= 0) & (place < len(times))
+    count = np.bincount(place[inside], minlength=len(times))
+    total = np.bincount(place[inside], signal.values[inside], minlength=len(times))
+    straight = np.interp(times, signal.t, signal.values)
+    return np.where(count > 0, total / np.maximum(count, 1), straight)
+
+
+def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
+    """Whether no gap lies in a window."""
+    open_ = np.flatnonzero(np.diff(signal.t) > longest)
+    whole = np.ones(len(edges) - 1, bool)
+    for i in open_:
+        low, high = np.searchsorted(edges, (signal.t[i], signal.t[i + 1]))
+        whole[max(low - 1, 0) : high] = False
+    return whole
+
+
+def _readings(name: str, signal: Signal, times: np.ndarray, first: np.ndarray, whole: np.ndarray) -> Readings:
+    step, steps = times[1] - times[0], len(times) - 1
+    values = np.unwrap(signal.values) if name in TURNING else signal.values
+    inside = (signal.t >= times[0]) & (signal.t < times[-1])
+    t, values = signal.t[inside], values[inside]
+    counted = np.ones(len(t))
+    if signal.step <= step / 2:
+        place = np.minimum(((t - times[0]) / step).astype(int), steps - 1)
+        number = np.bincount(place, minlength=steps)
+        told = number > 0
+        counted = number[told].astype(float)
+        t, values = (np.bincount(place, column, minlength=steps)[told] / counted for column in (t, values))
+    position = (t - times[0]) / step
+    before = np.minimum(position.astype(int), steps - 1)
+    window = np.searchsorted(first, before, side="right") - 1
+    kept = whole[window]
+    read = Readings(values, window, before + window, position - before, t - times[first[window]], counted)
+    return Readings(*(getattr(read, entry.name)[kept] for entry in fields(Readings)))

@@ -1,0 +1,155 @@
+"""The motion of a ship as its record says that it was steered, window by window, with exact slopes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from narrows.codegen.choices import COUNTED
+from narrows.codegen.free_motion import INPUTS as PUSHED
+from narrows.logbook.shooting.recorded_helm import RECORDED, RUDDER, RUDDER_OFFSET, RecordedHelm, unlimited
+from narrows.model.model import Model
+from narrows.simulation.steering import PARAMETER
+from narrows.simulation.tangent_march import TangentMarch
+
+STATES = ("x", "y", "psi", "u", "v", "r")
+PUSHES = ("X", "Y", "N")
+CURRENT = "current"
+"""Of a waterway, along its line."""
+
+
+@dataclass(frozen=True)
+class RecordedMotion:
+    """A model that is sailed as ships were steered.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    positions : mapping of str to float
+        Actuators that follow a record, each with a position that is usual.
+    coefficients : tuple of str
+        What the motion is differentiated by, beside the starts of the windows, the pushes and the rudder's zero.
+    choices : mapping of str to object
+        As for ``simulate``: surge, contact, waterway, u.
+    """
+
+    model: Model
+    positions: Mapping[str, float]
+    coefficients: tuple[str, ...]
+    choices: Mapping[str, Any]
+
+    @cached_property
+    def directions(self) -> tuple[str, ...]:
+        """What slopes are by, in their order."""
+        offset = (RUDDER_OFFSET,) if RUDDER in self.positions else ()
+        current = (CURRENT,) if self.choices.get("waterway") is not None else ()
+        return (*STATES, *PUSHES, *offset, *current, *self.coefficients)
+
+    @cached_property
+    def march(self) -> TangentMarch:
+        """Its lines and numbers."""
+        helm = RecordedHelm(dict(self.positions))
+        return TangentMarch.of(self.model, self.directions, {**self.choices, **self.positions, "controller": helm})
+
+    def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
+        """Return the motion with other coefficients.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            By name.
+        """
+        model = self.model.with_coefficients(**values)
+        return replace(self, model=model)
+
+    def sailed(
+        self, starts: np.ndarray, pushes: np.ndarray, first: np.ndarray, times: np.ndarray,
+        positions: Mapping[str, np.ndarray], offset: np.ndarray, current: float = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        """Sail every window of a record from its own start.
+
+        Parameters
+        ----------
+        starts : array (windows, 6)
+            x, y [m], psi [rad], u, v [m/s], r [rad/s].
+        pushes : array (windows, 3) [N, N, N m]
+            X, Y and N from elsewhere, through the window.
+        first : array (windows + 1,)
+            The node at which each window begins, and the last one ends.
+        times : array (nodes,) [s]
+            Of the nodes.
+        positions : mapping of str to array (nodes,)
+            Of the actuators.
+        offset : array (windows,) [rad]
+            How much farther to starboard the rudder is than recorded.
+        current : float [m/s]
+            Along the waterway, beside that of the waterway itself.
+
+        Returns
+        -------
+        pair of array (nodes + windows - 1, 6) and (nodes + windows - 1, 6, directions)
+            The states at the nodes of each window, its end included, and their slopes.
+        """
+        march = self.march
+        kept, count = march.march.choices.kept, np.diff(first)
+        begun = first[:-1]
+        at_start = {name: positions[name][begun] + (offset if name == RUDDER else 0.0) for name in self.positions}
+        begin, slopes = self._started(kept, starts, at_start)
+        pushed = {PUSHED[name]: np.repeat(pushes[:, i], count) for i, name in enumerate(PUSHES)}
+        after = slice(first[0] + 1, first[-1] + 1)
+        orders = {PARAMETER(RECORDED(name)): positions[name][after] for name in self.positions}
+        orders[PARAMETER(RUDDER_OFFSET)] = np.repeat(offset, count)
+        lengths = np.diff(times[first[0] : first[-1] + 1])
+        others = unlimited(tuple(self.positions))
+        if CURRENT in self.directions:
+            others[CURRENT] = march.march.inputs[CURRENT] + current
+        return _poses(kept, starts, first, *march.segments(
+            begin, slopes, first - first[0], {**orders, **pushed}, lengths, **others
+        ))  # fmt: skip
+
+    def _started(
+        self, kept: Sequence[str], starts: np.ndarray, positions: Mapping[str, np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What each window keeps from step to step at its start, and its slopes."""
+        state = dict(zip(STATES, starts.T, strict=True))
+        cosine, sine = np.cos(state["psi"]), np.sin(state["psi"])
+        state |= {"cos_psi": cosine, "sin_psi": sine, COUNTED: state["psi"], "t": np.zeros(len(starts)), **positions}
+        begin = np.stack([state[name] for name in kept], axis=1)
+        slopes = np.zeros((len(starts), len(kept), len(self.directions)))
+        by = {name: self.directions.index(name) for name in STATES}
+        turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: np.ones(len(starts))}
+        for i, name in enumerate(kept):
+            if name in by:
+                slopes[:, i, by[name]] = 1.0
+            elif name in turned:
+                slopes[:, i, by["psi"]] = turned[name]
+            elif name == RUDDER and RUDDER_OFFSET in self.directions:
+                slopes[:, i, self.directions.index(RUDDER_OFFSET)] = 1.0
+        return begin, slopes
+
+
+def _poses(
+    kept: Sequence[str], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The six states of what is kept: the heading counts on from the start of its window."""
+    column = {name: i for i, name in enumerate(kept)}
+    heading, turned = _heading(column, starts, first, states, slopes)
+    places = [column[name] for name in ("x", "y", "u", "v", "r")]
+    pose, moved = np.insert(states[:, places], 2, heading, axis=1), np.insert(slopes[:, places], 2, turned, axis=1)
+    return pose, moved
+
+
+def _heading(
+    column: Mapping[str, int], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The heading and its slopes, of what counts it, or else of its cosine and sine."""
+    if COUNTED in column:
+        return states[:, column[COUNTED]], slopes[:, column[COUNTED]]
+    cosine, sine = states[:, column["cos_psi"]], states[:, column["sin_psi"]]
+    begun = np.repeat(starts[:, 2], np.diff(first) + 1)
+    turned = np.arctan2(sine, cosine) - begun
+    moved = cosine[:, None] * slopes[:, column["sin_psi"]] - sine[:, None] * slopes[:, column["cos_psi"]]
+    return begun + turned - 2 * np.pi * np.round(turned / (2 * np.pi)), moved

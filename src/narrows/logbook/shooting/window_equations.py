@@ -1,0 +1,254 @@
+"""The equations of one record, linear about where the search stands: a small matrix a window, and what links windows.
+
+The unknowns of a window are its start and its numbers of the chain; after them, as a border, come what is the same all
+through the record, and the coefficients in units of their standard deviations before.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from narrows.logbook.shooting.log_problem import STEADY, LogProblem
+from narrows.logbook.shooting.predicted_signals import CURRENT_X, PREDICTED, SeenStates
+from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.recorded_helm import RUDDER_OFFSET
+from narrows.logbook.shooting.recorded_motion import CURRENT, PUSHES, RecordedMotion
+
+START_SPREAD = np.array([1e4, 1e4, 10.0, 30.0, 30.0, 1.0])
+"""Standard deviations of a start where nothing was read of it [m, m, rad, m/s, m/s, rad/s]: none to speak of."""
+
+
+@dataclass(frozen=True)
+class RecordUnknowns:
+    """What a record has of its own.
+
+    Parameters
+    ----------
+    starts : array (windows, 6)
+        x, y, psi, u, v, r at the start of each window.
+    chain : array (windows, n)
+        Numbers of the chain.
+    zeros : array (q,)
+        What is the same all through.
+    """
+
+    starts: np.ndarray
+    chain: np.ndarray
+    zeros: np.ndarray
+
+    def moved(self, windows: np.ndarray, zeros: np.ndarray, share: float = 1.0) -> "RecordUnknowns":
+        """Return them after a step.
+
+        Parameters
+        ----------
+        windows : array (windows, 6 + n)
+            Step of the windows.
+        zeros : array (q,)
+            Step of the zeros.
+        share : float [1]
+            Of the step that is taken.
+        """
+        starts, chain = self.starts + share * windows[:, :6], self.chain + share * windows[:, 6:]
+        return replace(self, starts=starts, chain=chain, zeros=self.zeros + share * zeros)
+
+
+@dataclass(frozen=True)
+class WindowEquations:
+    """Readings of a record, linear in its unknowns.
+
+    Parameters
+    ----------
+    hessian : array (windows, d, d)
+        Squares of slopes over noise, summed over the readings of each window.
+    gradient : array (windows, d)
+        Slopes times residuals over noise squared.
+    cost : float [1]
+        Sum of squares of residuals over noise, by Huber beyond the outlier's limit.
+    residuals : mapping of str to array
+        Read less predicted, by signal.
+    ends : array (windows, 6)
+        Where each window ends.
+    end_slopes : array (windows, 6, d)
+        Slopes of that.
+    """
+
+    hessian: np.ndarray
+    gradient: np.ndarray
+    cost: float
+    residuals: Mapping[str, np.ndarray]
+    ends: np.ndarray
+    end_slopes: np.ndarray
+
+
+def window_equations(
+    problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns
+) -> WindowEquations:
+    """Return the equations of a record about its unknowns (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    motion : RecordedMotion
+        At the coefficients.
+    scaled : array (p,) [1]
+        The coefficients in units of their standard deviations before.
+    grid : RecordGrid
+        The record.
+    own : RecordUnknowns
+        Where the search stands.
+    """
+    pushes, errors = Pushes.of(problem, scaled, own), _errors(problem, own)
+    states, slopes = motion.sailed(
+        own.starts, pushes.forces, grid.first, grid.times, grid.positions, pushes.rudder, pushes.current
+    )
+    along = slopes @ pushes.columns(motion.directions)
+    along[:, :, 6 + own.chain.shape[1] + len(own.zeros) :] += pushes.by_inertia(motion, slopes, grid.rows)
+    gathered = [_of_signal(problem, grid, name, states, along, errors) for name in grid.readings]
+    rows = np.concatenate([part[0] for part in gathered])[grid.order]
+    left = np.concatenate([part[1] for part in gathered])[grid.order]
+    hessian, gradient = _summed(rows, left, grid.edges)
+    cost = sum(part[2] for part in gathered)
+    residuals = {name: part[3] for name, part in zip(grid.readings, gathered, strict=True)}
+    ends = grid.first[1:] + np.arange(len(own.starts))
+    return WindowEquations(hessian, gradient, cost, residuals, states[ends], along[ends])
+
+
+@dataclass(frozen=True)
+class Pushes:
+    """What pushes a ship in each window, and how that moves with the unknowns.
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    inertia : array (3,) [kg, kg, kg m2]
+        At the coefficients.
+    rates : array (windows, 3)
+        Accelerations.
+    rudder : array (windows,) [rad]
+        How much farther to starboard the rudder is than read.
+    current : float [m/s]
+        Along the axis of x.
+    """
+
+    problem: LogProblem
+    inertia: np.ndarray
+    rates: np.ndarray
+    rudder: np.ndarray
+    current: float
+
+    @classmethod
+    def of(cls, problem: LogProblem, scaled: np.ndarray, own: RecordUnknowns) -> "Pushes":
+        """Return the pushes of where the search stands.
+
+        Parameters
+        ----------
+        problem : LogProblem
+            What is solved for.
+        scaled : array (p,) [1]
+            The coefficients.
+        own : RecordUnknowns
+            Of the record.
+        """
+        chain = dict(zip(problem.chain.names, own.chain.T, strict=True))
+        zeros = dict(zip(problem.zeros, own.zeros.tolist(), strict=True))
+        none = np.zeros(len(own.starts))
+        rates = [chain.get(name, none) + zeros.get(STEADY(name), 0.0) for name in PUSHES]
+        rudder = chain.get(RUDDER_OFFSET, none) + zeros.get(RUDDER_OFFSET, 0.0)
+        inertia = problem.inertia.at(problem.prior.mean + problem.prior.scale * scaled)
+        return cls(problem, inertia, np.stack(rates, axis=1), rudder, zeros.get(CURRENT_X, 0.0))
+
+    @property
+    def forces(self) -> np.ndarray:
+        """X, Y [N] and N [N m] of each window, (windows, 3)."""
+        return np.asarray(self.rates * self.inertia)
+
+    def columns(self, directions: tuple[str, ...]) -> np.ndarray:
+        """Return what of each direction of the motion goes into each unknown, (directions, d).
+
+        Parameters
+        ----------
+        directions : tuple of str
+            Of the motion.
+        """
+        size = dict(zip(PUSHES, self.inertia.tolist(), strict=True))
+        size |= {STEADY(name): value for name, value in size.items()}
+        names = (*self.problem.chain.names, *self.problem.zeros)
+        moved = {STEADY(name): name for name in PUSHES} | {CURRENT_X: CURRENT}
+        groups = self.problem.prior.groups
+        matrix = np.zeros((len(directions), 6 + len(names) + len(groups)))
+        matrix[:6, :6] = np.eye(6)
+        for place, name in enumerate(names, start=6):
+            direction = moved.get(name, name)
+            if direction in directions:
+                matrix[directions.index(direction), place] = size.get(name, 1.0)
+        for place, (group, scale) in enumerate(
+            zip(groups, self.problem.prior.scale, strict=True), start=6 + len(names)
+        ):
+            for member in group:
+                matrix[directions.index(member), place] = scale
+        return matrix
+
+    def by_inertia(self, motion: RecordedMotion, slopes: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Return how a push of a fixed acceleration moves with coefficients of inertia, (rows, 6, p).
+
+        Parameters
+        ----------
+        motion : RecordedMotion
+            At the coefficients.
+        slopes : array (rows, 6, directions)
+            Of the states.
+        rows : array (rows,) of int
+            The window of each.
+        """
+        first = motion.directions.index(PUSHES[0])
+        by_push = slopes[:, :, first : first + len(PUSHES)] * self.rates[rows][:, None, :]
+        return np.asarray(by_push @ (self.problem.inertia.by_coefficient * self.problem.prior.scale))
+
+
+def _errors(problem: LogProblem, own: RecordUnknowns) -> dict[str, np.ndarray | float]:
+    """Errors of sensors and the current, as numbers or one a window."""
+    errors: dict[str, np.ndarray | float] = dict(zip(problem.zeros, own.zeros.tolist(), strict=True))
+    for name, column in zip(problem.chain.names, own.chain.T, strict=True):
+        errors[name] = errors.get(name, 0.0) + column
+    return errors
+
+
+def _of_signal(
+    problem: LogProblem, grid: RecordGrid, name: str, states: np.ndarray, along: np.ndarray,
+    errors: Mapping[str, np.ndarray | float],
+) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:  # fmt: skip
+    """Slopes and residuals of a signal over its noise, its cost, and the residuals as they are."""
+    read = grid.readings[name]
+    before, share = (1 - read.share)[:, None], read.share[:, None]
+    there = before * states[read.row] + share * states[read.row + 1]
+    seen_errors = {key: value[read.window] if isinstance(value, np.ndarray) else value for key, value in errors.items()}
+    drifted = np.zeros(1) if CURRENT in problem.motion.directions else read.elapsed
+    seen = PREDICTED[name](SeenStates(there, drifted, seen_errors, grid.record.antenna))
+    rows = np.zeros((len(read.values), along.shape[2]))
+    for state, slope in seen.by_state.items():
+        between = before * along[read.row, state] + share * along[read.row + 1, state]
+        rows += np.broadcast_to(slope, len(rows))[:, None] * between
+    for place, key in enumerate((*problem.chain.names, *problem.zeros), start=6):
+        if key in seen.by_error:
+            rows[:, place] += seen.by_error[key]
+    residual = read.values - seen.value
+    noise = problem.noise[name] / np.sqrt(read.counted)
+    size = np.abs(residual / noise)
+    beyond, limit = size > problem.outlier, problem.outlier
+    weight = np.sqrt(np.where(beyond, limit / np.maximum(size, limit), 1.0)) / noise
+    cost = float(np.sum(np.where(beyond, limit * (2 * size - limit), size**2)))
+    return rows * weight[:, None], residual * weight, cost, residual
+
+
+def _summed(rows: np.ndarray, left: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Squares of the rows of each window, and their products with the residuals."""
+    count, size = len(edges) - 1, rows.shape[1]
+    hessian, gradient = np.empty((count, size, size)), np.empty((count, size))
+    for window in range(count):
+        part = slice(edges[window], edges[window + 1])
+        hessian[window] = rows[part].T @ rows[part]
+        gradient[window] = rows[part].T @ left[part]
+    return hessian, gradient

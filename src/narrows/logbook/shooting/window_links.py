@@ -1,0 +1,184 @@
+"""How the windows of a record hang together: where one ends the next begins, and the chain goes on.
+
+A push is constant in a window; how it strays from its mean there moves the end of the window a little, and that much a
+window may begin off the end of the one before.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.logbook.shooting.bordered_band import BorderedBand
+from narrows.logbook.shooting.log_problem import LogProblem
+from narrows.logbook.shooting.push_chain import WindowChain
+from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.recorded_motion import RecordedMotion
+from narrows.logbook.shooting.window_equations import START_SPREAD, Pushes, RecordUnknowns, WindowEquations
+
+LEAST = 1e-5 * np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
+"""By which a window may miss the end of the one before at least, in lengths, radians and speeds of the ship: for the
+numbers' sake alone."""
+SPEED_WALK = 2e-3
+"""How far a held speed walks in a second, over itself."""
+LOOSE = 1e-8
+"""Weight of a link out of a window in which the actuators are not known."""
+MOST_WINDOWS = 64
+"""Whose slopes are averaged."""
+
+
+@dataclass(frozen=True)
+class WindowLinks:
+    """What a window may miss the end of the one before by.
+
+    Parameters
+    ----------
+    responses : array (n, steps, 6)
+        What one of the chain, put on in one step of a window, does to its end.
+    least : array (6,)
+        Least standard deviations.
+    step, window : float [s]
+        Lengths.
+    """
+
+    responses: np.ndarray
+    least: np.ndarray
+    step: float
+    window: float
+
+    @classmethod
+    def of(
+        cls, problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns
+    ) -> "WindowLinks":
+        """Return the links of a record, by the motion where the search begins.
+
+        Parameters
+        ----------
+        problem : LogProblem
+            What is solved for.
+        motion : RecordedMotion
+            At the coefficients.
+        scaled : array (p,) [1]
+            The coefficients.
+        grid : RecordGrid
+            The record.
+        own : RecordUnknowns
+            Where the search begins.
+        """
+        steps = int(grid.first[1] - grid.first[0])
+        count = min(MOST_WINDOWS, max(len(grid) - 1, 1))
+        part = slice(0, count)
+        first = grid.first[: count + 1]
+        pushes = Pushes.of(problem, scaled, own)
+        _, slopes = motion.sailed(
+            own.starts[part], pushes.forces[part], first, grid.times, grid.positions, pushes.rudder[part]
+        )
+        mean = slopes.reshape(count, -1, *slopes.shape[1:])[:, : steps + 1].mean(axis=0)
+        columns = pushes.columns(motion.directions)[:, 6 : 6 + len(problem.chain.names)]
+        responses = np.diff(mean @ columns, axis=0)[::-1].transpose(2, 0, 1)
+        return cls(responses, _least(problem, grid, own), grid.step, grid.window)
+
+    def covariance(self, chain: WindowChain) -> np.ndarray:
+        """Return the covariance of what a window's start and chain miss, (6 + n, 6 + n).
+
+        Parameters
+        ----------
+        chain : WindowChain
+            As strong as it is taken to be.
+        """
+        count, steps, _ = self.responses.shape
+        matrix = np.zeros((6 + count, 6 + count))
+        matrix[6:, 6:] = chain.innovations(self.window)
+        together = chain.covariance
+        for i, j in zip(*np.nonzero(together), strict=True):
+            strays = chain.within(int(i), steps, self.step)
+            matrix[:6, :6] += together[i, j] * self.responses[i].T @ strays @ self.responses[j]
+        matrix[range(6), range(6)] += self.least**2
+        return np.asarray((matrix + matrix.T) / 2)
+
+
+def _least(problem: LogProblem, grid: RecordGrid, own: RecordUnknowns) -> np.ndarray:
+    length = problem.motion.model.configuration.ship.length
+    speed = max(float(np.abs(own.starts[:, 3]).mean()), 1e-3)
+    least = LEAST * np.array([length, length, 1.0, speed, speed, speed / length])
+    if problem.motion.march.ship.surge == "held":
+        least[3] = SPEED_WALK * speed * np.sqrt(grid.window)
+    return np.asarray(least)
+
+
+def banded(
+    problem: LogProblem, grid: RecordGrid, own: RecordUnknowns, found: WindowEquations, links: WindowLinks | None
+) -> BorderedBand:
+    """Return the normal equations of a record with all that is known of it before (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    grid : RecordGrid
+        The record.
+    own : RecordUnknowns
+        Where the search stands.
+    found : WindowEquations
+        Of its readings.
+    links : WindowLinks, optional
+        Between its windows.
+    """
+    m = problem.local
+    diagonal, border = found.hessian[:, :m, :m].copy(), found.hessian[:, :m, m:].copy()
+    corner, right = found.hessian[:, m:, m:].sum(axis=0), found.gradient[:, :m].copy()
+    right_border, cost = found.gradient[:, m:].sum(axis=0), found.cost
+    diagonal[:, range(6), range(6)] += START_SPREAD**-2.0
+    q = len(own.zeros)
+    corner[range(q), range(q)] += problem.zero_spread**-2.0
+    right_border[:q] -= own.zeros / problem.zero_spread**2
+    cost += float(np.sum((own.zeros / problem.zero_spread) ** 2))
+    whole = BorderedBand(diagonal, None, border, corner, right, right_border, cost)
+    return whole if links is None else _linked(problem, grid, own, found, links, whole)
+
+
+def _linked(
+    problem: LogProblem, grid: RecordGrid, own: RecordUnknowns, found: WindowEquations, links: WindowLinks,
+    alone: BorderedBand,
+) -> BorderedBand:  # fmt: skip
+    chain, m = problem.chain, problem.local
+    slopes = np.zeros((len(grid) - 1, m, found.hessian.shape[2]))
+    slopes[:, :6] = found.end_slopes[:-1]
+    kept = chain.kept(grid.window)
+    slopes[:, range(6, m), range(6, m)] += kept
+    gap = np.concatenate([own.starts[1:] - found.ends[:-1], own.chain[1:] - kept * own.chain[:-1]], axis=1)
+    weight = np.linalg.inv(links.covariance(chain)) * np.where(grid.whole[:-1], 1.0, LOOSE)[:, None, None]
+    weighed, pull = weight @ slopes, np.einsum("kij,kj->ki", weight, gap)
+    turned = np.swapaxes(slopes, 1, 2)
+    squares, pulled = turned @ weighed, np.einsum("kai,ki->ka", turned, pull)
+    diagonal, border, right = alone.diagonal, alone.border, alone.right
+    diagonal[:-1] += squares[:, :m, :m]
+    diagonal[1:] += weight
+    border[:-1] += squares[:, :m, m:]
+    border[1:] -= weighed[:, :, m:]
+    right[:-1] += pulled[:, :m]
+    right[1:] -= pull
+    known = np.linalg.inv(chain.covariance) if chain.names else np.zeros((0, 0))
+    diagonal[0, 6:, 6:] += known
+    right[0, 6:] -= known @ own.chain[0]
+    return BorderedBand(
+        diagonal, -weighed[:, :, :m], border, alone.corner + squares[:, m:, m:].sum(axis=0), right,
+        alone.right_border + pulled[:, m:].sum(axis=0),
+        alone.cost + float(np.sum(gap * pull)) + float(own.chain[0] @ known @ own.chain[0]),
+    )  # fmt: skip
+
+
+def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> float:
+    """Return the logarithm of the determinant of what links windows: what a strong chain costs (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        With its chain.
+    grid : RecordGrid
+        The record.
+    links : WindowLinks
+        Between its windows.
+    """
+    one = float(np.linalg.slogdet(links.covariance(problem.chain))[1])
+    start = float(np.linalg.slogdet(problem.chain.covariance)[1]) if problem.chain.names else 0.0
+    return (len(grid) - 1) * one + start

@@ -1,0 +1,220 @@
+"""Learning from records: a ship whose truth is known is found again, what cannot be learned is said, no row is lost."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from logs import D, kvlcc2, sensed, trial, zigzag
+from narrows.logbook.grid_source import parts
+from narrows.logbook.shooting.bordered_band import BorderedBand
+from narrows.logbook.shooting.noise_left import memory_of
+from narrows.logbook.shooting.push_chain import WindowChain
+from narrows.logbook.shooting.record_grid import grid_of
+
+WRONG = {"N_v": 1.12, "Y_v": 0.9, "N_rudder": 0.93, "R_0": 1.1}
+MANOEUVRES = ("psi", "x", "y", "r", "rudder")
+
+
+def mistaken() -> nw.Model:
+    """The ship by coefficients that err within their spread."""
+    return kvlcc2().with_coefficients(**{name: factor * kvlcc2()[name] for name, factor in WRONG.items()})
+
+
+def of_manoeuvre(record: nw.ShipRecord) -> nw.ShipRecord:
+    turns = np.full(len(record["rudder"]), kvlcc2().configuration.propeller.revolutions)
+    told = {name: record[name] for name in MANOEUVRES} | {"revolutions": replace(record["rudder"], values=turns)}
+    return replace(record, signals=told)
+
+
+@cache
+def manoeuvred(seed: int, turn: float) -> nw.ShipRecord:
+    """A zigzag, or without a turn a circle, as a basin measures it."""
+    law, duration = (nw.Zigzag(turn, abs(turn)), 900.0) if turn else (nw.ConstantRudder(35 * D), 1500.0)
+    name = f"zigzag {np.degrees(turn):+.0f}" if turn else "circle"
+    voyage = trial(law, duration)
+    told = of_manoeuvre(sensed(name, voyage, seed, noise=0.5))
+    return told.with_signals(rudder=nw.Signal(voyage.t, voyage.rudder))
+
+
+def records(seed: int = 0) -> list[nw.ShipRecord]:
+    return [manoeuvred(seed + place, turn) for place, turn in enumerate((20 * D, -20 * D, 0.0))]
+
+
+@cache
+def learned() -> nw.LogFit:
+    return nw.learn(mistaken(), records(), sensors="basin", spread=0.1)
+
+
+def test_a_ship_that_is_known_is_found_again() -> None:
+    found = learned()
+    off = {name: (found.model[name] - kvlcc2()[name]) / std for name, std in found.std.items() if std > 0}
+    assert max(map(abs, off.values())) < 3.5
+    for name, factor in WRONG.items():
+        assert abs(found.model[name] / kvlcc2()[name] - 1) < 0.5 * abs(factor - 1)
+    assert found.settled
+    assert found.tells
+    assert found.verdicts["N_v"] == "learned"
+    assert found.verdicts["Y_rrr"] == "from the prior"
+    assert not found.disagrees
+
+
+def test_what_was_left_out_is_foretold_better() -> None:
+    before, after = learned().missed("psi")
+    assert after < 0.5 * before
+    assert [record.name for record in learned().records] == ["zigzag +20", "zigzag -20", "circle"]
+    shares = [record.information["N_v"] for record in learned().records]
+    assert all(0 < share < 1 for share in shares)
+
+
+def test_the_answer_says_what_was_learned_and_what_holds_the_rest() -> None:
+    found = learned()
+    first = found.summary().splitlines()[0]
+    assert first.startswith("Learned from 3 records, 55 min: learned: R_0")
+    assert "From the prior still: " in first
+    assert any(note.startswith("Motion tells of forces over inertia: X_mass") for note in found.notes)
+    assert "learned from 3 records of the ship itself" in found.model.source.text
+    assert found.to_dict()["coefficients"][3]["name"] == "R_0"
+    assert list(found.to_dataframe().columns)[:2] == ["prior", "prior_std"]
+
+
+def test_a_learned_model_learns_on(tmp_path: Any) -> None:
+    path = tmp_path / "learned.toml"
+    learned().model.save(path)
+    again = nw.load_model(path)
+    assert again.verdicts["N_v"] == "identified"
+    more = nw.learn(again, records()[:1], sensors="basin")
+    assert more.std["N_v"] < learned().std["N_v"]
+
+
+def test_a_mirrored_ship_learns_the_mirrored_turns() -> None:
+    def mirrored(record: nw.ShipRecord) -> nw.ShipRecord:
+        turned = {name: -1.0 if name in ("psi", "y", "r", "rudder") else 1.0 for name in record}
+        return replace(record, signals={n: replace(record[n], values=turned[n] * record[n].values) for n in record})
+
+    gear = replace(kvlcc2().configuration.rudder, straightening_starboard=0.5, straightening_port=0.5)
+    turning = replace(kvlcc2().configuration.propeller, wake_starboard=1.3, wake_port=1.3)
+    even = replace(mistaken(), configuration=replace(mistaken().configuration, rudder=gear, propeller=turning))
+    one, other = (
+        nw.learn(even, [each], sensors="basin", spread=0.1) for each in (records()[0], mirrored(records()[0]))
+    )
+    np.testing.assert_allclose([one.model[n] for n in one.std], [other.model[n] for n in one.std], rtol=1e-6, atol=1e-9)
+
+
+def test_coefficients_that_are_held_stay_and_are_allowed_for() -> None:
+    free = ("N_v", "N_r", "N_rudder")
+    found = nw.learn(mistaken(), records(), free=free, sensors="basin", spread=0.1)
+    moved = {name for name in found.std if found.model[name] != mistaken()[name]}
+    assert moved == set(free)
+    alone = {name: 0.1 * abs(mistaken()[name]) for name in free}
+    blind = nw.learn(mistaken(), records(), sensors="basin", spread=alone)
+    assert all(found.std[name] > blind.std[name] for name in free)
+
+
+def test_a_spike_moves_nothing_and_a_gap_is_not_sailed_over() -> None:
+    clean = records()[0]
+    values = clean["psi"].values.copy()
+    values[300] += 1.5
+    spiked = clean.with_signals(psi=nw.Signal(clean["psi"].t, values))
+    rudder = clean["rudder"]
+    kept = (rudder.t <= 400) | (rudder.t >= 470)
+    broken = clean.with_signals(rudder=nw.Signal(rudder.t[kept], rudder.values[kept]))
+    usual, spike, gap = (nw.learn(mistaken(), [each], sensors="basin", spread=0.1) for each in (clean, spiked, broken))
+
+    def off(found: nw.LogFit) -> float:
+        return max(abs(found.model[name] - usual.model[name]) / usual.std[name] for name in ("N_v", "N_rudder", "Y_v"))
+
+    assert off(spike) < 0.3
+    assert spike.noise["psi"].beyond == pytest.approx(1 / 500, rel=0.5)
+    assert off(gap) < 3.0
+    assert gap.std["N_v"] > usual.std["N_v"]
+
+
+def test_windows_in_a_gap_are_not_whole() -> None:
+    t = np.arange(0.0, 100.0, 0.5)
+    seen = nw.Signal(t, 0.01 * t)
+    gap = (t < 40) | (t > 52)
+    record = nw.ShipRecord("gap", {"x": nw.Signal(t, t), "psi": seen, "rudder": nw.Signal(t[gap], 0 * t[gap])})
+    grid = grid_of(record, 0.5, 10.0, {"rudder": 0.0})
+    assert grid.whole.tolist() == [True] * 3 + [False] * 3 + [True] * 4
+    assert not np.isin(grid.readings["psi"].window, (3, 4, 5)).any()
+    coarse = grid_of(record, 2.0, 10.0, {"rudder": 0.0}).readings["psi"]
+    np.testing.assert_allclose(coarse.values[:3], 0.01 * np.array([0.75, 2.75, 4.75]))
+    assert (coarse.counted == 4).all()
+
+
+def test_a_band_with_a_border_is_solved_as_the_whole_matrix() -> None:
+    rng = np.random.default_rng(0)
+    count, size, wide = 4, 3, 2
+    root = rng.normal(size=(count * size + wide, 40))
+    dense = root @ root.T
+    for i in range(count):
+        for j in range(count):
+            if abs(i - j) > 1:
+                dense[i * size : (i + 1) * size, j * size : (j + 1) * size] = 0.0
+    dense += 40 * np.eye(len(dense))
+    right = rng.normal(size=len(dense))
+    blocks = dense[: count * size, : count * size].reshape(count, size, count, size).transpose(0, 2, 1, 3)
+    border = dense[: count * size, count * size :]
+    band = BorderedBand(
+        np.stack([blocks[i, i] for i in range(count)]), np.stack([blocks[i + 1, i] for i in range(count - 1)]),
+        border.reshape(count, size, wide), dense[count * size :, count * size :],
+        right[: count * size].reshape(count, size), right[count * size :], 0.0,
+    )  # fmt: skip
+    left = band.eliminated()
+    outer = np.linalg.solve(left.corner, left.right)
+    np.testing.assert_allclose(np.append(left.windows(outer).ravel(), outer), np.linalg.solve(dense, right), rtol=1e-10)
+    last = left.without(wide)
+    assert last.determinant == pytest.approx(np.linalg.slogdet(dense)[1])
+    assert last.cost == pytest.approx(-right @ np.linalg.solve(dense, right))
+
+
+def test_residuals_that_remember_count_less() -> None:
+    rng = np.random.default_rng(1)
+    kept, white = 0.8, rng.normal(size=20000)
+    coloured = np.zeros_like(white)
+    for i in range(1, len(white)):
+        coloured[i] = kept * coloured[i - 1] + white[i]
+    assert memory_of([white]) == pytest.approx(1.0, abs=0.1)
+    assert memory_of([coloured]) == pytest.approx((1 + kept) / (1 - kept), rel=0.15)
+
+
+def test_a_chain_forgets_by_its_memory() -> None:
+    chain = WindowChain(("Y", "N", "rudder_offset"), np.array([1.0, 2.0, 0.5]), np.array([40.0, 40.0, 0.0]), 0.6)
+    kept = np.diag(chain.kept(10.0))
+    stays = kept @ chain.covariance @ kept + chain.innovations(10.0)
+    np.testing.assert_allclose(stays, chain.covariance, atol=1e-15)
+    assert np.diag(kept)[2] == 0.0
+
+
+def test_a_long_record_is_taken_in_parts() -> None:
+    t = np.arange(0.0, 40_000.0, 100.0)
+    record = nw.ShipRecord("long", {"x": nw.Signal(t, t)})
+    cut = list(parts(record))
+    assert [part.name for part in cut] == ["long, part 1", "long, part 2"]
+    assert max(part.duration for part in cut) <= 20_000
+
+
+@pytest.mark.parametrize(
+    ("told", "says"),
+    [
+        ({"spread": None}, "state a spread"), ({"spread": -1.0}, "is none"), ({"free": ("N_vv",)}, "did you mean"),
+        ({"sensors": "gps"}, "sensors"), ({"spread": {"N_vv": 0.1}}, "did you mean"), ({"log": 3}, "is no log"),
+        ({"log": [of_manoeuvre(zigzag()).between(0, 60)]}, "less than two windows"),
+        ({"log": [replace(zigzag(), signals={n: zigzag()[n] for n in ("x", "y", "psi")})]}, "holds no rudder"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_learned_from_is_said(told: dict[str, Any], says: str) -> None:
+    usual = {"model": mistaken(), "log": records()[:1], "spread": 0.1, "sensors": "basin"}
+    with pytest.raises(nw.InputError, match=says):
+        nw.learn(**{**usual, **told})
+
+
+def test_a_record_of_another_draft_is_left_out_and_said() -> None:
+    light = replace(records()[1], condition={"draft": 15.0})
+    found = nw.learn(mistaken(), [records()[0], light], sensors="basin", spread=0.1)
+    assert len(found.records) == 1
+    assert any("of a draft of 15 m" in note for note in found.notes)
