@@ -220,7 +220,7 @@ def test_what_no_run_determines_is_said(cli, tmp_path) -> None:
     plan = nw.plan_tests(SETTING, 4, tank=nw.Tank(speeds=(0.7,), depths=(0.3,)), terms=terms)
     assert not plan.determined
     assert "No such runs determine" in plan.summary()
-    many = nw.plan_tests(SETTING, 10_000, tank=TANK)
+    many = nw.plan_tests(SETTING, 10_000, tank=nw.Tank(speeds=(0.7,)))
     assert len(many.runs) == many.considered
 
 
