@@ -4,6 +4,7 @@ import numpy as np
 
 from narrows.captive.accelerations import RATES
 from narrows.captive.tests import CaptiveTests, Tests
+from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import Solution
 
@@ -11,7 +12,9 @@ SHARE = 0.1
 """Of the size of the accelerations that is taken for noise."""
 
 
-def noise_bias(problem: Problem, solution: Solution, sums: np.ndarray, share: float = SHARE) -> dict[str, float]:
+def noise_bias(
+    problem: Problem, solution: Solution, equations: NormalEquations, share: float = SHARE
+) -> dict[str, float]:
     """Return how far white noise in the accelerations draws each coefficient from its value, to first order (ours).
 
     The noise adds to the diagonal of H alone, and the solution moves by -H^-1 D z: attenuation, and what others take
@@ -23,8 +26,8 @@ def noise_bias(problem: Problem, solution: Solution, sums: np.ndarray, share: fl
         The joint problem.
     solution : Solution
         Its optimum.
-    sums : array (m, m)
-        Over all rows.
+    equations : NormalEquations
+        The sums.
     share : float [1]
         Standard deviation of the noise over the root mean square of each acceleration.
 
@@ -32,14 +35,15 @@ def noise_bias(problem: Problem, solution: Solution, sums: np.ndarray, share: fl
     ----------
     Fuller (1987), Measurement Error Models, section 2.2.
     """
-    h, _ = problem.normal(sums)
+    h, _ = problem.normal(equations.total)
+    plain, _ = problem.normal(equations.unweighted.sum(axis=0))
     noisy = np.zeros(len(h))
     for term in problem.terms.terms:
         if term.inputs in [(rate,) for rate in RATES.values()]:
             noisy[problem.slot[term.name]] = share**2
     free = ~solution.at_bound
     moved = np.zeros(len(h))
-    pull = noisy * np.diag(h) * solution.z
+    pull = noisy * np.diag(plain) * solution.z
     moved[free] = -np.linalg.pinv(h[np.ix_(free, free)], rcond=1e-12, hermitian=True) @ pull[free]
     return problem.named(moved)
 

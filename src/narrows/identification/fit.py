@@ -288,7 +288,7 @@ class Fit(Prediction):
         bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
         rudder = unmodelled_rudder(self.tests, self.normal_equations, self.terms)
         helm = (f"{rudder[:1].upper()}{rudder[1:]}.",) * bool(rudder)
-        bias = noise_bias(self.problem, self.solution, self.normal_equations.total)
+        bias = noise_bias(self.problem, self.solution, self.normal_equations)
         noise = tuple(filter(None, [noise_sentence(self.tests, bias, self.coefficients)]))
         known = (*self.tests.notes, self.motions.sentence, *alone * (len(self.motions) < 2), *depths)
         return (*known, *bank, *helm, *noise)

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 POSE = ("x", "y", "psi", "u", "v", "r")
-INSTANT = 1e-12
-"""A step [s] that shows whether one can be taken; in none at all an actuator without a limit would move 0 times
+INSTANT = math.ulp(0.0)
+"""The shortest step [s], to see whether one can be taken: in none at all what moves without a limit would go 0 times
 infinity."""
 
 
