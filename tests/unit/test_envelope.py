@@ -49,7 +49,7 @@ def steered_kcs() -> nw.Model:
     """The tank's own, to lend its rudder."""
     terms = table_named("speed+helm")
     tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    return nw.identify(tests, terms).model
+    return nw.identify(tests, terms, balance="rows").model
 
 
 @pytest.fixture(scope="module")
