@@ -1,11 +1,11 @@
 """KVLCC2 learned from the zigzags of one tank, judged on the circles and zigzags of another.
 
-python decisions/kvlcc2_log.py FOLDER [--write]
+python decisions/kvlcc2_log.py [FOLDER] [--write]
 
-FOLDER holds ``hsva`` and ``marin``, the free-running tests of SIMMAN 2008 as published by
-github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models: public, and not ours to pass on. Both
-write the rudder positive to port, and their velocities are those of the positions, so that positions, heading and yaw
-rate are taken. Nothing of MARIN's tests enters but the judgement.
+FOLDER, or ``shared/data/kvlcc2_free_running`` beside the repository, holds ``hsva``: the free-running tests of SIMMAN
+2008 as published by github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models, public and not ours
+to pass on. The rudder is written positive to port there, and the velocities are those of the positions, so that
+positions, heading and yaw rate are taken. Of MARIN's tests nothing enters but the judgement (``manoeuvres.py``).
 """
 
 import sys
@@ -21,6 +21,7 @@ import narrows as nw
 from narrows.logbook.log_prior import covariance_before
 from narrows.ship.actuator import Actuator
 
+FOLDER = Path(__file__).parents[2] / "shared" / "data" / "kvlcc2_free_running"
 DEGREE = np.pi / 180
 SPREADS = (0.1, 0.2, 0.3)
 """Of the published coefficients, over their size."""
@@ -103,7 +104,7 @@ def judged(words: str, model: nw.Model) -> tuple[str, ...]:
     return (words, *(f"{value:+.0f} %" for value in circles), f"{root:.1f}")
 
 
-def text(folder: Path) -> str:
+def text(folder: Path = FOLDER) -> str:
     """One table."""
     published, records = nw.published("yasukawa2015_kvlcc2"), hsva(folder)
     rows = [judged("as published, from captive tests", published)]
@@ -118,7 +119,7 @@ def text(folder: Path) -> str:
 
 
 if __name__ == "__main__":
-    told = [Path(word) for word in sys.argv[1:] if not word.startswith("--")]
-    if not told or not (told[0] / "hsva").is_dir():
-        raise SystemExit("give the folder that holds hsva and marin: python decisions/kvlcc2_log.py FOLDER [--write]")
-    publish(__file__, "learning.md", text(told[0]))
+    folder = next((Path(word) for word in sys.argv[1:] if not word.startswith("--")), FOLDER)
+    if not (folder / "hsva").is_dir():
+        raise SystemExit(f"{folder} has no hsva in it; give the folder that has")
+    publish(__file__, "learning.md", text(folder))

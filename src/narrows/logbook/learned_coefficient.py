@@ -17,6 +17,8 @@ LEARNED_TO, SHARPENED_TO = 0.5, 0.9
 """Of the standard error before, what is left where a record has three quarters or a fifth of the information."""
 WIDE = 1.959964
 """Standard errors either way, 95 % of a normal distribution."""
+ONE = 1 - 1e-9
+"""Correlation over which two coefficients are one."""
 TELLING = 0.7
 """Correlation over which two coefficients are told as a pair."""
 
@@ -137,7 +139,7 @@ def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray
     names, size = list(coefficients), np.sqrt(np.maximum(np.diag(covariance), 0.0))
     scale = np.where(size > 0, size, np.inf)
     correlation = covariance / np.outer(scale, scale)
-    np.fill_diagonal(correlation, 0.0)
+    correlation[np.abs(correlation) > ONE] = 0.0  # Itself, and what is tied to it.
     found: dict[frozenset[str], tuple[str, str, float]] = {}
     for i, name in enumerate(names):
         j = int(np.abs(correlation[i]).argmax())

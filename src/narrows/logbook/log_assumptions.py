@@ -137,7 +137,7 @@ class LogAssumptions:
             rudder = self._grade(RUDDER)
             items.append((RUDDER_OFFSET, rudder.noise * np.sqrt(rudder.period / window), 0.0))
         for name in PREDICTED:
-            if name in signals and name != "x" and (grade := self._grade(name)).wander > 0:
+            if name in signals and (grade := self._grade(name)).wander > 0:
                 items.append((ERROR(name), grade.wander, grade.memory))
         names, std, memory = zip(*items, strict=True)
         return WindowChain(names, np.array(std), np.array(memory))

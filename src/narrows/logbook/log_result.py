@@ -42,14 +42,16 @@ def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridS
     return LogFit(
         learned_model(prior, learned, after.covariance, source_text, *_ranges(refined)), prior, learned, answers,
         _gusts(refined.problem.chain), refined.left, after.disagreement, after.freedom, after.probability,
-        _inertia(model), (*source.left_out, *stopped * found.interrupted), found.settled,
+        _inertia(model, refined), (*source.left_out, *stopped * found.interrupted), found.settled,
     )  # fmt: skip
 
 
-def _inertia(model: Model) -> tuple[str, ...]:
-    """Coefficients of inertia, one for each that are tied."""
+def _inertia(model: Model, refined: Refined) -> tuple[str, ...]:
+    """Coefficients of the inertia that the motion feels, one for each that are tied."""
     seconds = {second for _, second in model.terms.ties}
-    return tuple(term.name for term in model.terms.terms if term.kind == TermKind.INERTIA and term.name not in seconds)
+    surge = refined.problem.motion.march.ship.surge
+    felt = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
+    return tuple(term.name for term in felt if term.kind == TermKind.INERTIA and term.name not in seconds)
 
 
 def _ranges(refined: Refined) -> tuple[Range, Range]:

@@ -7,8 +7,9 @@ from narrows.logbook import EnvelopeChange, SteadyFit
 from narrows.logbook.standing import ON_TWINS
 from narrows.logbook.steady_fit import SHARED
 from narrows.report.fit_page import figure, render
+from narrows.report.learned_table import learned_rows
 from narrows.report.steady_figures import steady_figure
-from narrows.report.steady_table import CHANGE_HEADS, change_rows, learned_rows
+from narrows.report.steady_table import CHANGE_HEADS, change_rows
 
 
 def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path) -> None:
@@ -37,7 +38,7 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
         title=f"{fit.prior.configuration.ship.name or 'A ship'}: what {len(fit.readings)} steady legs taught",
         standing=ON_TWINS,
         said=[line for line in fit.summary().splitlines() if line != ON_TWINS],
-        learned=learned_rows(fit),
+        learned=learned_rows(fit.coefficients),
         figure=figure(steady_figure(fit), caption),
         change_heads=CHANGE_HEADS,
         change=change_rows(change),

@@ -6,8 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
-from narrows.logbook.learned_coefficient import PRIOR
-from narrows.report.numbers import readable
+from narrows.report.learned_table import LEARNED_HEADS, learned_rows
 
 
 def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> None:
@@ -24,37 +23,15 @@ def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> No
     console.width = max(console.width, 110)
     console.print(fit.summary())
     table = Table(box=None, pad_edge=False)
-    for head in ("", "before", "after", "95 % interval", "unit", "what the legs say"):
-        table.add_column(head, justify="right" if head in ("before", "after", "95 % interval") else "left")
-    for row in learned_rows(fit):
+    for head in (*LEARNED_HEADS, "what the legs say"):
+        table.add_column(head, justify="right" if head in LEARNED_HEADS[1:4] else "left")
+    for row in learned_rows(fit.coefficients):
         table.add_row(*row)
     console.print(table)
     if change is not None:
         print_change(change, console)
     for note in fit.notes:
         console.print(f"- {note}", style="dim")
-
-
-def learned_rows(fit: SteadyFit) -> list[tuple[str, ...]]:
-    """Return what a table says of each coefficient that legs taught something of, the surest first (ours).
-
-    Parameters
-    ----------
-    fit : SteadyFit
-        The answer.
-    """
-    learned = sorted((c for c in fit.coefficients.values() if c.word != PRIOR), key=lambda c: c.left)
-    return [
-        (c.name, f"{_short(c.prior, c.prior_std)} ± {_short(c.prior_std, c.prior_std)}",
-         f"{_short(c.value, c.std)} ± {_short(c.std, c.std)}",
-         " to ".join(_short(end, c.std) for end in c.interval), c.unit, c.verdict)
-        for c in learned
-    ]  # fmt: skip
-
-
-def _short(value: float, std: float) -> str:
-    """Metric tons and more in powers of ten."""
-    return f"{value:.3g}" if abs(value) >= LONG else readable(value, std)
 
 
 def print_change(change: EnvelopeChange, console: Console | None = None) -> None:
@@ -81,8 +58,6 @@ def print_change(change: EnvelopeChange, console: Console | None = None) -> None
     console.print(change.summary())
 
 
-LONG = 1e5
-"""From here a number is written with a power of ten."""
 CHANGE_HEADS = (
     "offset [m]", "rudder before [deg]", "after [deg]", "held before", "after", "safe to, before [kn]", "after [kn]",
 )  # fmt: skip

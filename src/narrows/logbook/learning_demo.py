@@ -1,0 +1,110 @@
+"""A demonstration without a log: twins of transits of a large container ship, whose truth is known."""
+
+from dataclasses import dataclass, replace
+
+from narrows.captive.measured import measured_files
+from narrows.captive.read import read_captive
+from narrows.errors import InputError
+from narrows.identification.conditions import identify_conditions
+from narrows.logbook.sensor_grades import SensorGrade
+from narrows.logbook.ship_log import ShipLog
+from narrows.logbook.transit_twins import TransitTwin, drawn_truth, recorded
+from narrows.model.froude import scale_model
+from narrows.model.model import Model
+from narrows.progress import bar, is_shown
+from narrows.quantities.constants import KNOT
+from narrows.terms.tables import STEERED
+
+LENGTH, WIDTH, DENSITY, CONDITION = 399.94, 205.0, 1025.0, "C0101A02"
+"""Of the ship [m], the canal [m] and the water [kg/m3], as in the case of the Suez section; 50 % under the keel."""
+ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+SPEED, MINUTES = 8 * KNOT, 40.0
+SHIPS = 100
+"""That may be drawn until one comes through."""
+
+
+@dataclass(frozen=True)
+class DemonstratedLog:
+    """Transits of a ship whose truth is known.
+
+    Parameters
+    ----------
+    prior : Model
+        The ship as its captive tests tell.
+    truth : Model
+        What it is.
+    log : ShipLog
+        What its sensors recorded.
+    """
+
+    prior: Model
+    truth: Model
+    log: ShipLog
+
+
+def large_container_ship() -> Model:
+    """Return the KCS as identified from the bundled tests, at 400 m in a canal of 205 m (ours)."""
+    table, ship = measured_files("kcs")
+    fit = identify_conditions(read_captive(table, ship, ROWS), terms=STEERED)[CONDITION]
+    return scale_model(fit.model, LENGTH, DENSITY, width=WIDTH).model
+
+
+def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> DemonstratedLog:
+    """Return twins of transits of a ship that its tests leave possible (ours).
+
+    Parameters
+    ----------
+    sensors : SensorGrade
+        What records it.
+    transits : int
+        How many.
+    seed : int
+        Of all that is drawn.
+
+    Raises
+    ------
+    InputError
+        Where no ship that is drawn comes through the canal.
+    """
+    prior = large_container_ship()
+    for ship in range(SHIPS):
+        truth = drawn_truth(prior, SHIPS * seed + ship)
+        try:
+            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, SHIPS * seed + ship))
+        except InputError:
+            continue
+    raise InputError("none of the ships that were drawn comes through the canal; take another seed")
+
+
+def transits_of(
+    truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
+) -> ShipLog:
+    """Return transits of a ship as its sensors record them (ours).
+
+    Parameters
+    ----------
+    truth : Model
+        What the ship is.
+    sensors : SensorGrade
+        What records it.
+    transits : int
+        How many.
+    seed : int
+        Of wind, gusts, aims and sensors.
+    twin : TransitTwin, optional
+        Under what conditions; the usual ones at 8 knots unless given.
+
+    Raises
+    ------
+    InputError
+        Where the ship does not come through.
+    """
+    usual = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
+    records = []
+    with bar(transits, is_shown(), "transits") as done:
+        for number in range(transits):
+            voyage = usual.sailed(1000 * seed + number)
+            drawn = {"current": 0.0} if usual.waterway else {}  # A waterway has its own.
+            records.append(recorded(f"transit {number + 1}", voyage, sensors, 1000 * seed + number, **drawn))
+            done(1)
+    return ShipLog(tuple(records), usual.waterway)

@@ -1,0 +1,199 @@
+"""Twins of a ship's own log: transits of a ship whose truth is known, in wind and gusts, as its sensors record them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
+from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook.signals import Signal
+from narrows.logbook.transit_conditions import TransitConditions, wandering
+from narrows.logbook.transit_pilot import TransitPilot
+from narrows.model.model import Model
+from narrows.simulation.controllers import Order, VoyageState
+from narrows.simulation.voyage import Voyage, simulate
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+LOOK, DEGREE = 4.0, math.pi / 180
+"""From an order to the next [s]; an order is in whole degrees."""
+PIECE = 1.0
+"""Of pushes that change, and of the voyage's steps [s]."""
+AIM_PIECE = 10.0
+"""Of an aim that wanders [s]."""
+CURRENT = 0.3
+"""Standard deviation of the current along the canal [m/s]."""
+DRAWS = 200
+"""Of coefficients, until one is within the bounds."""
+
+
+@dataclass(frozen=True)
+class WholeDegrees:
+    """A pilot at the wheel: an order every few seconds, in whole degrees.
+
+    Parameters
+    ----------
+    pilot : TransitPilot
+        Whose orders they are.
+    """
+
+    pilot: TransitPilot
+
+    def begin(self) -> Order:
+        """Return what gives the orders of one voyage."""
+        inner, memory = self.pilot.begin(), {"next": 0.0, "order": 0.0}
+
+        def order(t: float, at: VoyageState) -> float:
+            if t >= memory["next"] - 1e-6:
+                memory["order"] = round(inner(t, at) / DEGREE) * DEGREE
+                memory["next"] = t + LOOK
+            return memory["order"]
+
+        return order
+
+
+@dataclass(frozen=True)
+class TransitTwin:
+    """A ship on a transit.
+
+    Parameters
+    ----------
+    truth : Model
+        What the ship is.
+    u : float [m/s]
+        Through the water.
+    duration : float [s]
+        How long.
+    conditions : TransitConditions
+        Wind, gusts, and how an aim wanders.
+    passes : sequence of float [s]
+        When another ship passes, pushed off and drawn on as in a meeting.
+    waterway : Waterway, optional
+        That it sails along from where it begins, instead of the model's own canal.
+    """
+
+    truth: Model
+    u: float
+    duration: float = 2400.0
+    conditions: TransitConditions = field(default_factory=TransitConditions)
+    passes: Sequence[float] = ()
+    waterway: "Waterway | None" = None
+
+    def sailed(self, seed: int) -> Voyage:
+        """Return the voyage of a pilot who knows the ship.
+
+        Parameters
+        ----------
+        seed : int
+            Of wind, gusts and aim.
+
+        Raises
+        ------
+        InputError
+            Where it does not come through.
+        """
+        draw, told = np.random.default_rng((seed, 11)), self.conditions
+        count = math.ceil(self.duration / AIM_PIECE) + 1
+        aims = wandering(told.wander, told.wander_time, AIM_PIECE, count, draw)[:, 0]
+        times = AIM_PIECE * np.arange(count)
+        pilot = WholeDegrees(TransitPilot.of(self.truth, self.u, times, aims, self.waterway))
+        pushes: dict[str, Any] = dict(zip("YN", self._pushes(draw), strict=True))
+        voyage = simulate(
+            self.truth, y=float(aims[0]), u=self.u, duration=self.duration, dt=PIECE, controller=pilot,
+            waterway=self.waterway, **pushes,
+        )  # fmt: skip
+        if voyage.t[-1] < self.duration - PIECE:
+            raise InputError("this ship does not come through in these gusts; draw another")
+        return voyage
+
+    def _pushes(self, draw: np.random.Generator) -> list[list[tuple[float, float]]]:
+        """Sway force and yaw moment through the transit: wind, gusts, and ships that pass."""
+        told, times = self.conditions, np.arange(0.0, self.duration, PIECE)
+        gusts = wandering(1.0, told.gust_time, PIECE, len(times), draw, 2) * told.gust_push(self.truth)
+        pushes = gusts + draw.standard_normal(2) * told.steady_push(self.truth)
+        for passed in self.passes:
+            pushes += _passing(self.truth, self.u, times - passed)
+        return [list(zip(times.tolist(), column, strict=True)) for column in pushes.T.tolist()]
+
+
+def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
+    """What a ship that passes does [N, N m]: off, on, off again in sway, out and back in yaw.
+
+    No measured passing force is behind it: its size is that of a bank's suction and its time that of two lengths at
+    twice the speed.
+    """
+    ship = model.configuration.ship
+    size = 0.02 * model.configuration.water.density * u * u * ship.length * ship.draft
+    phase = np.clip(since * u / ship.length, -1.0, 1.0)
+    inside = np.abs(phase) < 1
+    sway = -size * np.cos(1.5 * np.pi * phase) * inside
+    yaw = 0.15 * ship.length * size * np.sin(np.pi * phase) * inside
+    return np.stack([sway, yaw], axis=1)
+
+
+def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
+    """Return a voyage as sensors record it: noise, what wanders, what is wrong all through, and a current (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the record.
+    voyage : Voyage
+        What was sailed.
+    grade : SensorGrade
+        What is measured, and how well.
+    seed : int
+        Of the sensors.
+    current : float [m/s]
+        Standard deviation of that along the canal, straight ahead.
+    """
+    draw = np.random.default_rng((seed, 13))
+    drift = current * float(draw.standard_normal())
+    told = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
+    told["x"] = told["x"] + drift * voyage.t
+    told["u_ground"] = told["u"] + drift * np.cos(told["psi"])
+    told["v_ground"] = told["v"] - drift * np.sin(told["psi"])
+    told["speed_over_ground"] = np.hypot(told["u_ground"], told["v_ground"])
+    signals = {own: _read(voyage.t, told[own], grade.signals[own], draw) for own in grade.signals if own in told}
+    return ShipRecord(name, signals)
+
+
+def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.Generator) -> Signal:
+    times = np.arange(t[0], t[-1], grade.period)
+    wander = wandering(grade.wander, grade.memory, grade.period, len(times), draw)[:, 0] if grade.wander else 0.0
+    error = grade.noise * draw.standard_normal(len(times)) + grade.zero * draw.standard_normal() + wander
+    return Signal(times, np.interp(times, t, truth) + error)
+
+
+def drawn_truth(model: Model, seed: int, **held: float) -> Model:
+    """Return a ship that the tests of a model leave possible, within the bounds of its terms (ours).
+
+    Parameters
+    ----------
+    model : Model
+        With a covariance.
+    seed : int
+        Of the draw.
+    **held : float
+        Coefficients that are so.
+
+    Raises
+    ------
+    InputError
+        Where no draw is within the bounds.
+    """
+    from narrows.logbook.gaussian_update import NormalPrior
+
+    draw, names = np.random.default_rng((seed, 17)), model.terms.names
+    prior = NormalPrior.of(np.array([model.coefficients[name] for name in names]), np.asarray(model.covariance))
+    bounds = np.array([term.bound for term in model.terms.terms])
+    for _ in range(DRAWS):
+        values = prior.mean + prior.root @ draw.standard_normal(prior.root.shape[1])
+        if ((values >= bounds[:, 0] - 1e-9) & (values <= bounds[:, 1] + 1e-9)).all():
+            return model.with_coefficients(**{**dict(zip(names, values.tolist(), strict=True)), **held})
+    raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")

@@ -1,0 +1,32 @@
+"""What a log taught, in the terminal."""
+
+from collections.abc import Mapping
+
+from rich.console import Console
+from rich.table import Table
+
+from narrows.logbook import LogFit
+from narrows.report.learned_table import LEARNED_HEADS, learned_rows
+
+
+def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
+    """Print what a log taught.
+
+    Parameters
+    ----------
+    fit : LogFit
+        The answer.
+    truth : mapping of str to float, optional
+        Coefficients of a twin, to print beside.
+    """
+    console = Console(highlight=False, markup=False)
+    console.width = max(console.width, 110)
+    console.print(fit.summary())
+    table = Table(box=None, pad_edge=False)
+    for head in (*LEARNED_HEADS, "what the log says", *(("truth",) if truth else ())):
+        table.add_column(head, justify="right" if head in (*LEARNED_HEADS[1:4], "truth") else "left")
+    for row in learned_rows(fit.coefficients):
+        table.add_row(*row, *((f"{truth[row[0]]:.3g}",) if truth else ()))
+    console.print(table)
+    for note in fit.notes:
+        console.print(f"- {note}", style="dim")
