@@ -102,4 +102,4 @@ def test_the_verb_foretells_and_says_where_it_cannot(cli, tmp_path: Path) -> Non
     assert "record the rudder" in out
     code, _, err = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", "page.svg", "--waterway", "canal.geojson")
     assert code == 2
-    assert "--waterway is for --foresee" in err
+    assert "--waterway is for logs and --foresee" in err

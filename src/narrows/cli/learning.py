@@ -8,17 +8,57 @@ import typer
 
 from narrows.cli.delivery import ModelDelivery
 from narrows.cli.grouped import verb
-from narrows.cli.options import ModelFile, WaterwayFile
+from narrows.cli.options import WaterwayFile
 from narrows.cli.output import named, print_json, say_written
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.logbook import EnvelopeChange, Foresight, SteadyConditions, SteadyFit, SteadyPlan
+    from collections.abc import Mapping
+
+    from narrows.logbook import (
+        EnvelopeChange,
+        Foresight,
+        LogFit,
+        ShipLog,
+        SteadyConditions,
+        SteadyFit,
+        SteadyPlan,
+        StreamedLog,
+    )
     from narrows.model.model import Model
 
-PARTS = ("steady", "envelope", "plan", "foresight")
+PARTS = ("log", "truth", "steady", "envelope", "plan", "foresight")
 """Of what is printed as JSON; null where it was not asked for."""
 PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
+
+
+Logs = Annotated[
+    list[Path] | None,
+    typer.Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", show_default=False, metavar="[LOG]..."),
+]
+OptionalModel = Annotated[
+    str | None, typer.Argument(help="Model file; none for --demo.", show_default=False, metavar="[MODEL]")
+]
+
+
+@dataclass(frozen=True)
+class LogOptions:
+    """Logs of the ship itself."""
+
+    free: Annotated[str, typer.Option(help="Coefficients that may move: b_bank,c_bank; all unless given.")] = ""
+    sensors: Annotated[str, typer.Option(help="How well a log was measured: rtk, vdr, ais, or basin.")] = "vdr"
+    spread: Annotated[
+        float | None, typer.Option(help="Of coefficients that no fit made: standard deviation over their size.")
+    ] = None
+    mapping: Annotated[
+        Path | None, typer.Option(help="TOML of the log's own names, units, signs and lateness; see docs/ship-log.md.")
+    ] = None
+    unchecked: Annotated[
+        bool, typer.Option("--unchecked", help="Fit although the log's signs, units or clock look wrong.")
+    ] = False
+    demo: Annotated[
+        bool, typer.Option("--demo", help="Fit twins of ten transits of a 400 m ship, the truth beside.")
+    ] = False
 
 
 @dataclass(frozen=True)
@@ -59,25 +99,31 @@ class ForesightOptions:
     waterway: WaterwayFile = None
 
 
-@verb("narrows learn full.toml --steady held.csv -o learned.toml --report learned.html")
+@verb("narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html")
 def learn(
-    model: ModelFile,
+    logged: LogOptions,
     legs: LegOptions,
     ahead: ForesightOptions,
     delivery: ModelDelivery,
     speed: Annotated[
         str | None, typer.Option(help="Speeds that may be held, or that of transits: 8kn, 4.1m/s.")
     ] = None,
+    model: OptionalModel = None,
+    logs: Logs = None,
 ) -> None:
-    """Learn the bank's coefficients from the ship itself: held to one side, then to the other.
+    """Learn coefficients from the ship itself: its own log, or legs held to one side and then to the other.
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
     from narrows.model.model_file import model_named
 
-    _check(legs, ahead, delivery)
-    ship = model_named(model)
-    if legs.steady is not None:
+    _check(model, logs, logged, legs, ahead, delivery)
+    if logged.demo:
+        raise SystemExit(int(not _demonstrate(logged, delivery)))
+    ship = model_named(model or "")
+    if logs:
+        told = _learn(ship, logs, logged, ahead, delivery)
+    elif legs.steady is not None:
         told = _learn_steady(ship, legs, legs.steady, delivery)
     elif legs.plan_steady is not None:
         told = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
@@ -86,13 +132,73 @@ def learn(
     raise SystemExit(int(not told))
 
 
-def _check(legs: LegOptions, ahead: ForesightOptions, delivery: ModelDelivery) -> None:
-    if sum(asked is not None for asked in (legs.steady, legs.plan_steady, ahead.foresee)) != 1:
-        raise InputError("give --steady with the legs that were held, --plan-steady, or --foresee; one of them")
-    if ahead.waterway is not None and ahead.foresee is None:
-        raise InputError("--waterway is for --foresee; steady legs are held in the canal of the model")
-    if legs.steady is None and (delivery.output or delivery.report):
-        raise InputError("nothing is learned yet: leave --output and --report out, or give --steady")
+def _check(
+    model: str | None, logs: list[Path] | None, logged: LogOptions, legs: LegOptions, ahead: ForesightOptions,
+    delivery: ModelDelivery,
+) -> None:  # fmt: skip
+    asked = (logs, logged.demo or None, legs.steady, legs.plan_steady, ahead.foresee)
+    if sum(one is not None for one in asked) != 1:
+        raise InputError(
+            "give logs after the model, or --steady with the legs that were held, --plan-steady, --foresee or --demo; "
+            "one of them"
+        )
+    if (model is None) != logged.demo:
+        raise InputError("give a model file first; --demo alone has its own")
+    if ahead.waterway is not None and not (logs or ahead.foresee):
+        raise InputError("--waterway is for logs and --foresee; steady legs are held in the canal of the model")
+    if not (logs or logged.demo or legs.steady) and (delivery.output or delivery.report):
+        raise InputError("nothing is learned yet: leave --output and --report out, or give a log or --steady")
+
+
+def _learn(
+    model: "Model", logs: list[Path], logged: LogOptions, ahead: ForesightOptions, delivery: ModelDelivery
+) -> bool:
+    """Learn from logs; return whether they tell."""
+    from narrows.logbook import check_log
+    from narrows.logbook import learn as learned
+
+    log = _read(logs, logged, ahead)
+    if not logged.unchecked and (wrong := check_log(log, model).wrong):
+        more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
+        raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
+    free = tuple(filter(None, logged.free.split(",")))
+    return _deliver(learned(model, log, free=free, sensors=logged.sensors, spread=logged.spread), delivery)
+
+
+def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "ShipLog | StreamedLog":
+    """Logs in memory, or read from disk again and again where one is large."""
+    from narrows.logbook import read_log, stream_log
+    from narrows.progress import LARGE
+    from narrows.waterway import read_waterway
+
+    way = None if ahead.waterway is None else read_waterway(ahead.waterway)
+    if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE:
+        return stream_log(logs[0], way, logged.mapping)
+    return read_log(logs, way, logged.mapping)
+
+
+def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
+    """Learn from twins; return whether they tell."""
+    from narrows.logbook import learn as learned
+    from narrows.logbook import sensor_grade
+    from narrows.logbook.learning_demo import demonstrated_log
+
+    twins = demonstrated_log(sensor_grade(logged.sensors))
+    fit = learned(twins.prior, twins.log, sensors=logged.sensors)
+    return _deliver(fit, delivery, twins.truth.coefficients)
+
+
+def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float] | None" = None) -> bool:
+    """Print, write; return whether the log tells."""
+    from narrows.report.log_fit_report import write_log_report
+    from narrows.report.log_fit_table import print_log_fit
+
+    delivery.write(fit.model.save)
+    if delivery.report:
+        write_log_report(fit, delivery.report)
+    told = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
+    delivery.tell(lambda: told, lambda: print_log_fit(fit, truth))
+    return fit.tells
 
 
 def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
@@ -152,6 +258,6 @@ def _foresee(model: "Model", ahead: ForesightOptions, speed: str | None, json: b
     return bool(found.kinds)
 
 
-def _told(result: "SteadyFit | SteadyPlan | Foresight", **parts: Any) -> dict[str, Any]:
+def _told(result: "LogFit | SteadyFit | SteadyPlan | Foresight", **parts: Any) -> dict[str, Any]:
     """What the verb prints as JSON: its summary and notes, and each part that was asked for."""
     return {"summary": result.summary(), **dict.fromkeys(PARTS), **parts, "notes": list(result.notes)}

@@ -1,0 +1,91 @@
+"""``narrows learn MODEL LOG...``: a log in, a model that knows more out; exit 1 where the log does not tell."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from test_learn import mistaken, records
+
+import narrows as nw
+from logs import kvlcc2
+
+SCHEMA = json.loads((Path(nw.__file__).parent / "schemas" / "learn.json").read_text())
+BASIN = ("--sensors", "basin", "--spread", "0.1")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A model, a log with zigzags, and one of a ship that goes straight ahead."""
+    folder = tmp_path_factory.mktemp("learn")
+    mistaken().save(folder / "ship.toml")
+    nw.ShipLog(tuple(records()[:2])).to_csv(folder / "zigzags.csv")
+    t = np.arange(0.0, 900.0, 2.0)
+    speed = 7.0 + 0.0 * t
+    told = {"x": 7.0 * t, "y": 0 * t, "psi": 0 * t, "r": 0 * t, "u": speed, "rudder": 0 * t}
+    noise = np.random.default_rng(0)
+    quiet = {name: nw.Signal(t, column + 1e-3 * noise.standard_normal(len(t))) for name, column in told.items()}
+    nw.ShipLog((nw.ShipRecord("straight", quiet),)).to_csv(folder / "straight.csv")
+    return folder
+
+
+def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
+    model, page = folder / "learned.toml", folder / "learned.html"
+    code, out, err = cli(
+        "learn", folder / "ship.toml", folder / "zigzags.csv", *BASIN, "-o", model, "--report", page
+    )  # fmt: skip
+    assert code == 0, err
+    assert out.startswith("Learned from 2 records, 30 min: learned: ")
+    assert f"wrote {model}" in out
+    learned = nw.load_model(model)
+    assert abs(learned["N_v"] / kvlcc2()["N_v"] - 1) < 0.06
+    assert "learned from 2 records of the ship itself" in learned.source.text
+    text = page.read_text(encoding="utf-8")
+    assert text.count("<svg") == 3
+    assert "zigzag +20" in text
+    assert "Motion tells of forces over inertia" in text
+
+
+def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
+    free = "R_0,Y_v,Y_rudder,N_v,N_r,N_rudder"
+    code, out, err = cli("learn", folder / "ship.toml", folder / "zigzags.csv", *BASIN, "--free", free, "--json")
+    assert code == 0, err
+    told = json.loads(out)
+    assert list(Draft202012Validator(SCHEMA).iter_errors(told)) == []
+    moved = [c["name"] for c in told["log"]["coefficients"] if c["value"] != c["prior"]]
+    assert moved == free.split(",")
+
+
+def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
+    code, out, _ = cli("learn", folder / "ship.toml", folder / "straight.csv", "--spread", "0.01", "--unchecked")
+    assert code == 1
+    assert out.startswith("Learned from 1 record, 15 min: nothing.")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["{ship}"], "give logs after the model"), (["{ship}", "{log}", "--demo"], "one of them"),
+        (["--demo", "--steady", "x.csv"], "one of them"), (["{ship}", "{gone}"], "no such file"),
+        (["{ship}", "{log}"], "spread"), (["{ship}", "--foresee", "vdr", "-o", "new.toml"], "nothing is learned yet"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_one_line_and_exit_2(cli, folder: Path, words: list[str], says: str) -> None:
+    files = {"ship": folder / "ship.toml", "log": folder / "zigzags.csv", "gone": folder / "gone.csv"}
+    code, _, err = cli("learn", *(word.format(**files) for word in words))
+    assert code == 2
+    assert says in err
+
+
+def test_a_rudder_that_counts_the_other_way_is_found_before_the_fit(cli, folder: Path) -> None:
+    rudders = [record["rudder"] for record in records()[:2]]
+    turned = [
+        record.with_signals(rudder=nw.Signal(rudder.t, -rudder.values))
+        for record, rudder in zip(records(), rudders, strict=False)
+    ]
+    nw.ShipLog(tuple(turned)).to_csv(folder / "turned.csv")
+    code, _, err = cli("learn", folder / "ship.toml", folder / "turned.csv", *BASIN)
+    assert code == 2
+    assert "rudder" in err
+    assert "--unchecked" in err
