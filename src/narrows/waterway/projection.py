@@ -1,5 +1,6 @@
 """Longitude and latitude to metres about an origin of their own, and back."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     origin : array (2,) [deg]
         Likewise.
     """
-    east, north = _projection(origin).transform(points[:, 0], points[:, 1])
+    east, north = _projection(*origin.tolist()).transform(points[:, 0], points[:, 1])
     return np.stack([east, north], axis=1)
 
 
@@ -53,12 +54,13 @@ def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     origin : array (2,) [deg]
         Longitude and latitude, WGS84.
     """
-    longitude, latitude = _projection(origin).transform(points[:, 0], points[:, 1], direction="INVERSE")
+    longitude, latitude = _projection(*origin.tolist()).transform(points[:, 0], points[:, 1], direction="INVERSE")
     return np.stack([longitude, latitude], axis=1)
 
 
-def _projection(origin: np.ndarray) -> Any:
+@lru_cache(maxsize=8)  # A transformer takes longer to make than thousands of points to bring over.
+def _projection(longitude: float, latitude: float) -> Any:
     from pyproj import Transformer
 
-    local = f"+proj=tmerc +lon_0={origin[0]} +lat_0={origin[1]} +k=1 +datum=WGS84 +units=m"
+    local = f"+proj=tmerc +lon_0={longitude} +lat_0={latitude} +k=1 +datum=WGS84 +units=m"
     return Transformer.from_crs("OGC:CRS84", local, always_xy=True)

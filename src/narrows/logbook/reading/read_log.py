@@ -7,10 +7,10 @@ from typing import Any
 
 from narrows.errors import InputError, check_count
 from narrows.logbook.reading.log_mapping import log_mapping
-from narrows.logbook.reading.nmea_table import is_nmea
 from narrows.logbook.reading.streamed_log import LogReading, StreamedLog, as_path
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
+from narrows.readers.nmea.nmea_recording import is_nmea
 from narrows.waterway import Waterway, read_waterway
 
 GAP = 300.0

@@ -12,12 +12,13 @@ import pandas as pd
 from narrows.errors import InputError
 from narrows.logbook.reading.log_mapping import LogMapping
 from narrows.logbook.reading.log_rows import RowReader
-from narrows.logbook.reading.nmea_table import NmeaTable, is_nmea
 from narrows.logbook.reading.placing import Placing
 from narrows.logbook.reading.record_split import RawRecord, RecordSplit
 from narrows.logbook.ship_record import ShipRecord
 from narrows.readers.dataframes import as_sheet, name_of
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
+from narrows.readers.nmea.nmea_recording import is_nmea
+from narrows.readers.nmea.nmea_table import NmeaTable
 from narrows.waterway import Waterway
 
 ROWS = 32_000

@@ -1,6 +1,7 @@
 """What sentences of NMEA 0183 tell, by the kept parsers pynmeagps and pyais, in SI and the documented columns."""
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date, time
 from enum import Enum
 from typing import Any, NamedTuple
@@ -10,10 +11,16 @@ from narrows.readers.headers import DEGREE
 
 SPEEDS = {"N": KNOT, "K": 1 / 3.6, "M": 1.0, "S": 1609.344 / 3600}
 """Of the wind, by the letter of its unit."""
-AIS_POSITIONS = (1, 2, 3, 18)
-"""Types of AIS messages that say where a ship is and how it moves (ITU-R M.1371)."""
-NO_LONGITUDE, NO_LATITUDE, NO_SPEED, NO_COURSE, NO_HEADING = 181.0, 91.0, 102.3, 360.0, 511
-"""By which AIS says that it has none."""
+AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
+"""Types of AIS messages that say where a ship is and how it moves, and how it is loaded (ITU-R M.1371)."""
+NO_SPEED, NO_COURSE = 102.3, 360.0
+"""By which AIS says that it has none; its other such numbers lie beyond ``LARGEST``."""
+LARGEST = {
+    "longitude": 180.0, "latitude": 90.0, "heading": 360.0, "course_over_ground": 360.0, "speed_over_ground": 102.3,
+    "r": 720.0, "rudder": 90.0, "revolutions": 6000.0, "u": 102.3, "v": 102.3, "u_ground": 102.3, "v_ground": 102.3,
+    "apparent_wind_angle": 360.0, "wind_from": 360.0, "draft": 25.5,
+}  # fmt: skip
+"""Of numbers as sentences write them: what is larger, or is no number, is not told."""
 
 Values = dict[str, float]
 Tellings = Mapping[str, Values]
@@ -53,29 +60,31 @@ SOURCES = {
     "wind as felt on board": ("MWV",),
     "wind": ("MWD",),
 }
-"""What is told, and by which types of sentences, the best first."""
+"""What is measured, and by which types of sentences, the best first."""
+PARTICULARS = "particulars"
+"""What is told of the ship and not measured: its draft."""
 
 
-def told_by(text: bytes, kind: str, mmsi: int | None = None) -> Telling | None:
+def told_by(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> Telling | None:
     """Return what a sentence tells; None where it is of a type that tells nothing here (ours).
 
     Parameters
     ----------
-    text : bytes
-        The sentence.
+    parts : sequence of bytes
+        The sentence; of an AIS message all of its sentences.
     kind : str
         Its talker and type.
     mmsi : int, optional
         Whose AIS reports to read; those of the ship itself unless given.
     """
     if kind.endswith(("VDO", "VDM")):
-        return _ais(text, kind, mmsi)
+        return _ais(parts, kind, mmsi)
     read = READ.get(kind[2:])
     if read is None:
         return None
     from pynmeagps import NMEAReader
 
-    message = NMEAReader.parse(text + b"\r\n")
+    message = NMEAReader.parse(parts[0] + b"\r\n")
     source = f"{kind} {message.source}{message.engineshaftnum}" if kind.endswith("RPM") else kind
     clock = getattr(message, "time", None)
     return Telling(read(message), source, clock if isinstance(clock, time) else None, _day(message, kind))
@@ -92,8 +101,12 @@ Reader = Callable[[Any], Tellings]
 
 
 def _only(**numbers: Any) -> Values:
-    """Those that are numbers: an empty field is a word without letters."""
-    return {name: float(value) for name, value in numbers.items() if isinstance(value, int | float)}
+    """Those that are numbers that can be: an empty field is a word without letters, and parsers let NaN pass."""
+    return {
+        name: float(value)
+        for name, value in numbers.items()
+        if isinstance(value, int | float) and abs(value) <= LARGEST.get(name, math.inf)
+    }
 
 
 def _scaled(values: Values, factor: float) -> Values:
@@ -101,7 +114,13 @@ def _scaled(values: Values, factor: float) -> Values:
 
 
 def _fix(message: Any) -> Values:
-    return _only(longitude=message.lon, latitude=message.lat)
+    return _place(message.lon, message.lat)
+
+
+def _place(longitude: Any, latitude: Any) -> Values:
+    """Both or none."""
+    told = _only(longitude=longitude, latitude=latitude)
+    return told if len(told) == 2 else {}
 
 
 def _gga(message: Any) -> Tellings:
@@ -146,7 +165,7 @@ def _hdg(message: Any) -> Tellings:
         return {}
     parts = ((message.variation, message.variationEW), (message.deviation, message.deviationEW))
     shift = sum(-value if side == "W" else value for value, side in parts if isinstance(value, int | float))
-    return {"heading": _scaled(_only(heading=message.headingM + shift), DEGREE)}
+    return {"heading": _scaled(_only(heading=(message.headingM + shift) % 360), DEGREE)}
 
 
 def _rot(message: Any) -> Tellings:
@@ -196,26 +215,30 @@ READ: Mapping[str, Reader] = {
 """By type."""
 
 
-def _ais(text: bytes, kind: str, mmsi: int | None) -> Telling | None:
+def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> Telling | None:
     """The ship's own reports, or those of one ship that others heard."""
-    if text.split(b",", 2)[1] != b"1":  # Positions take one sentence.
-        return None
     import pyais
 
-    message = pyais.decode(text)
+    message = pyais.decode(*parts)
     wanted = kind.endswith("VDO") if mmsi is None else message.mmsi == mmsi
-    told = _of_ais(message.asdict()) if wanted and message.msg_type in AIS_POSITIONS else {}
+    told = _of_ais(message.msg_type, message.asdict()) if wanted else {}
     return Telling(told, f"{kind} {message.mmsi}")
 
 
-def _of_ais(report: Mapping[str, Any]) -> Tellings:
-    longitude, latitude, turn = report["lon"], report["lat"], report.get("turn")
-    fixed = longitude != NO_LONGITUDE and latitude != NO_LATITUDE
-    speed = {} if report["speed"] >= NO_SPEED else {"speed_over_ground": report["speed"] * KNOT}
+def _of_ais(kind: int, report: Mapping[str, Any]) -> Tellings:
+    if kind == AIS_VOYAGE:
+        return {PARTICULARS: _only(draft=report["draught"] or None)}  # 0 is how it says that it has none.
+    return _position_report(report) if kind in AIS_POSITIONS else {}
+
+
+def _position_report(report: Mapping[str, Any]) -> Tellings:
+    turn = report.get("turn")
+    speed, course = report["speed"], report["course"]
     return {
-        "position": _only(longitude=longitude, latitude=latitude) if fixed else {},
-        "speed over ground": speed | ({} if report["course"] >= NO_COURSE else _course(report["course"])),
-        "heading": {} if report["heading"] == NO_HEADING else {"heading": report["heading"] * DEGREE},
+        "position": _place(report["lon"], report["lat"]),
+        "speed over ground": ({} if speed >= NO_SPEED else _scaled(_only(speed_over_ground=speed), KNOT))
+        | ({} if course >= NO_COURSE else _course(course)),
+        "heading": _scaled(_only(heading=report["heading"]), DEGREE),
         # Codes beyond all numbers say that it turns, not how fast.
-        "yaw rate": {} if turn is None or isinstance(turn, Enum) else {"r": turn * DEGREE / 60},
+        "yaw rate": {} if isinstance(turn, Enum) else _scaled(_only(r=turn), DEGREE / 60),
     }

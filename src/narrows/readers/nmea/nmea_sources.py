@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable
 
-from narrows.logbook.reading.nmea_sentences import SOURCES, Telling
+from narrows.readers.nmea.nmea_sentences import SOURCES, Telling
 
 SILENT = 5.0
 """Without a word [s], after which another talker of the same sentence is listened to: receivers change their names."""
@@ -22,7 +22,7 @@ class Sources:
         counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
         for told in sample:
             for about, values in told.values.items():
-                if values:
+                if values and about in counts:
                     counts[about][told.source] += 1
         self.chosen = {about: _best(found, SOURCES[about]) for about, found in counts.items() if found}
         self.used = {about: [source] for about, source in self.chosen.items()}

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC, date, datetime
 from typing import NamedTuple
 
-from narrows.logbook.reading.nmea_lines import Sentence
-from narrows.logbook.reading.nmea_sentences import Telling
+from narrows.readers.nmea.nmea_lines import Sentence
+from narrows.readers.nmea.nmea_sentences import Telling
 
 DAY = 86400.0
 EPOCH = date(1970, 1, 1)

@@ -1,0 +1,135 @@
+"""From what was told in a second to readings of the estimator: along the waterway, from its line, in SI."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_sentences import PARTICULARS, Values
+from narrows.warning.hearing.live_choice import LiveChoice
+from narrows.warning.hearing.tick import Tick
+from narrows.waterway.projection import projected
+from narrows.waterway.waterway import Waterway
+
+BESIDE = 1000.0
+"""Beyond the banks [m] and the ends, where a fix is none of this waterway."""
+NOT_HERE = "that tell of a place off the waterway"
+WATER_LOG, GROUND_LOG = "log", "ground_log"
+Reading = float | tuple[float, float]
+
+
+class Heard(NamedTuple):
+    """What the bridge told until a time.
+
+    Parameters
+    ----------
+    t : float [s]
+        Until when.
+    readings : dict of str to float or pair of float
+        Of the last second, by the names of sensors and actuators.
+    ages : dict of str to float [s]
+        By what was ever told: how long ago.
+    faults : dict of str to int
+        Messages that were left out so far.
+    draft : float, optional [m]
+        As the ship reports it.
+    """
+
+    t: float
+    readings: dict[str, Reading]
+    ages: dict[str, float]
+    faults: dict[str, int]
+    draft: float | None
+
+
+class BridgeReadings:
+    """Brings what is told to a waterway (ours).
+
+    Parameters
+    ----------
+    waterway : Waterway
+        That knows where on earth it is.
+
+    Raises
+    ------
+    InputError
+        Where it does not.
+    """
+
+    def __init__(self, waterway: Waterway) -> None:
+        if waterway.origin is None:
+            raise InputError(
+                f"{waterway.name} does not know where on earth it is, and a bridge tells longitude and latitude; give "
+                "its origin, or read it from GeoJSON"
+            )
+        self.waterway, self.choice = waterway, LiveChoice()
+        self._origin, self._along = np.array(waterway.origin), math.nan
+        self._last: dict[str, float] = {}
+        self._draft: float | None = None
+        self._off = 0
+
+    def heard(self, tick: Tick) -> Heard:
+        """Return what a second told.
+
+        Parameters
+        ----------
+        tick : Tick
+            Of it.
+        """
+        told = self._latest(tick.entries)
+        readings = self._place(told.pop("position", {}))
+        readings |= self._directions(told) | self._others(told)
+        faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
+        return Heard(tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft)
+
+    def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
+        """The last that was told of each thing by the one who is believed."""
+        told: dict[str, Values] = {}
+        for entry in entries:
+            for about, values in entry.told.values.items():
+                if not values or not self.choice.tells(about, entry.told.source, entry.t):
+                    continue
+                told[about] = {**told.get(about, {}), **values}
+                self._last[about] = max(entry.t, self._last.get(about, -math.inf))
+        self._draft = told.pop(PARTICULARS, {}).get("draft", self._draft)
+        return told
+
+    def _place(self, told: Values) -> dict[str, Reading]:
+        if not told:
+            return {}
+        where = projected(np.array([[told["longitude"], told["latitude"]]]), self._origin)
+        s, n, along = (float(number[0]) for number in self.waterway.line.placed(where))
+        length, reach = self.waterway.line.length, float(self.waterway.section(s).width) + BESIDE
+        if not (-BESIDE < s < length + BESIDE and abs(n) < reach):
+            self._off += 1
+            return {}
+        self._along = along
+        return {"gnss": (s, n)}
+
+    def _directions(self, told: dict[str, Values]) -> dict[str, Reading]:
+        """Heading and course from the line, where it is known how the line lies."""
+        if not math.isfinite(self._along):
+            return {}
+        readings: dict[str, Reading] = {}
+        if heading := told.get("heading"):
+            readings["gyro"] = math.remainder(heading["heading"] - self._along, 2 * math.pi)
+        ground = told.get("speed over ground", {})
+        if len(ground) == 2:
+            course = math.remainder(ground["course_over_ground"] - self._along, 2 * math.pi)
+            readings["course"] = (course, ground["speed_over_ground"])
+        return readings
+
+    def _others(self, told: dict[str, Values]) -> dict[str, Reading]:
+        columns = {"yaw rate": ("r", "rate_of_turn"), "rudder": ("rudder",) * 2, "revolutions": ("revolutions",) * 2}
+        readings: dict[str, Reading] = {
+            name: told[about][column] for about, (column, name) in columns.items() if column in told.get(about, {})
+        }
+        water, ground = told.get("speed through the water", {}), told.get("speed over ground", {})
+        if "u" in water:
+            readings[WATER_LOG] = water["u"]
+        elif "speed through the water" not in self._last and "speed_over_ground" in ground:
+            readings[GROUND_LOG] = ground["speed_over_ground"] - self.waterway.current
+        return readings

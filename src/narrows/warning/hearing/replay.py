@@ -1,0 +1,103 @@
+"""A recording heard again: in the order in which it was told, at the speed that is asked for."""
+
+import heapq
+import math
+import time
+from collections.abc import Iterable, Iterator
+from itertools import count
+from pathlib import Path
+
+from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_recording import Recording
+from narrows.warning.hearing.tick import PERIOD, Tick
+
+LATE = 60.0
+"""How late a line may stand in a recording [s]."""
+LONGEST_SILENCE = 120.0
+"""That is heard second by second [s]; after it the recording goes on where it goes on."""
+
+
+class Replay:
+    """A recording.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    speed : float [1]
+        Times that of the ship; infinite for as fast as it goes.
+    mmsi : int, optional
+        Whose AIS reports to read.
+    """
+
+    def __init__(self, path: Path, speed: float = math.inf, mmsi: int | None = None) -> None:
+        self.recording, self.speed = Recording(path, mmsi), speed
+
+    def ticks(self) -> Iterator[Tick]:
+        """Yield what was told, second by second; times count from 1970 where the recording says so."""
+        began: tuple[float, float] | None = None
+        for tick in by_second(in_order(self._entries())):
+            began = began or (time.monotonic(), tick.t)
+            if math.isfinite(self.speed):
+                time.sleep(max(0.0, began[0] + (tick.t - began[1]) / self.speed - time.monotonic()))
+            yield tick._replace(faults=dict(self.recording.faults))
+
+    def _entries(self) -> Iterator[Entry]:
+        for entry in self.recording.entries():
+            yield entry._replace(t=entry.t + (self.recording.clock.begin or 0.0))
+
+
+def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
+    """Yield entries by their times, each once, though they stand in another order or several times (ours).
+
+    Parameters
+    ----------
+    entries : iterable of Entry
+        As they stand.
+    late : float [s]
+        How much later than others of its time one may stand; what is later still is left out.
+    """
+    waiting: list[tuple[float, str, int, Entry]] = []
+    numbers, newest, last = count(), -math.inf, -math.inf
+    recent: set[tuple[float, str, str]] = set()
+
+    def ready(before: float) -> Iterator[Entry]:
+        nonlocal last, recent
+        while waiting and waiting[0][0] <= before:
+            entry = heapq.heappop(waiting)[-1]
+            if entry.t > last:
+                recent, last = set(), entry.t
+            told = (entry.t, entry.told.source, repr(entry.told))
+            if told not in recent:
+                recent.add(told)
+                yield entry
+
+    for entry in entries:
+        if entry.t >= last:
+            heapq.heappush(waiting, (entry.t, entry.told.source, next(numbers), entry))
+        newest = max(newest, entry.t)
+        yield from ready(newest - late)
+    yield from ready(math.inf)
+
+
+def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
+    """Yield entries second by second, seconds without any too (ours).
+
+    Parameters
+    ----------
+    entries : iterable of Entry
+        In order.
+    """
+    until, heard = -math.inf, list[Entry]()
+    for entry in entries:
+        second = math.ceil(entry.t / PERIOD) * PERIOD
+        if second > until and math.isfinite(until):
+            yield Tick(until, heard, {})
+            heard = []
+            while second - until > PERIOD and second - until <= LONGEST_SILENCE:
+                until += PERIOD
+                yield Tick(until, (), {})
+        until = max(until, second)
+        heard.append(entry)
+    if heard:
+        yield Tick(until, heard, {})

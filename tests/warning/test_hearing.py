@@ -1,0 +1,331 @@
+"""What a monitor hears: sentences by other means than ours, sockets of this machine, and every way to garble them."""
+
+import asyncio
+import contextlib
+import json
+import math
+import random
+import socket
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bridge import KNOT, WAY, ais, nowhere, recorded, stamped, told_at
+from hypothesis import given
+from hypothesis import strategies as st
+
+import narrows as nw
+from logs import motion, sentence
+from narrows.readers.nmea.ais_fragments import AisFragments
+from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_hearing import MOST_SHIPS, Hearing
+from narrows.readers.nmea.nmea_lines import Sentence, sentences
+from narrows.readers.nmea.nmea_sentences import Telling
+from narrows.warning.hearing.bridge_readings import NOT_HERE, BridgeReadings, Heard
+from narrows.warning.hearing.connections import Connection, connection_of
+from narrows.warning.hearing.inbox import OTHERS, OWN, Arrival, Inbox
+from narrows.warning.hearing.line_splitter import LONGEST, LineSplitter
+from narrows.warning.hearing.listening import Listening
+from narrows.warning.hearing.replay import Replay, by_second, in_order
+from narrows.warning.hearing.signal_k import deltas
+from narrows.warning.hearing.tick import Tick
+
+
+def understood(*lines: str, mmsi: int | None = None, hearing: Hearing | None = None, t: float = 0.0) -> list[dict]:
+    hearing = hearing or Hearing(mmsi)
+    texts = [line.encode("latin-1") for line in lines]
+    told = [hearing.told(one, t) for one in sentences(texts, hearing.faults)]
+    return [one.values for one in told if one is not None]
+
+
+def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) -> Heard:
+    hearing = Hearing()
+    told = [hearing.told(one, t) for one in sentences([line.encode() for line in lines], hearing.faults)]
+    entries = [Entry(t, one) for one in told if one is not None]
+    return (bridge or BridgeReadings(WAY)).heard(Tick(t, entries, dict(hearing.faults)))
+
+
+def test_a_second_becomes_readings_along_the_waterway() -> None:
+    told = heard(*told_at(30.0))
+    truth = {name: float(value) for name, value in motion(np.array(30.0)).items()}
+    assert told.readings["gnss"] == pytest.approx((truth["x"], truth["y"]), abs=0.01)
+    assert told.readings["gyro"] == pytest.approx(truth["psi"], abs=1e-5)
+    assert told.readings["rudder"] == pytest.approx(truth["rudder"], abs=1e-6)
+    assert told.readings["rate_of_turn"] == pytest.approx(math.radians(-0.1))
+    assert told.readings["log"] == pytest.approx(7.5 * KNOT)
+    assert told.readings["course"] == pytest.approx((truth["psi"], 7.9 * KNOT), abs=2e-4)
+    assert told.ages == dict.fromkeys(told.ages, 0.0)
+    assert told.faults == {}
+
+
+def test_without_a_log_the_speed_is_that_over_ground() -> None:
+    lines = [line for line in told_at(30.0) if "VBW" not in line]
+    assert heard(*lines).readings["ground_log"] == pytest.approx(7.9 * KNOT)
+
+
+def test_a_fix_elsewhere_on_earth_is_none() -> None:
+    told = heard(sentence("GPGGA,000000.00,4800.0,N,00500.0,E,1,08,0.9,5.4,M,46.9,M,,"))
+    assert "gnss" not in told.readings
+    assert told.faults == {NOT_HERE: 1}
+
+
+def test_a_waterway_that_is_nowhere_is_refused() -> None:
+    with pytest.raises(nw.InputError, match="give its origin, or read it from GeoJSON"):
+        BridgeReadings(nowhere())
+
+
+@pytest.mark.parametrize("field", ["", "nan", "inf", "-inf", "1e999", "511", "-128", "9999", "x"])
+def test_what_is_no_number_or_stands_for_none_is_not_told(field: str) -> None:
+    lines = [
+        sentence(f"HEHDT,{field},T"), sentence(f"HETHS,{field},A"), sentence(f"IIRSA,{field},A,,V"),
+        sentence(f"VDVBW,{field},{field},A,{field},{field},A,,V,,V"), sentence(f"VDVHW,,T,,M,{field},N,,K"),
+        sentence(f"GPVTG,{field},T,,M,{field},N,,K,A"), sentence(f"TIROT,{field}9,A"),
+        sentence(f"GPGGA,123519,{field},N,{field},E,1,08,0.9,545.4,M,46.9,M,,"),
+        sentence(f"GPRMC,123519,A,{field},N,{field},E,{field},{field},230394,,"),
+    ]  # fmt: skip
+    told = [values for one in understood(*lines) for values in one.values()]
+    assert all(abs(number) < 100.0 and math.isfinite(number) for values in told for number in values.values())
+    if field != "-128":  # half of which is a rate of turn
+        assert not any(values for values in told if not set(values) <= {"r", "rudder"})
+
+
+def test_what_ais_stands_for_none_is_not_told() -> None:
+    unknown = {"lon": 181.0, "lat": 91.0, "speed": 102.3, "course": 360.0, "heading": 511, "turn": -128.0}
+    assert not any(any(one.values()) for one in understood(*ais("VDO", 244000000, **unknown)))
+
+
+VOYAGE = {"type": 5, "shipname": "ALPHA", "draught": 10.2}
+
+
+def test_a_message_of_two_sentences_is_joined() -> None:
+    parts = ais("VDO", 244000001, **VOYAGE)
+    assert len(parts) == 2
+    assert understood(*parts) == [{"particulars": {"draft": 10.2}}]
+    assert heard(*parts).draft == 10.2
+    assert understood(*ais("VDO", 244000001, **{**VOYAGE, "draught": 0.0})) == [{"particulars": {}}]
+
+
+def test_parts_of_two_ships_are_never_one() -> None:
+    one, other = ais("VDO", 244000001, **VOYAGE), ais("VDO", 244000002, **{**VOYAGE, "draught": 3.0})
+    for order in ([one[0], other[0], other[1], one[1]], [one[0], other[0], one[1]], [one[1], other[0]], [*one[::-1]]):
+        hearing = Hearing()
+        assert understood(*order, hearing=hearing) == []
+        assert sum(hearing.faults.values()) >= len(order) - 1
+
+
+def test_a_part_that_comes_too_late_is_given_up() -> None:
+    parts = [line.encode() for line in ais("VDO", 244000001, **VOYAGE)]
+    for pause, whole in ((1.9, True), (2.1, False), (-0.1, False)):
+        fragments = AisFragments(Counter())
+        fragments.whole(parts[0], 100.0)
+        assert (fragments.whole(parts[1], 100.0 + pause) is not None) == whole
+        assert len(fragments) == 0
+
+
+def test_memory_stays_bounded_whatever_ships_there_are() -> None:
+    chance, hearing = random.Random(0), Hearing()
+    for number in range(3 * MOST_SHIPS):
+        line = ais("VDM", 200_000_000 + chance.randrange(99_999_999))[0].encode()
+        hearing.told(Sentence(line, "AIVDM", None), 0.01 * number)
+        part = b"!AIVDM,3,1,%d,%s,53`dU0@0000,0*00" % (number % 10, b"AB"[number % 2 : number % 2 + 1])
+        hearing.told(Sentence(part, "AIVDM", None), 0.01 * number)
+    assert len(hearing.ships) <= MOST_SHIPS
+    assert len(hearing._fragments) <= 20
+
+
+@given(st.binary(max_size=300), st.integers(0, 5))
+def test_fuzzed_bytes_are_counted_and_never_raise(noise: bytes, at: int) -> None:
+    hearing, splitter = Hearing(), LineSplitter(Counter())
+    line = told_at(3.0)[at].encode()
+    cut = len(line) * (at + 1) // 6
+    for piece in (line[:cut] + noise, line[cut:] + b"\r\n", noise, b"\n"):
+        for one in sentences(splitter.lines(piece), hearing.faults):
+            hearing.told(one)
+    list(deltas(noise, hearing.faults))
+
+
+@given(st.text(alphabet="0123456789.,-ANEWTKMnaif", max_size=60), st.sampled_from(
+    ["GPGGA", "GNGNS", "GPRMC", "GPGLL", "GPVTG", "HEHDT", "HETHS", "HCHDG", "TIROT", "IIRSA", "IIRPM", "VDVHW",
+     "VDVBW", "WIMWV", "WIMWD", "GPZDA", "AIVDO", "AIVDM"]
+))  # fmt: skip
+def test_fuzzed_fields_with_a_right_checksum_never_raise(fields: str, kind: str) -> None:
+    for values in understood(sentence(f"{kind},{fields}"), sentence(f"{kind},1,1,,A,{fields},0")):
+        assert all(math.isfinite(number) for told in values.values() for number in told.values())
+
+
+def test_corrupted_sentences_are_never_believed() -> None:
+    """One character of each of 3000 sentences is another: pynmeagps alone accepts some, pyais a seventh."""
+    chance, lines = random.Random(1), [*told_at(3.0), *ais("VDO", 244000001)]
+    hearing = Hearing()
+    for _ in range(3000):
+        line = bytearray(chance.choice(lines).encode())
+        line[chance.randrange(1, len(line))] = chance.randrange(32, 127)
+        if line.decode() not in lines:
+            assert understood(line.decode(), hearing=hearing) == []
+    assert sum(hearing.faults.values()) > 2900
+
+
+def test_a_line_that_never_ends_is_given_up() -> None:
+    faults: Counter[str] = Counter()
+    splitter = LineSplitter(faults)
+    for _ in range(2 * LONGEST // 100 + 2):
+        assert splitter.lines(b"x" * 100) == []
+    assert faults == {"that never ended": 2}
+    assert splitter.lines(b"\n$A\r\n$B")[-1] == b"$A"
+    assert splitter.lines(b",1") == []
+    assert splitter.lines(b"\n") == [b"$B,1"]
+
+
+def test_the_best_is_believed_and_another_where_it_is_silent() -> None:
+    bridge = BridgeReadings(WAY)
+    good, other = told_at(3.0)[1], sentence("AGTHS,77.0,A")
+    first = heard(good, other, t=0.0, bridge=bridge)
+    heard(*told_at(0.0), t=0.5, bridge=bridge)
+    for t in range(1, 6):
+        assert "gyro" not in heard(other, t=float(t), bridge=bridge).readings
+    assert "gyro" in heard(other, t=6.0, bridge=bridge).readings
+    assert "gyro" not in first.readings  # where the line lies is told by a position alone
+
+
+def delta(values: list[dict], **told: object) -> bytes:
+    return json.dumps({"context": "vessels.self", "updates": [{"$source": "n2k.1", "values": values}], **told}).encode()
+
+
+def test_signal_k_tells_in_si() -> None:
+    values = [
+        {"path": "navigation.position", "value": {"longitude": 5.0, "latitude": 52.0}},
+        {"path": "navigation.headingTrue", "value": 1.0}, {"path": "steering.rudderAngle", "value": -0.1},
+        {"path": "propulsion.port.revolutions", "value": 1.5}, {"path": "navigation.rateOfTurn", "value": None},
+        {"path": "navigation.speedOverGround", "value": math.nan}, {"path": "environment.depth", "value": 1},
+    ]  # fmt: skip
+    (told,) = deltas(delta(values), Counter())
+    assert told.source == "signalk n2k.1"
+    assert told.values == {
+        "position": {"longitude": 5.0, "latitude": 52.0}, "heading": {"heading": 1.0}, "rudder": {"rudder": -0.1},
+        "revolutions": {"revolutions": 1.5},
+    }  # fmt: skip
+    assert list(deltas(delta(values, context="vessels.urn:mrn:imo:mmsi:1"), Counter())) == []
+
+
+@pytest.mark.parametrize("garbled", [b"{", b"[]", b"1", b'{"updates": 3}', b'{"updates": [{"values": [{}]}]}', b"\xff"])
+def test_garbled_signal_k_is_counted(garbled: bytes) -> None:
+    faults: Counter[str] = Counter()
+    assert list(deltas(garbled, faults)) == []
+    assert sum(faults.values()) == 1
+
+
+def test_own_messages_go_before_those_of_others_and_neither_grow() -> None:
+    inbox = Inbox()
+    for number in range(2 * OTHERS):
+        inbox.put(Arrival(float(number), Sentence(b"", "AIVDM", None)))
+    inbox.put(Arrival(-1.0, Sentence(b"", "GPGGA", None)))
+    assert [one.t for one in inbox.own()] == [-1.0]
+    assert inbox.lost == OTHERS
+    assert inbox.other() == Arrival(float(OTHERS), Sentence(b"", "AIVDM", None))
+    for number in range(OWN + 3):
+        inbox.put(Arrival(float(number), Sentence(b"", "GPGGA", None)))
+    assert inbox.own()[0].t == 3.0
+
+
+def test_udp_and_tcp_are_heard_and_a_broken_connection_is_opened_anew() -> None:
+    """A server that closes after a second's sentences, twice; datagrams beside it."""
+    lines = "\r\n".join(told_at(30.0)) + "\r\n"
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        ports = server.getsockname()[1], free.getsockname()[1]
+        free.close()
+
+        def serve() -> None:
+            for _ in range(2):
+                connection, _ = server.accept()
+                connection.sendall(lines.encode())
+                connection.close()
+
+        threading.Thread(target=serve, daemon=True).start()
+        ways = [connection_of(f"tcp://127.0.0.1:{ports[0]}"), connection_of(f"udp://127.0.0.1:{ports[1]}")]
+        counts: Counter[str] = Counter()
+        with Listening(ways) as listening, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for tick in listening.ticks():
+                sender.sendto(told_at(30.0)[1].encode(), ("127.0.0.1", ports[1]))
+                counts.update(entry.told.source for entry in tick.entries)
+                if counts["GPGGA"] == 2 and counts["HEHDT"] >= 3:
+                    break
+                assert sum(counts.values()) < 100
+
+
+def test_signal_k_is_heard_over_a_websocket() -> None:
+    from websockets.asyncio.server import serve
+    from websockets.exceptions import ConnectionClosed
+
+    async def talk(websocket: object) -> None:
+        with contextlib.suppress(ConnectionClosed):
+            for _ in range(50):
+                await websocket.send(delta([{"path": "navigation.headingTrue", "value": 1.0}]).decode())
+                await asyncio.sleep(0.05)
+
+    port: list[int] = []
+
+    async def run() -> None:
+        async with serve(talk, "127.0.0.1", 0) as server:
+            port.append(server.sockets[0].getsockname()[1])
+            await asyncio.sleep(3.0)
+
+    threading.Thread(target=lambda: asyncio.run(run()), daemon=True).start()
+    while not port:
+        time.sleep(0.01)
+    with Listening([connection_of(f"ws://127.0.0.1:{port[0]}")]) as listening:
+        tick = next(listening.ticks())
+    assert {entry.told.source for entry in tick.entries} == {"signalk n2k.1"}
+
+
+@pytest.mark.parametrize("address", ["udp://", "tcp://host", "http://a:1", "serial://", "tcp://a:99999", "ws://", "x"])
+def test_an_address_that_is_none_is_one_sentence(address: str) -> None:
+    with pytest.raises(nw.InputError, match="udp://:10110"):
+        connection_of(address)
+
+
+def test_a_serial_line_is_opened_when_it_is_read() -> None:
+    one: Connection = connection_of("serial:///dev/no-such-line?baud=38400")
+    why, stop = list[str](), threading.Event()
+
+    def broken(reason: str) -> None:
+        why.append(reason)
+        stop.set()
+
+    assert list(one.pieces(stop, broken)) == []
+    assert "no-such-line" in why[0]
+
+
+def test_late_shuffled_and_repeated_lines_are_as_the_clean_recording(tmp_path: Path) -> None:
+    """Lateness to a minute, every line ten times: second by second the same is told."""
+    lines, chance = stamped(80), random.Random(3)
+    late = sorted(lines * 10, key=lambda line: int(line[3:13]) + chance.uniform(0.0, 59.0))
+    clean, shuffled = (
+        list(Replay(recorded(tmp_path / f"{name}.nmea", told)).ticks()) for name, told in (("a", lines), ("b", late))
+    )
+    assert [tick.t for tick in clean] == [tick.t for tick in shuffled]
+    assert [sorted(map(repr, tick.entries)) for tick in clean] == [sorted(map(repr, t.entries)) for t in shuffled]
+    told = Telling({}, "GPGGA")
+    assert [entry.t for entry in in_order([Entry(100.0, told), Entry(41.0, told), Entry(38.0, told)])] == [
+        38.0,
+        41.0,
+        100.0,
+    ]
+    assert [e.t for e in in_order([Entry(0.0, told), Entry(100.0, told), Entry(-1.0, told)])] == [0.0, 100.0]
+
+
+def test_silence_is_heard_second_by_second(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "a.nmea", stamped(5) + stamped(5, 15) + stamped(2, 900))
+    ticks = list(Replay(path).ticks())
+    assert [len(tick.entries) > 0 for tick in ticks[:20]] == [True] * 5 + [False] * 10 + [True] * 5
+    assert len(ticks) == 22
+    assert list(by_second([])) == []
+
+
+def test_a_replay_keeps_the_pace_that_is_asked_for(tmp_path: Path) -> None:
+    path, start = recorded(tmp_path / "a.nmea", stamped(6)), time.monotonic()
+    assert len(list(Replay(path, speed=20.0).ticks())) == 6
+    assert 0.25 <= time.monotonic() - start < 2.0
