@@ -123,13 +123,29 @@ def test_a_current_carries_round_a_bend_as_the_engine_does() -> None:
 
 def test_carried_coefficients_move_the_state_as_the_exact_derivatives_do() -> None:
     """After a short step the root's first columns are the Jacobian by the coefficients times their root."""
-    made = estimator().filter
+    made = estimator(coefficients="considered").filter
     size, duration = len(made.states), 1e-3
     start = Normal(row(), np.hstack([np.zeros((size, made.considered)), np.zeros((size, size))]))
     moved = made.recursion.moved(start, duration, np.array([0.1]), np.array([0.1]))[0]
     numbers = {name: value for name, value in STATE.items() if name in POSE}
     slopes = nw.jacobian(steered(), **numbers, rudder=0.1).G @ made.root
     np.testing.assert_allclose(moved.root[3:6, : made.considered] / duration, slopes[3:6], rtol=5e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize("memory", [5.0, math.inf])
+def test_what_was_learned_of_a_coefficient_fades_exponentially(memory: float) -> None:
+    """A first-order chain: its mean goes as exp(-t / memory), and its variance back to that of the fit."""
+    made = estimator(memory=memory).filter
+    size, more, duration = len(made.states), made.estimated, 0.05
+    learned = Normal(
+        np.concatenate([row(), np.full(more, 1.5)]),
+        np.diag(np.concatenate([np.full(size, 1e-6), np.full(more, 0.5)])),
+    )
+    after = made.recursion.moved(learned, duration, np.array([0.1]), np.array([0.1]))[0]
+    left = math.exp(-duration / memory)
+    np.testing.assert_allclose(after.mean[size:], 1.5 * left, rtol=1e-9)
+    spread = (after.root[size:] ** 2).sum(axis=1)
+    np.testing.assert_allclose(spread, 1.0 + (0.25 - 1.0) * left**2, rtol=1e-3 if math.isfinite(memory) else 1e-9)
 
 
 @pytest.mark.parametrize("place", [40.0, 60.0, 90.0])
@@ -356,6 +372,7 @@ REFUSED = {
     "two rudders": lambda: estimator(*SENSORS, RudderIndicator()),
     "no probability": lambda: estimator(refusing=2.0),
     "no step": lambda: estimator(step=0.0),
+    "no memory": lambda: estimator(memory=math.nan),
     "no such way": lambda: estimator(coefficients="guessed"),
     "noise": lambda: Gnss(noise=0.0),
     "negative bias": lambda: Gyro(bias=-0.1),
@@ -384,7 +401,8 @@ OTHERS: dict[str, dict[str, Any]] = {
     "waterway": {"waterway": nw.straight_waterway(nw.Canal(3.0), 500.0)}, "noise": {"noise": ProcessNoise(sway=0.01)},
     "prior": {"prior": Prior(bank=0.6)}, "coefficients": {"coefficients": "certain"}, "refusing": {"refusing": 0.5},
     "step": {"step": 0.05}, "surge": {"surge": "free", "surge_inertia": 300.0},
-    "surge_inertia": {"surge": "free", "surge_inertia": 500.0}, "estimated": {"coefficients": "estimated"},
+    "surge_inertia": {"surge": "free", "surge_inertia": 500.0}, "considered": {"coefficients": "considered"},
+    "memory": {"memory": 20.0},
 }  # fmt: skip
 
 

@@ -132,8 +132,10 @@ class Linearisation:
         values = [*argument_values(at, self.actuators, self.section), *self.constants]
         entries = self.functions[name](*values)
         shape = np.broadcast_shapes(*(np.shape(value) for value in values))
-        stacked = np.stack([np.broadcast_to(entry, shape) for entry in entries], axis=-1)
-        return stacked.reshape(*shape, rows, -1)
+        matrix = np.empty((*shape, len(entries)))
+        for index, entry in enumerate(entries):
+            matrix[..., index] = entry
+        return matrix.reshape(*shape, rows, -1)
 
 
 def argument_values(

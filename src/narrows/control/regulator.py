@@ -28,7 +28,7 @@ STROKE = 0.1
 """Of the time of a ship length, in which that much rudder put over weighs as much; no faster than the gear does it."""
 MEMORY = 1.2
 """Times of a ship length for which half a beam off the line weighs as much."""
-LEAD = 0.3
+LEAD = 0.45
 """Times of a ship length that a bend is looked ahead."""
 UNWINDING = 0.15
 """Times of a ship length in which the integral is led back where the gear cannot follow."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_count
-from narrows.estimation.estimator import Estimator
+from narrows.estimation.estimator import MEMORY, Estimator
 from narrows.estimation.process_noise import Prior, ProcessNoise
 from narrows.estimation.ship_filter import Coefficients
 from narrows.estimation.states import STATES
@@ -188,9 +188,9 @@ def consistency(
     model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
     drawn: bool = False, seed: int = 0, x: float = 0.0, controller: "ControlLaw | None" = None,
     excitation: float = math.radians(3.0), fault: Fault | None = None, waterway: "Waterway | None" = None,
-    noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "considered",
-    refusing: float = 1e-5, step: float | None = None, surge: Surge = "held", surge_inertia: float | None = None,
-    coriolis: bool = False,
+    noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
+    memory: float = MEMORY, refusing: float = 1e-5, step: float | None = None, surge: Surge = "held",
+    surge_inertia: float | None = None, coriolis: bool = False,
 ) -> Consistency:  # fmt: skip
     """Try an estimator on twins: ships that sail by the model, whose truth is known (ours).
 
@@ -221,7 +221,7 @@ def consistency(
         Rudder that is put over and back beside it, so that the motion tells something.
     fault : callable, optional
         Takes time and readings and returns what is told instead: a jump, a silence, a spoof.
-    waterway, noise, prior, coefficients, refusing, step, surge, surge_inertia, coriolis : optional
+    waterway, noise, prior, coefficients, memory, refusing, step, surge, surge_inertia, coriolis : optional
         As for ``Estimator``.
 
     Returns
@@ -242,8 +242,8 @@ def consistency(
 
     def estimator() -> Estimator:
         return Estimator(
-            model, sensors, waterway=waterway, noise=noise, prior=prior, coefficients=coefficients, refusing=refusing,
-            step=step, surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
+            model, sensors, waterway=waterway, noise=noise, prior=prior, coefficients=coefficients, memory=memory,
+            refusing=refusing, step=step, surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
         )  # fmt: skip
 
     first = estimator()

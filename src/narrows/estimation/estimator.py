@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 LONGEST_GAP = 600.0
 """Without any call [s], after which an estimate is begun anew."""
+MEMORY = 1800.0
+"""Of what readings tell of the coefficients [s]: half an hour, in which a canal changes."""
 SILENT = 5.0
 """Periods without a reading, after which that is told."""
 SAME = 1e-9
@@ -37,8 +39,8 @@ SAME = 1e-9
 class Estimator(Described):
     """A square-root unscented filter of a ship in a canal or a waterway, in real time.
 
-    Usually it carries the uncertainty of the model's coefficients and never corrects them from readings (Schmidt's
-    consider form): a filter that trusts its coefficients looks right by its innovations where its state is wrong.
+    Usually it corrects the model's coefficients along with the state, from the covariance of the fit: a filter that
+    trusts its coefficients looks right by its innovations where its state is wrong. What it learned of them fades.
 
     Parameters
     ----------
@@ -54,8 +56,11 @@ class Estimator(Described):
     prior : Prior, optional
         What is believed before any reading; by the ship's length unless given.
     coefficients : {"considered", "certain", "estimated"}
-        Whether the uncertainty of the coefficients, where the model has their covariance, is carried, left out, or
-        corrected by the readings, which takes several times as long.
+        Whether the uncertainty of the coefficients, where the model has their covariance, is corrected by the readings;
+        carried and never corrected (Schmidt's consider form), in a fraction of the time; or left out.
+    memory : float [s]
+        Time in which what readings tell of the coefficients fades back to the fit, for the model's form is not certain
+        either; ``math.inf``: never.
     refusing : float [1]
         Probability with which a gate refuses a sound reading; 0 for no gates.
     step : float [s], optional
@@ -80,8 +85,8 @@ class Estimator(Described):
 
     def __init__(
         self, model: Model, sensors: Sequence[Any], *, waterway: "Waterway | None" = None,
-        noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "considered",
-        refusing: float = 1e-5, step: float | None = None,
+        noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
+        memory: float = MEMORY, refusing: float = 1e-5, step: float | None = None,
         surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     ) -> None:  # fmt: skip
         check_choice("coefficients", coefficients, get_args(Coefficients))
@@ -90,7 +95,7 @@ class Estimator(Described):
         self.filter = ShipFilter(
             model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
             prior or Prior.of_length(length), coefficients, refusing,
-            usual_step(model) if step is None else float(step), surge, surge_inertia, coriolis,
+            usual_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
         )  # fmt: skip
         self._horizon = max(sensor.late for sensor in by_name.values())
         self._last: Normal | None = None

@@ -100,14 +100,18 @@ class Recursion:
         Of the model.
     root : array (coefficients, k)
         Of their covariance, where they are estimated; without columns else.
+    memory : float [s]
+        Time in which what readings tell of them fades.
     """
 
     def __init__(
         self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], walks: np.ndarray, moving: Spread,
         measuring: Spread, rudder_noise: float, refusing: float, coefficients: np.ndarray, root: np.ndarray,
+        memory: float = math.inf,
     ) -> None:  # fmt: skip
         self.lanes, self.states, self.sensors, self.refusing = lanes, states, sensors, refusing
         self.moving, self.measuring, self.coefficients, self.root = moving, measuring, coefficients, root
+        self.memory = memory
         self._walk = np.diag(walks)[walks > 0.0]
         self._no_disturbance = np.zeros((len(walks), 1))
         self._displaced = rudder_noise * moving.distance[-1]
@@ -150,7 +154,7 @@ class Recursion:
         bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
         columns = self.lanes.columns_of(self.coefficients + points[:, size:] @ self.root.T, bank)
         states = self.lanes.moved(points[:, :size], duration, start, end, columns)
-        return np.concatenate([states, points[:, size:]], axis=1)
+        return np.concatenate([states, math.exp(-duration / self.memory) * points[:, size:]], axis=1)
 
     def believed(self, now: Normal, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor) -> Believed:
         """Return the state by readings of one moment, those that no gate refuses.

@@ -75,6 +75,8 @@ class ShipFilter:
         Probability with which a gate refuses a sound reading.
     step : float [s]
         Longest step of the motion.
+    memory : float [s]
+        Time in which what readings tell of the coefficients fades.
     surge : {"held", "free"}
         Whether the model moves the speed.
     surge_inertia : float [kg], optional
@@ -97,6 +99,7 @@ class ShipFilter:
     coefficients: Coefficients
     refusing: float
     step: float
+    memory: float = math.inf
     surge: Surge = "held"
     surge_inertia: float | None = None
     coriolis: bool = False
@@ -104,6 +107,8 @@ class ShipFilter:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.step) and self.step > 0.0):
             raise InputError(f"step = {self.step} is no length of a step; give seconds over 0")
+        if not self.memory > 0.0:
+            raise InputError(f"memory = {self.memory} is no length of time; give seconds over 0, or math.inf")
         if not 0.0 <= self.refusing < 1.0:
             raise InputError(f"refusing = {self.refusing} is no probability; give 0 to 1, and 0 for no gates")
 
@@ -160,13 +165,14 @@ class ShipFilter:
     def recursion(self) -> Recursion:
         """Motion and measurement."""
         noise = self.indicator.noise if RUDDER in self.actuators else 0.0
-        walks = [*(self.noise.by_state()[name] for name in self.states.names), *(0.0,) * self.estimated]
+        fresh = math.sqrt(2.0 / self.memory)  # as much as fades: the fit's spread is where a coefficient comes to rest
+        walks = [*(self.noise.by_state()[name] for name in self.states.names), *(fresh,) * self.estimated]
         size = len(self.states) + self.estimated
         moving = spread_of(size + (noise > 0.0), self.considered)
         measuring = spread_of(size, self.considered)
         return Recursion(
             self._lanes(moving.distance), self.states, self.sensors, np.array(walks), moving, measuring, noise,
-            self.refusing, self._middle, self.root[:, : self.estimated],
+            self.refusing, self._middle, self.root[:, : self.estimated], self.memory,
         )  # fmt: skip
 
     @property

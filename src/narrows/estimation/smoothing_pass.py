@@ -64,7 +64,7 @@ def smooth(filter: ShipFilter, records: Records) -> Smoothed:
     InputError
         Where the readings never suffice to start from.
     """
-    joint = replace(filter, coefficients="estimated")
+    joint = replace(filter, coefficients="estimated", memory=math.inf)
     pass_ = _Pass(joint, records)
     chains = pass_.chains()
     if not chains:

@@ -122,6 +122,10 @@ class Water:
         check_fields(self, {"density": "density"}, "water")
 
 
+RULE_GEAR = SteeringGear()
+"""As slow as the rules allow."""
+
+
 @dataclass(frozen=True, repr=False)
 class Configuration(Described):
     """A ship in its canal and water: everything about a test but the motion.
@@ -184,7 +188,7 @@ class Configuration(Described):
     @property
     def gear(self) -> SteeringGear:
         """What turns the rudder: as given, or as slow as the rules allow."""
-        return self.steering or SteeringGear()
+        return self.steering or RULE_GEAR
 
     @property
     def parts(self) -> dict[str, Part]:
