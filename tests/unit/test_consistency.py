@@ -11,7 +11,9 @@ from scipy.stats import chi2
 from test_estimator import SENSORS, steered
 
 import narrows as nw
-from narrows.estimation import Consistency, Gnss, ProcessNoise, RudderIndicator, consistency
+from engine_models import bent
+from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
+from narrows.estimation.twins import sail_twins
 from narrows.results import Result, to_json
 
 ALL = (*SENSORS, RudderIndicator())
@@ -68,7 +70,7 @@ OTHERS: dict[str, Any] = {
     "y": 0.2, "u": 0.9, "twins": 11, "duration": 30.0, "drawn": True, "seed": 5, "x": 2.0, "excitation": 0.0,
     "controller": nw.ConstantRudder(0.0), "fault": lambda t, readings: {},
     "waterway": nw.straight_waterway(nw.Canal(7.5), 500.0), "noise": ProcessNoise(sway=0.01), "coefficients": "certain",
-    "refusing": 0.3, "step": 0.05, "coriolis": True,
+    "memory": 5.0, "refusing": 0.3, "step": 0.05, "coriolis": True,
 }  # fmt: skip
 
 
@@ -124,6 +126,24 @@ def test_a_sensor_of_ones_own_is_a_sensor() -> None:
     y = with_it.states.index("y")
     assert np.nanmean(with_it.std[..., y]) < np.nanmean(without.std[..., y])
     assert with_it.rmse["y"] < 0.05
+
+
+def test_twins_see_the_bend_ahead_as_a_voyage_does() -> None:
+    """The regulator, on twins without noise: where they are is where the engine's own voyage is."""
+    way, model = bent(6.0, 7.5), steered()
+    helm = nw.control.regulator(model, 0.2, 1.0, waterway=way)
+    calm = ProcessNoise(**dict.fromkeys(ProcessNoise.__dataclass_fields__, 0.0))
+    known = Prior(sway=0.0, yaw_rate=0.0, bank=0.0, current=0.0, current_across=0.0)
+    sensors = (*SENSORS, RudderIndicator(bias=0.0, noise=0.0))
+    silent = Estimator(model, sensors, waterway=way, noise=calm, prior=known).filter
+    twins = sail_twins(silent, helm, (30.0, 0.2, 1.0, 0.0), 2, 30.0, False, 0.0, 0)
+    start = dict(zip(silent.states.names, twins.states[0, 0], strict=True))
+    voyage = nw.simulate(
+        model, **{name: start[name] for name in ("x", "y", "psi", "u", "v", "r")}, duration=30.0, dt=0.2,
+        controller=helm, waterway=way,
+    )  # fmt: skip
+    assert np.ptp(voyage.psi) > 0.02
+    assert np.abs(twins.states[::5, 0, 1] - np.interp(twins.t[::5], voyage.t, voyage.y)).max() < 0.02
 
 
 def test_results_speak_and_draw() -> None:

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from narrows.codegen.choices import WATER
+from narrows.control.predictive.water_ahead import water_ahead
 from narrows.errors import InputError
 from narrows.estimation.sensor import Sensor
 from narrows.estimation.ship_filter import STEPS_A_PERIOD, ShipFilter, usual_step
@@ -14,6 +16,7 @@ from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.samples import sampled
+from narrows.simulation.steering import SEEN
 
 SPREAD_OF_START = (3.0, math.radians(1.0))
 """Standard deviations of the start's place [m of a ship of 230 m] and heading [rad]."""
@@ -67,6 +70,11 @@ class _Fleet:
         gear = filter.model.configuration.gear
         self.limit, self.rate = gear.limit, gear.rate
         self.side = SIDE_TIME * STEPS_A_PERIOD * usual_step(filter.model)
+        self.ahead = water_ahead(filter.model, filter.waterway)
+
+    def water(self, name: str, x: np.ndarray) -> np.ndarray:
+        """Return what a control law sees of the water at places along it, as ``steering.water`` names it."""
+        return self.ahead.at(x)[WATER[f"{SEEN}{name}"]]
 
     def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
         """Draw where the twins begin."""
@@ -94,7 +102,8 @@ class _Fleet:
         columns = dict(zip(self.filter.states.names, states.T, strict=True))
         at = {**columns, "cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), "t": t, "dt": dt}
         at |= {**dict(zip(names, positions.T, strict=True)), **self.law.parameters()}
-        at |= {"rudder_limit": self.limit, "rudder_rate": self.rate}
+        at |= {"rudder_limit": self.limit, "rudder_rate": self.rate, "water": self.water}
+        at.setdefault("current", self.ahead.current)
         if memory is None:
             memory = self.law.memory(at)
         try:
