@@ -1,0 +1,90 @@
+"""Forecasts of a warning: process time of one, beside one run of the model and a predictor curved by the rate of turn.
+
+    python benchmarks/warning.py [FORECASTS] [--small]
+
+Nine futures of 1000 ships (as the rudder is, a pilot who takes over now and after 10 ... 60 s, each looked at for
+120 s, hard over both ways for 60 s) and 34 of the most likely run: one call of a prepared run of 9034 lanes. The curved
+predictor is what bridges have today: the present rate of turn and speed go on, the hull's corners held to the banks.
+"""
+
+import time
+from collections.abc import Callable
+
+import helm_scenes
+import numpy as np
+from common import show, sizes
+from envelope import full_scale
+
+import narrows as nw
+from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.simulation.kernel_run import KernelRun
+from narrows.simulation.ship import SimulatedShip
+from narrows.warning.forecasting.forecaster import Forecaster
+
+SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SPEED, OFFSET, HEADING = 4.5, 20.0, 0.02
+
+
+def known(estimator: Estimator) -> Estimate:
+    """A ship off the middle, on its way a little across."""
+    told, still = None, {"gyro": HEADING, "rate_of_turn": 0.0, "log": SPEED, "rudder": 0.0}
+    for t in range(20):
+        told = estimator.update(float(t), {**still, "gnss": (300.0 + SPEED * t, OFFSET + SPEED * HEADING * t)})
+    return told
+
+
+def median(work: Callable[[], object], count: int) -> float:
+    """Median process time [s]; the first warms up."""
+    times = []
+    for _ in range(count + 1):
+        start = time.process_time()
+        work()
+        times.append(time.process_time() - start)
+    return float(np.median(times[1:]))
+
+
+def forecasting(model: nw.Model, waterway: nw.Waterway | None, members: int, count: int) -> float:
+    """A forecast [s]."""
+    estimator = Estimator(model, SENSORS, waterway=waterway)
+    estimate, one = known(estimator), Forecaster(estimator, members=members)
+    return median(lambda: one(estimate, {"rudder": 0.0}), count)
+
+
+def single_run(model: nw.Model, count: int) -> float:
+    """One run of the model, as the rudder is, for 120 s [s]."""
+    run = KernelRun(SimulatedShip(model), 120.0, 2.5)
+    start = {"x": 0.0, "y": OFFSET, "psi": HEADING, "u": SPEED, "v": 0.0, "r": 0.0, "X": 0.0, "Y": 0.0, "N": 0.0}
+    return median(run.prepared(start, 1, workers=1), count)
+
+
+def curved(model: nw.Model, count: int) -> float:
+    """The predictor curved by the rate of turn [s]."""
+    ship, half = model.configuration.ship, model.configuration.canal.width / 2
+    t = np.arange(0.0, 121.0, 2.5)
+
+    def predict() -> float:
+        psi = HEADING + 1e-4 * t
+        y = OFFSET + np.concatenate([[0.0], np.cumsum(2.5 * SPEED * np.sin(psi[1:]))])
+        met = np.abs(y) + ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi) >= half
+        return float(t[met.argmax()]) if met.any() else np.inf
+
+    return median(predict, count)
+
+
+def main() -> None:
+    """Time them."""
+    count, small = sizes(__doc__, 60, 3)
+    model, members = full_scale(), 20 if small else 1000
+    bend = forecasting(model, helm_scenes.bend(model), members, count)
+    rows = [
+        ("one run of the model", single_run(model, count), "as the rudder is, 120 s"),
+        ("curved predictor", curved(model, count), "NumPy"),
+        ("nine futures in a bend", bend, f"{members} members, banks as polygons"),
+    ]
+    if not small:
+        rows.append(("nine futures, straight canal", forecasting(model, None, members, count), f"{members} members"))
+    show(f"Forecasts, {count} of them", rows, "ms", 1e3)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,130 @@
+"""What is forecast: chances of contact by who steers, the most likely run, and the rudder that is needed."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from narrows.results import Described
+from narrows.warning.forecasting.forecast_cases import AS_IS, PILOT_NOW, TAKEOVERS
+
+SOON = 60.0
+"""Within which contact is soon [s]."""
+
+
+@dataclass(frozen=True)
+class CaseForecast:
+    """One future of all members.
+
+    Parameters
+    ----------
+    name : str
+        Who steers, from when.
+    probability : float [1]
+        Share of the members that meet a bank, or come to lie across.
+    soon : float [1]
+        Share of them within ``SOON``.
+    time : float [s]
+        Median time to it of those that do; infinite where none does.
+    side : str
+        To which most of them do; empty where none does.
+    """
+
+    name: str
+    probability: float
+    soon: float
+    time: float
+    side: str
+
+
+@dataclass(frozen=True)
+class LikelyRun:
+    """The run of the mean state and the model's own coefficients.
+
+    Parameters
+    ----------
+    contact : float [s]
+        When it meets a bank with the rudder as it is; infinite where it does not.
+    side : str
+        Which; empty where none.
+    last_chance : float [s]
+        Until when a pilot who takes over still keeps it clear; infinite where also later than is looked at.
+    gone : bool
+        Whether not even a pilot who takes over now does.
+    """
+
+    contact: float
+    side: str
+    last_chance: float
+    gone: bool
+
+
+@dataclass(frozen=True, repr=False)
+class Forecast(Described):
+    """What will happen to a ship beside the banks.
+
+    Parameters
+    ----------
+    t : float [s]
+        When it was made.
+    cases : dict of str to CaseForecast
+        By who steers.
+    likely : LikelyRun
+        The most likely run.
+    rudder : float [rad]
+        Now.
+    rudder_needed : float [rad]
+        That holds the ship where it is, the bank as strong as it is estimated; infinite where none does.
+    rudder_limit : float [rad]
+        Of the gear.
+    """
+
+    t: float
+    cases: dict[str, CaseForecast]
+    likely: LikelyRun
+    rudder: float
+    rudder_needed: float
+    rudder_limit: float
+
+    @property
+    def as_it_is(self) -> CaseForecast:
+        """With the rudder as it is. It is no chance of grounding: people act."""
+        return self.cases[AS_IS]
+
+    @property
+    def pilot_now(self) -> CaseForecast:
+        """With a pilot who takes over now."""
+        return self.cases[PILOT_NOW]
+
+    @property
+    def rudder_margin(self) -> float:
+        """Rudder that is left beside what is needed [rad]; negative where there is none."""
+        return self.rudder_limit - abs(self.rudder_needed)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the numbers are not."""
+        return ("The chance with the rudder as it is says what happens if nobody acts: it is no chance of grounding.",)
+
+    def summary(self) -> str:
+        """Say the most likely run, the chances and the rudder."""
+        run, now = self.likely, self.pilot_now
+        as_is = f"contact to {run.side} in {run.contact:.0f} s" if math.isfinite(run.contact) else "no contact"
+        needed = math.degrees(self.rudder_needed)
+        held = f"{needed:.0f} of {math.degrees(self.rudder_limit):.0f} degrees" if math.isfinite(needed) else "no angle"
+        return (
+            f"As the rudder is: {as_is}; last chance {_chance(run)}.\n"
+            f"A pilot who takes over now meets a bank in {100 * now.probability:.1f} % of the cases; {held} of rudder "
+            "hold it here."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name, in SI."""
+        own = {name: getattr(self, name) for name in ("t", "rudder", "rudder_needed", "rudder_limit", "rudder_margin")}
+        cases = {name: vars(case) for name, case in self.cases.items()}
+        return {"summary": self.summary(), **own, "likely": vars(self.likely), "cases": cases, "notes": [*self.notes]}
+
+
+def _chance(run: LikelyRun) -> str:
+    if run.gone:
+        return "gone"
+    return f"in {run.last_chance:.0f} s" if math.isfinite(run.last_chance) else f"later than {TAKEOVERS[-1]:.0f} s"

@@ -1,0 +1,142 @@
+"""The forecaster: from an estimate to what will happen, at every update."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from narrows.control.regulator import regulator
+from narrows.control.regulator_law import Regulator
+from narrows.errors import InputError, check_count
+from narrows.estimation.estimate import Estimate
+from narrows.estimation.estimator import Estimator
+from narrows.estimation.ship_lanes import RUDDER
+from narrows.quantities.constants import GRAVITY
+from narrows.warning.forecasting.forecast import SOON, CaseForecast, Forecast, LikelyRun
+from narrows.warning.forecasting.forecast_cases import CASES, CHANCES, LIKELY
+from narrows.warning.forecasting.future_lanes import Block, Ends, FutureLanes, Ships
+from narrows.warning.forecasting.members import Members
+from narrows.warning.forecasting.rudder_needed import rudder_needed
+
+STEPS_A_PERIOD, EVEN = 2.0, 10.0
+"""Of the root of length over gravity; and a time [s] that is a whole number of steps, as all times of the cases are."""
+AGAIN_LENGTHS, AGAIN_SHARE = 5.0, 0.2
+"""Along the way, and of the speed, after which the pilot is made anew for the place and the speed."""
+SLOWEST = 0.01
+"""Froude number by length: for slower ships the pilot is that of this speed [1]."""
+
+
+class Forecaster:
+    """Forecasts of one ship, laid out once (ours).
+
+    Parameters
+    ----------
+    estimator : Estimator
+        Whose estimates are taken; it corrects no coefficients.
+    line : float [m]
+        That a pilot who takes over brings the ship to, to starboard of the middle of the canal or the waterway's line.
+    members : int
+        Of the ensemble, an even number.
+    seed : int
+        Of their draws.
+
+    Raises
+    ------
+    InputError
+        Where the model has no rudder, the estimator corrects coefficients, or there are no members.
+    """
+
+    def __init__(self, estimator: Estimator, line: float = 0.0, *, members: int = 1000, seed: int = 0) -> None:
+        check_count("members", members, 2)
+        self.filter, self.line = estimator.filter, line
+        if self.filter.estimated:
+            raise InputError("a forecast carries the coefficients' errors: let the estimator consider them")
+        if RUDDER not in self.filter.actuators:
+            raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
+        self._members = Members(self.filter, members + members % 2, seed)
+        self._lanes: FutureLanes | None = None
+        self._pilot_for = (-math.inf, math.inf)
+
+    def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> Forecast:
+        """Return what will happen.
+
+        Parameters
+        ----------
+        estimate : Estimate
+            That is ready, of a ship that makes way.
+        positions : mapping of str to float
+            Indicated, of the actuators: rudder [rad], revolutions [1/s].
+
+        Raises
+        ------
+        InputError
+            Where there is no estimate, or no pilot holds the ship there.
+        """
+        if estimate.normal is None:
+            raise InputError("there is nothing known of this ship yet, so nothing can be foretold")
+        now, rudder = estimate.values, positions.get(RUDDER, 0.0)
+        lanes = self._laid_out(now)
+        current = now.get("current", self.filter.waterway.current if self.filter.waterway else 0.0)
+        lanes.flow(current, positions.get("revolutions"))
+        states = self._members.states(estimate.normal), estimate.normal.mean[None]
+        members, likely = lanes([self._ships(rows, rudder) for rows in states])
+        cases = {case.name: _of_case(members, number, case.name) for number, case in enumerate(CASES)}
+        needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
+        limit = self.filter.model.configuration.gear.limit
+        return Forecast(estimate.t, cases, _likely(likely), rudder + now.get("rudder_bias", 0.0), needed, limit)
+
+    def _ships(self, states: np.ndarray, rudder: float) -> Ships:
+        columns = dict(zip(self.filter.states.names, states.T, strict=True))
+        columns.setdefault("bank", np.ones(len(states)))
+        return Ships(columns, rudder + columns.get("rudder_bias", np.zeros(len(states))))
+
+    def _laid_out(self, now: Mapping[str, float]) -> FutureLanes:
+        """The lanes, with a pilot for this place and speed."""
+        length = self.filter.model.configuration.ship.length
+        place, speed = self._pilot_for
+        far = self.filter.waterway is not None and abs(now["x"] - place) > AGAIN_LENGTHS * length
+        if self._lanes and not far and abs(now["u"] - speed) <= AGAIN_SHARE * speed:
+            return self._lanes
+        pilot = self._pilot(now)
+        if self._lanes is None:
+            self._lanes = self._made(pilot)
+        self._lanes.steer(pilot)
+        self._pilot_for = (now["x"], now["u"])
+        return self._lanes
+
+    def _made(self, pilot: Regulator) -> FutureLanes:
+        model, waterway = self.filter.model, self.filter.waterway
+        ship = model.configuration.ship
+        step = EVEN / math.ceil(EVEN * STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
+        if waterway is not None and waterway.step is None:
+            waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
+        middle = np.array([[model.coefficients[name] for name in model.terms.names]])
+        blocks = Block(CASES, self._members.coefficients), Block(LIKELY, middle)
+        return FutureLanes(self.filter.ship, waterway, pilot, blocks, step)
+
+    def _pilot(self, now: Mapping[str, float]) -> Regulator:
+        model, waterway = self.filter.model, self.filter.waterway
+        at = 0.0 if waterway is None else min(max(now["x"], 0.0), waterway.line.length)
+        slow = SLOWEST * math.sqrt(GRAVITY * model.configuration.ship.length)
+        return regulator(model, self.line, max(now["u"], slow), waterway=waterway, at=at)
+
+
+def _of_case(ends: Ends, place: int, name: str) -> CaseForecast:
+    contact, side = ends.contact[place], ends.side[place]
+    meets = np.isfinite(contact)
+    share = float(meets.mean())
+    time = float(np.median(contact[meets])) if share else math.inf
+    return CaseForecast(name, share, float((contact <= SOON).mean()), time, _side(side[meets].sum()) if share else "")
+
+
+def _likely(ends: Ends) -> LikelyRun:
+    contact = float(ends.contact[0, 0])
+    met = np.isfinite(ends.contact[1 : 1 + len(CHANCES), 0])
+    clear = int(met.argmax()) if met.any() else len(CHANCES)
+    last = math.inf if clear == len(CHANCES) else CHANCES[max(clear - 1, 0)]
+    return LikelyRun(contact, _side(ends.side[0, 0]) if math.isfinite(contact) else "", last, clear == 0)
+
+
+def _side(sign: float) -> str:
+    return "starboard" if sign > 0 else "port"

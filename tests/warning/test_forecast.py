@@ -1,0 +1,142 @@
+"""Forecasts beside voyages of the plain engine, one at a time; beside what is known, and beside steady courses."""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from transit import SENSORS, SPEED, canal, estimate, estimator, ship
+
+import narrows as nw
+from narrows.estimation import Estimate, Estimator
+from narrows.warning.forecasting.forecast import Forecast
+from narrows.warning.forecasting.forecast_cases import AS_IS, CASES, LIKELY
+from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.forecasting.rudder_needed import rudder_needed
+from narrows.warning.forecasting.takeover_law import TakeoverLaw
+
+MEMBERS = 40
+STATE = ("x", "y", "psi", "u", "v", "r")
+
+
+@cache
+def forecaster() -> Forecaster:
+    return Forecaster(estimator(), members=MEMBERS)
+
+
+def forecast(y: float, psi: float = 0.0, rudder: float = 0.0) -> Forecast:
+    return forecaster()(estimate(y, psi), {"rudder": rudder})
+
+
+def sailed(state: dict[str, float], model: nw.Model, case: object, rudder: float) -> nw.Outcome:
+    """The same future as one voyage."""
+    side = math.copysign(model.configuration.gear.limit, case.hard_over) if case.hard_over else rudder
+    pilot = nw.control.regulator(ship(), 0.0, SPEED, waterway=canal(), at=800.0)
+    law = TakeoverLaw(pilot, side, case.taken_over)
+    told = {name: state[name] for name in STATE}
+    options = {"waterway": canal(), "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}
+    return nw.simulate(model, **told, duration=case.duration, **options).outcome
+
+
+def by_bank(model: nw.Model, bank: float, **coefficients: float) -> nw.Model:
+    values = {**model.coefficients, **coefficients}
+    values |= {term.name: bank * values[term.name] for term in model.terms.terms if term.from_bank}
+    return replace(model, coefficients=values)
+
+
+@pytest.fixture
+def ends() -> tuple[Estimate, list[object], np.ndarray]:
+    """An estimate near a bank, how the lanes of its futures end, and the states that they begin from."""
+    now = estimate(85.0, 0.06)
+    forecaster()(now, {"rudder": 0.02})
+    states = forecaster()._members.states(now.normal), now.normal.mean[None]
+    return now, forecaster()._lanes([forecaster()._ships(rows, 0.02) for rows in states]), states
+
+
+def test_every_lane_is_a_voyage(ends) -> None:
+    """Of eight members and of the most likely run, in every case: one after the other by the plain engine."""
+    now, (members, likely), states = ends
+    names, met = now.states.names, 0
+    for block, cases, rows, kept in ((members, CASES, states[0], range(8)), (likely, LIKELY[::6], states[1], [0])):
+        for one in kept:
+            state = dict(zip(names, rows[one], strict=True))
+            drawn = dict(zip(ship().terms.names, forecaster()._members.coefficients[one], strict=True))
+            model = by_bank(ship(), state["bank"], **(drawn if len(rows) > 1 else {}))
+            for case in cases:
+                number = (CASES if len(rows) > 1 else LIKELY).index(case)
+                outcome = sailed(state, model, case, 0.02 + state["rudder_bias"])
+                hit = outcome.kind in ("grounded", "left validity")
+                assert np.isfinite(block.contact[number, one]) == hit, (one, case)
+                if outcome.kind == "grounded":
+                    assert block.contact[number, one] == pytest.approx(outcome.time, abs=2.5)  # a step
+                    assert (block.side[number, one] > 0) == (outcome.side == "starboard")
+                met += hit
+    assert met > 10
+
+
+def test_members_are_drawn_from_what_is_known() -> None:
+    now, many = estimate(60.0, 0.02), Forecaster(estimator(), members=4000)._members
+    states = many.states(now.normal)
+    np.testing.assert_allclose(states.mean(axis=0), now.normal.mean, rtol=1e-9, atol=1e-12)
+    size = np.sqrt(np.diag(now.covariance))
+    np.testing.assert_allclose(np.cov(states.T) / np.outer(size, size), now.covariance / np.outer(size, size), atol=0.1)
+    spread, told = many.coefficients.std(axis=0), np.sqrt(np.diag(ship().covariance))
+    assert (spread <= 1.1 * told).all()
+    assert (spread > 0.2 * told).sum() >= len(told) / 2
+    assert (many.coefficients >= [term.bound[0] for term in ship().terms.terms]).all()
+
+
+def test_in_the_middle_nothing_is_met_and_towards_a_bank_everything() -> None:
+    calm, lost = forecast(0.0), forecast(100.0, 0.3, 0.5)
+    assert calm.as_it_is.soon == calm.pilot_now.probability == 0.0
+    assert calm.likely.last_chance == calm.likely.contact == math.inf
+    assert not calm.likely.gone
+    assert lost.as_it_is.soon > 0.9
+    assert lost.likely.gone
+    assert lost.likely.side == lost.as_it_is.side == "starboard"
+    assert lost.likely.contact < 60.0
+    assert "last chance gone" in lost.summary()
+    assert lost.to_dict()["cases"][AS_IS]["soon"] == lost.as_it_is.soon
+    assert "no chance of grounding" in lost.notes[0]
+
+
+def test_the_sooner_a_pilot_takes_over_the_better() -> None:
+    told = forecast(40.0, 0.2, 0.5)
+    shares = [told.cases[case.name].probability for case in CASES[1:8]]
+    assert shares == sorted(shares)
+    assert 0.0 < shares[-1]
+    assert told.cases["hard to starboard"].probability > told.cases["hard to port"].probability
+
+
+def test_the_last_chance_lies_before_the_contact() -> None:
+    told = forecast(40.0, 0.3, 0.5)
+    assert not told.likely.gone
+    assert 0.0 < told.likely.last_chance < told.likely.contact
+
+
+@pytest.mark.parametrize("x", [800.0, 4500.0])
+def test_the_rudder_that_is_needed_is_that_of_the_steady_course(x: float) -> None:
+    at = {"x": x, "y": 40.0, "u": SPEED}
+    course = nw.control.linearize(ship(), y=40.0, u=SPEED, waterway=canal(), at=x).course["rudder"]
+    assert rudder_needed(estimator().filter.ship, canal(), at, {}) == pytest.approx(float(course), abs=1e-6)
+    strong = rudder_needed(estimator().filter.ship, canal(), {**at, "bank": 2.0}, {})
+    assert abs(strong) > 1.5 * abs(float(course)) or x > 3000.0
+    assert rudder_needed(estimator().filter.ship, canal(), {**at, "y": 140.0}, {}) == math.inf
+
+
+def test_the_margin_is_what_the_gear_has_left() -> None:
+    told = forecast(40.0)
+    assert told.rudder_margin == pytest.approx(ship().configuration.gear.limit - abs(told.rudder_needed))
+
+
+def test_what_cannot_be_forecast_is_said() -> None:
+    with pytest.raises(nw.InputError, match="no terms of a rudder"):
+        Forecaster(Estimator(nw.published("mikkelsen2025_dtc"), SENSORS[:-1]))
+    with pytest.raises(nw.InputError, match="let the estimator consider them"):
+        Forecaster(Estimator(ship(), SENSORS, coefficients="estimated"))
+    with pytest.raises(nw.InputError, match="members = 1: give a whole number from 2"):
+        Forecaster(estimator(), members=1)
+    fresh = Estimator(ship(), SENSORS, waterway=canal())
+    with pytest.raises(nw.InputError, match="nothing known of this ship yet"):
+        forecaster()(fresh.update(0.0, {"gyro": 0.0}), {})

@@ -1,0 +1,56 @@
+"""A ship for tests: the KCS at 230 m in a canal 300 m wide that bends, with an estimator of it."""
+
+from functools import cache
+
+import numpy as np
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.terms.tables import table_named
+from narrows.waterway import Bank, Centreline
+
+ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SPEED = 4.5
+
+
+@cache
+def ship() -> nw.Model:
+    """The KCS at 50 % clearance as its tests tell."""
+    tests = nw.read_captive(*measured_files("kcs"), ROWS).by_condition()["C0101A02"]
+    fit = nw.identify(tests, table_named("speed+helm"))
+    return nw.scale_model(fit.model, 230.0, 1025.0, width=300.0, depth=16.2).model
+
+
+@cache
+def canal() -> nw.Waterway:
+    """A mile straight on, and a gentle bend."""
+    s = np.arange(0.0, 6001.0, 20.0)
+    heading = np.concatenate([[0.0], np.cumsum(np.where(s[1:] > 3000.0, 20.0 / 5000.0, 0.0))])
+    points = np.cumsum(20.0 * np.stack([np.sin(heading), np.cos(heading)], axis=1), axis=0)
+    line = Centreline(points)
+    ends, half = np.array([0.0, line.length]), np.full(2, 150.0)
+    return nw.Waterway(
+        line, Bank("starboard", ends, half), Bank("port", ends, half), (ends, np.full(2, 16.2)), name="canal",
+        origin=(9.5, 54.2),
+    )  # fmt: skip
+
+
+@cache
+def estimator() -> Estimator:
+    """One for all tests, for its kernel takes long to compile."""
+    return Estimator(ship(), SENSORS, waterway=canal())
+
+
+def estimate(y: float, psi: float, x: float = 800.0, seconds: int = 12) -> Estimate:
+    """What is known of a ship that was straight on its way to a place for some seconds."""
+    one = estimator()
+    one.forget()
+    told = None
+    for t in range(seconds):
+        back = SPEED * (seconds - 1 - t)
+        fix = (x - back * np.cos(psi), y - back * np.sin(psi))
+        told = one.update(float(t), {"gnss": fix, "gyro": psi, "rate_of_turn": 0.0, "log": SPEED, "rudder": 0.0})
+    assert told is not None
+    return told
