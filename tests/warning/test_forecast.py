@@ -10,7 +10,7 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
 from narrows.estimation import Estimate, Estimator
-from narrows.warning.forecasting.forecast import Forecast
+from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecast_cases import AS_IS, CASES, LIKELY
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.rudder_needed import rudder_needed
@@ -25,7 +25,7 @@ def forecaster() -> Forecaster:
     return Forecaster(estimator(), members=MEMBERS)
 
 
-def forecast(y: float, psi: float = 0.0, rudder: float = 0.0) -> Forecast:
+def forecast(y: float, psi: float = 0.0, rudder: float = 0.0) -> BankForecast:
     return forecaster()(estimate(y, psi), {"rudder": rudder})
 
 

@@ -59,7 +59,7 @@ class LikelyRun:
 
 
 @dataclass(frozen=True, repr=False)
-class Forecast(Described):
+class BankForecast(Described):
     """What will happen to a ship beside the banks.
 
     Parameters

@@ -13,9 +13,9 @@ from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.ship_lanes import RUDDER
 from narrows.quantities.constants import GRAVITY
-from narrows.warning.forecasting.forecast import SOON, CaseForecast, Forecast, LikelyRun
+from narrows.warning.forecasting.forecast import SOON, BankForecast, CaseForecast, LikelyRun
 from narrows.warning.forecasting.forecast_cases import CASES, CHANCES, LIKELY
-from narrows.warning.forecasting.future_lanes import Block, Ends, FutureLanes, Ships
+from narrows.warning.forecasting.future_lanes import Ends, FutureBlock, FutureLanes, Ships
 from narrows.warning.forecasting.members import Members
 from narrows.warning.forecasting.rudder_needed import rudder_needed
 
@@ -58,7 +58,7 @@ class Forecaster:
         self._lanes: FutureLanes | None = None
         self._pilot_for = (-math.inf, math.inf)
 
-    def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> Forecast:
+    def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> BankForecast:
         """Return what will happen.
 
         Parameters
@@ -84,7 +84,7 @@ class Forecaster:
         cases = {case.name: _of_case(members, number, case.name) for number, case in enumerate(CASES)}
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         limit = self.filter.model.configuration.gear.limit
-        return Forecast(estimate.t, cases, _likely(likely), rudder + now.get("rudder_bias", 0.0), needed, limit)
+        return BankForecast(estimate.t, cases, _likely(likely), rudder + now.get("rudder_bias", 0.0), needed, limit)
 
     def _ships(self, states: np.ndarray, rudder: float) -> Ships:
         columns = dict(zip(self.filter.states.names, states.T, strict=True))
@@ -112,7 +112,7 @@ class Forecaster:
         if waterway is not None and waterway.step is None:
             waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
         middle = np.array([[model.coefficients[name] for name in model.terms.names]])
-        blocks = Block(CASES, self._members.coefficients), Block(LIKELY, middle)
+        blocks = FutureBlock(CASES, self._members.coefficients), FutureBlock(LIKELY, middle)
         return FutureLanes(self.filter.ship, waterway, pilot, blocks, step)
 
     def _pilot(self, now: Mapping[str, float]) -> Regulator:

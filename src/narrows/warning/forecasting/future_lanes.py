@@ -28,7 +28,7 @@ TOLERANCE = 0.02
 """Of the beam: how closely a contact is located."""
 
 
-class Block(NamedTuple):
+class FutureBlock(NamedTuple):
     """Futures of some ships.
 
     Parameters
@@ -94,7 +94,7 @@ class FutureLanes:
         Where it sails instead of the model's own canal.
     pilot : Regulator
         Who takes over.
-    blocks : sequence of Block
+    blocks : sequence of FutureBlock
         Laid out one after the other.
     step : float [s]
         Of the motion.
@@ -106,7 +106,12 @@ class FutureLanes:
     """
 
     def __init__(
-        self, ship: SimulatedShip, waterway: "Waterway | None", pilot: Regulator, blocks: Sequence[Block], step: float
+        self,
+        ship: SimulatedShip,
+        waterway: "Waterway | None",
+        pilot: Regulator,
+        blocks: Sequence[FutureBlock],
+        step: float,
     ) -> None:
         self.ship, self.blocks, self._gear = ship, blocks, ship.model.configuration.gear
         self._taken_over, self._duration, self._hard_over = (
