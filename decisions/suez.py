@@ -36,6 +36,10 @@ CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 
 
+INTERVALS = {"as identified": 1.0, "half as wide": 0.5}
+"""Of the coefficients: standard deviations over those of the tests."""
+
+
 def published() -> nw.Model:
     """The DTC, whose tests say nothing of a depth."""
     return nw.scale_model(nw.published("mikkelsen2025_dtc"), LENGTH, DENSITY, WIDTH, DEPTH).model
@@ -102,11 +106,11 @@ def steered(models: dict[str, nw.Model]) -> str:
     )
 
 
-def held(model: nw.Model) -> str:
+def held(model: nw.Model, intervals: tuple[str, ...]) -> str:
     """Shares that pilots hold at 10 knots, with the intervals of the tests and with half of them."""
     rows = []
-    for words, width in (("as identified", 1.0), ("half as wide", 0.5)):
-        narrower = replace(model, covariance=model.covariance * width**2)
+    for words in intervals:
+        narrower = replace(model, covariance=model.covariance * INTERVALS[words] ** 2)
         found = {name: tried(narrower, name) for name in PILOTS}
         best = found["regulator"]
         shares = {who: found[name]["held"] for name, who in WHO.items()} | {"one who knows the ship": best["known"]}
@@ -139,13 +143,18 @@ def said(angle: float, limit: float) -> str:
     return f"{angle:+.1f}" if abs(angle) <= limit else "beyond the gear"
 
 
-def text() -> str:
-    """Four tables."""
+def text(intervals: tuple[str, ...] = tuple(INTERVALS)) -> str:
+    """Four tables, the last for some intervals."""
     hulls = measured()
     kcs = {f"KCS, {CLEARANCES[label]}": model for label, model in hulls.items()}
     dtc = published()
     borrowed = {"DTC as published, rudder of the KCS": nw.borrow_rudder(dtc, hulls["C0101A02"])}
-    tables = water(), adrift({"DTC as published": dtc, **kcs}), steered({**borrowed, **kcs}), held(hulls["C0101A02"])
+    tables = (
+        water(),
+        adrift({"DTC as published": dtc, **kcs}),
+        steered({**borrowed, **kcs}),
+        held(hulls["C0101A02"], intervals),
+    )
     return "\n\n".join(tables)
 
 

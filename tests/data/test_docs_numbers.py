@@ -28,8 +28,15 @@ PAGES = {
 CHECKED = {
     "separation": {"sets": ("harmonic yaw, one run", "and straight runs off the centreline")},
     "helms": {"chosen": ("gust",)},
+    "estimation": {"ways": ("considered",)},
+    "suez": {"intervals": ("as identified",)},
 }
 """What of a table is made again where all of it takes minutes."""
+
+
+def first_cell(line: str) -> str:
+    """Return what a row of a table begins with; nothing for a line between tables."""
+    return line.partition("|")[2].partition("|")[0]
 
 
 @pytest.mark.parametrize(("script", "page"), PAGES.items())
@@ -42,8 +49,8 @@ def test_the_docs_say_what_is_computed(script: str, page: str, monkeypatch: pyte
     kept = (ROOT / "docs" / page).read_text(encoding="utf-8")
     kept = kept.partition(f"<!-- made by decisions/{script}.py -->\n")[2].partition("\n<!-- end -->")[0]
     if script in CHECKED:
-        starts = {line.split("|")[1] for line in made.splitlines()}
-        kept = "\n".join(line for line in kept.splitlines() if line.split("|")[1] in starts)
+        starts = {first_cell(line) for line in made.splitlines()}
+        kept = "\n".join(line for line in kept.splitlines() if first_cell(line) in starts)
     assert NUMBER.sub("#", kept) == NUMBER.sub("#", made)
     numbers = [np.array([float(n) for n in NUMBER.findall(text)]) for text in (kept, made)]
     np.testing.assert_allclose(numbers[0], numbers[1], rtol=0.02, atol=0.002)
