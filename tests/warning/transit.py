@@ -38,14 +38,14 @@ def canal() -> nw.Waterway:
 
 
 @cache
-def estimator() -> Estimator:
-    """One for all tests, for its kernel takes long to compile."""
-    return Estimator(ship(), SENSORS, waterway=canal())
+def estimator(coefficients: str = "considered") -> Estimator:
+    """One of each kind for all tests."""
+    return Estimator(ship(), SENSORS, waterway=canal(), coefficients=coefficients)
 
 
-def estimate(y: float, psi: float, x: float = 800.0, seconds: int = 12) -> Estimate:
+def estimate(y: float, psi: float, x: float = 800.0, seconds: int = 12, coefficients: str = "considered") -> Estimate:
     """What is known of a ship that was straight on its way to a place for some seconds."""
-    one = estimator()
+    one = estimator(coefficients)
     one.forget()
     told = None
     for t in range(seconds):

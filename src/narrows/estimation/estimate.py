@@ -32,6 +32,8 @@ class Estimate(Described):
         Sensors whose readings lean to one side.
     notes : tuple of str
         What to know of it, each a sentence.
+    joint : Normal, optional
+        The state and what is estimated beside it, the directions of the coefficients' covariance, as one.
     """
 
     t: float
@@ -42,6 +44,7 @@ class Estimate(Described):
     refused: tuple[str, ...] = ()
     suspects: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    joint: Normal | None = None
 
     @property
     def values(self) -> dict[str, float]:

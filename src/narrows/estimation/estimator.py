@@ -383,7 +383,6 @@ class Estimator(Described):
             notes.append(f"What {' and '.join(refused)} told is too far from what was expected: it is refused.")
         if suspects:
             notes.append(f"What {' and '.join(suspects)} tells leans to one side: it drifts, or is led astray.")
-        if normal is not None:
-            size = len(self.filter.states)
-            normal = Normal(normal.mean[:size], normal.root[:size])
-        return Estimate(t, self.filter.states, normal, ready, nis, refused, suspects, tuple(notes))
+        joint, size = normal, len(self.filter.states)
+        state = None if joint is None else Normal(joint.mean[:size], joint.root[:size])
+        return Estimate(t, self.filter.states, state, ready, nis, refused, suspects, tuple(notes), joint)

@@ -16,7 +16,7 @@ from narrows.quantities.constants import GRAVITY
 from narrows.warning.forecasting.forecast import SOON, BankForecast, CaseForecast, LikelyRun
 from narrows.warning.forecasting.forecast_cases import CASES, CHANCES, LIKELY
 from narrows.warning.forecasting.future_lanes import Ends, FutureBlock, FutureLanes, Ships
-from narrows.warning.forecasting.members import Members
+from narrows.warning.forecasting.members import Drawn, Members
 from narrows.warning.forecasting.rudder_needed import rudder_needed
 
 STEPS_A_PERIOD, EVEN = 2.0, 10.0
@@ -33,7 +33,7 @@ class Forecaster:
     Parameters
     ----------
     estimator : Estimator
-        Whose estimates are taken; it corrects no coefficients.
+        Whose estimates are taken.
     line : float [m]
         That a pilot who takes over brings the ship to, to starboard of the middle of the canal or the waterway's line.
     members : int
@@ -44,14 +44,12 @@ class Forecaster:
     Raises
     ------
     InputError
-        Where the model has no rudder, the estimator corrects coefficients, or there are no members.
+        Where the model has no rudder, or there are no members.
     """
 
     def __init__(self, estimator: Estimator, line: float = 0.0, *, members: int = 1000, seed: int = 0) -> None:
         check_count("members", members, 2)
         self.filter, self.line = estimator.filter, line
-        if self.filter.estimated:
-            raise InputError("a forecast carries the coefficients' errors: let the estimator consider them")
         if RUDDER not in self.filter.actuators:
             raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
         self._members = Members(self.filter, members + members % 2, seed)
@@ -73,23 +71,24 @@ class Forecaster:
         InputError
             Where there is no estimate, or no pilot holds the ship there.
         """
-        if estimate.normal is None:
-            raise InputError("there is nothing known of this ship yet, so nothing can be foretold")
+        ships = self._members.drawn(estimate), self._members.likely(estimate)
         now, rudder = estimate.values, positions.get(RUDDER, 0.0)
         lanes = self._laid_out(now)
         current = now.get("current", self.filter.waterway.current if self.filter.waterway else 0.0)
         lanes.flow(current, positions.get("revolutions"))
-        states = self._members.states(estimate.normal), estimate.normal.mean[None]
-        members, likely = lanes([self._ships(rows, rudder) for rows in states])
+        members, likely = lanes([self._ships(drawn, rudder) for drawn in ships])
         cases = {case.name: _of_case(members, number, case.name) for number, case in enumerate(CASES)}
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         limit = self.filter.model.configuration.gear.limit
         return BankForecast(estimate.t, cases, _likely(likely), rudder + now.get("rudder_bias", 0.0), needed, limit)
 
-    def _ships(self, states: np.ndarray, rudder: float) -> Ships:
-        columns = dict(zip(self.filter.states.names, states.T, strict=True))
-        columns.setdefault("bank", np.ones(len(states)))
-        return Ships(columns, rudder + columns.get("rudder_bias", np.zeros(len(states))))
+    def _ships(self, drawn: Drawn, rudder: float) -> Ships:
+        terms = self.filter.model.terms
+        columns = dict(zip(self.filter.states.names, drawn.states.T, strict=True))
+        coefficients = dict(zip(terms.names, drawn.coefficients.T, strict=True))
+        bank = columns.get("bank", 1.0)
+        coefficients |= {term.name: bank * coefficients[term.name] for term in terms.terms if term.from_bank}
+        return Ships(columns, rudder + columns.get("rudder_bias", np.zeros(len(drawn.states))), coefficients)
 
     def _laid_out(self, now: Mapping[str, float]) -> FutureLanes:
         """The lanes, with a pilot for this place and speed."""
@@ -111,8 +110,7 @@ class Forecaster:
         step = EVEN / math.ceil(EVEN * STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
         if waterway is not None and waterway.step is None:
             waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
-        middle = np.array([[model.coefficients[name] for name in model.terms.names]])
-        blocks = FutureBlock(CASES, self._members.coefficients), FutureBlock(LIKELY, middle)
+        blocks = FutureBlock(CASES, self._members.count), FutureBlock(LIKELY, 1)
         return FutureLanes(self.filter.ship, waterway, pilot, blocks, step)
 
     def _pilot(self, now: Mapping[str, float]) -> Regulator:

@@ -5,9 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.run import PreparedRun, step_counts
 from narrows.control.regulator_law import Regulator
-from narrows.estimation.bank_strength import by_bank
 from narrows.estimation.ship_lanes import RUDDER
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
@@ -15,7 +13,7 @@ from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.warning.forecasting.forecast_cases import Case
-from narrows.warning.forecasting.takeover_law import HELD, TAKEN_OVER, TakeoverLaw
+from narrows.warning.forecasting.takeover_law import HELD, TakeoverLaw
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -35,12 +33,17 @@ class FutureBlock(NamedTuple):
     ----------
     cases : sequence of Case
         Each of every ship.
-    coefficients : array (ships, coefficients)
-        Of each.
+    ships : int
+        How many.
     """
 
     cases: Sequence[Case]
-    coefficients: np.ndarray
+    ships: int
+
+    @property
+    def lanes(self) -> int:
+        """How many."""
+        return len(self.cases) * self.ships
 
     def repeated(self, name: str) -> np.ndarray:
         """Return a number of the cases for every lane.
@@ -50,22 +53,25 @@ class FutureBlock(NamedTuple):
         name : str
             Of it.
         """
-        return np.repeat([getattr(case, name) for case in self.cases], len(self.coefficients))
+        return np.repeat([getattr(case, name) for case in self.cases], self.ships)
 
 
 class Ships(NamedTuple):
-    """States from which the futures of a block begin.
+    """Ships from which the futures of a block begin.
 
     Parameters
     ----------
     columns : dict of str to array (ships,)
-        x, y [m], psi [rad], u, v [m/s], r [rad/s], and the bank's strength.
+        x, y [m], psi [rad], u, v [m/s], r [rad/s].
     rudder : array (ships,) [rad]
         Its true angle.
+    coefficients : dict of str to array (ships,)
+        By name, those of the bank as strong as it is estimated.
     """
 
     columns: Mapping[str, np.ndarray]
     rudder: np.ndarray
+    coefficients: Mapping[str, np.ndarray]
 
 
 class Ends(NamedTuple):
@@ -98,21 +104,12 @@ class FutureLanes:
         Laid out one after the other.
     step : float [s]
         Of the motion.
-
-    Raises
-    ------
-    InputError
-        Where the model's terms make the bank's strength more than a factor.
     """
 
     def __init__(
-        self,
-        ship: SimulatedShip,
-        waterway: "Waterway | None",
-        pilot: Regulator,
-        blocks: Sequence[FutureBlock],
+        self, ship: SimulatedShip, waterway: "Waterway | None", pilot: Regulator, blocks: Sequence[FutureBlock],
         step: float,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.ship, self.blocks, self._gear = ship, blocks, ship.model.configuration.gear
         self._taken_over, self._duration, self._hard_over = (
             np.concatenate([block.repeated(name) for block in blocks])
@@ -121,23 +118,15 @@ class FutureLanes:
         self._lanes = len(self._duration)
         law = TakeoverLaw(pilot, np.zeros(self._lanes), self._taken_over)
         steering = steering_of(law, ship.actuators)
-        self._run = KernelRun(ship, self._duration, step, steering=steering, waterway=waterway)
-        self._step, self._base, self._slope = step, *by_bank(lambda bank: self._laid_out(bank).vessel_inputs)
-        self._prepared = self._laid_out(1.0)
+        run = KernelRun(ship, self._duration, step, steering=steering, waterway=waterway)
+        many = {name: np.full(self._lanes, value) for name, value in ship.model.coefficients.items()}
+        still = dict.fromkeys((*START, *INPUTS), 0.0)
+        self._prepared = run.prepared({**still, "u": 1.0, **many}, self._lanes, workers=1)
         self._prepared.limits[0] = TOLERANCE * ship.model.configuration.ship.beam
+        self._constants = ship.system(waterway is not None, steering.law if steering else None).constants
         kernel = self._prepared.kernel
         self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
-        self.steer(pilot)
-
-    def _laid_out(self, bank: float) -> PreparedRun:
-        model = self.ship.model
-        columns = np.concatenate([np.tile(block.coefficients, (len(block.cases), 1)) for block in self.blocks]).T
-        numbers = dict(zip(model.terms.names, columns, strict=True))
-        numbers |= {term.name: bank * numbers[term.name] for term in model.terms.terms if term.from_bank}
-        law = {PARAMETER(TAKEN_OVER): self._taken_over, PARAMETER(HELD): np.zeros(self._lanes)}
-        still = dict.fromkeys((*START, *INPUTS), 0.0)
-        return self._run.prepared({**still, "u": 1.0, **numbers, **law}, self._lanes, workers=1)
 
     def steer(self, pilot: Regulator) -> None:
         """Let another pilot of the same kind take over.
@@ -150,7 +139,7 @@ class FutureLanes:
         for name, value in pilot.parameters().items():
             place = self._inputs.get(PARAMETER(name))
             if place is not None:
-                self._base[:, place] = value
+                self._prepared.vessel_inputs[:, place] = value
 
     def flow(self, current: float, revolutions: float | None) -> None:
         """Take the current along the waterway and the propeller's revolutions as they are now.
@@ -175,14 +164,14 @@ class FutureLanes:
         ships : sequence of Ships
             Of each block.
         """
-        first = 0
-        np.copyto(self._prepared.times, step_counts(np.full(self._lanes, self._step), self._duration))
-        for block, own in zip(self.blocks, ships, strict=True):
-            last = first + len(block.cases) * len(block.coefficients)
-            self._load(slice(first, last), len(block.cases), own)
-            first = last
+        for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
+            self._load(lanes, len(block.cases), own)
         self._prepared()
         return self._ends()
+
+    def _parts(self) -> list[slice]:
+        stops = np.cumsum([block.lanes for block in self.blocks]).tolist()
+        return [slice(stop - block.lanes, stop) for stop, block in zip(stops, self.blocks, strict=True)]
 
     def _load(self, lanes: slice, cases: int, ships: Ships) -> None:
         columns, rows, inputs = ships.columns, self._prepared.start[lanes], self._prepared.vessel_inputs[lanes]
@@ -190,18 +179,17 @@ class FutureLanes:
         own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), RUDDER: ships.rudder}
         for name, column in own.items():
             rows[:, self._kept[name]] = np.tile(column, cases)
-        np.multiply(np.tile(columns["bank"], cases)[:, None], self._slope[lanes], out=inputs)
-        inputs += self._base[lanes]
-        side = self._hard_over[lanes]
-        inputs[:, self._inputs[PARAMETER(HELD)]] = np.where(side, side * self._gear.limit, np.tile(ships.rudder, cases))
+        for name, column in self._constants({**self.ship.values(), **ships.coefficients}).items():
+            if name in self._inputs:
+                inputs[:, self._inputs[name]] = np.tile(np.broadcast_to(column, len(ships.rudder)), cases)
+        side, held = self._hard_over[lanes], np.tile(ships.rudder, cases)
+        inputs[:, self._inputs[PARAMETER(HELD)]] = np.where(side, side * self._gear.limit, held)
 
     def _ends(self) -> list[Ends]:
         codes, time = self._prepared.codes, self._prepared.time
         contact = np.where(np.isin(codes[:, 0], MEETS), time, np.inf)
-        ends, first = [], 0
-        for block in self.blocks:
-            shape = len(block.cases), len(block.coefficients)
-            part = slice(first, first + shape[0] * shape[1])
-            ends.append(Ends(contact[part].reshape(shape), codes[part, 1].reshape(shape)))
-            first = part.stop
+        ends = []
+        for lanes, block in zip(self._parts(), self.blocks, strict=True):
+            shape = len(block.cases), block.ships
+            ends.append(Ends(contact[lanes].reshape(shape), codes[lanes, 1].reshape(shape)))
         return ends

@@ -1,24 +1,42 @@
 """Members of an ensemble: the state and the coefficients drawn together, by the same numbers at every forecast."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
+from narrows.errors import InputError
+from narrows.estimation.estimate import Estimate
 from narrows.estimation.ship_filter import ShipFilter
-from narrows.estimation.unscented import Normal
+
+
+class Drawn(NamedTuple):
+    """Ships.
+
+    Parameters
+    ----------
+    states : array (ships, states)
+        Of the estimate.
+    coefficients : array (ships, coefficients)
+        In the order of the model's table.
+    """
+
+    states: np.ndarray
+    coefficients: np.ndarray
 
 
 @dataclass
 class Members:
     """Ships that what is known leaves possible (ours).
 
-    A filter that carries the coefficients' errors has in its root how the state goes with them; the members keep that.
-    The numbers that they are drawn by stay the same: from one forecast to the next only what is known changes.
+    What an estimate knows of how the state goes with the coefficients, the members keep. The numbers that they are
+    drawn by stay the same: from one forecast to the next only what is known changes.
 
     Parameters
     ----------
     filter : ShipFilter
-        Of the estimator; it corrects no coefficients.
+        Of the estimator.
     count : int
         How many, an even number: half of them mirror the other half about the mean.
     seed : int
@@ -28,24 +46,56 @@ class Members:
     filter: ShipFilter
     count: int
     seed: int
-    coefficients: np.ndarray = field(init=False)
 
-    def __post_init__(self) -> None:
-        model, known = self.filter.model, self.filter.considered
-        half = np.random.default_rng(self.seed).standard_normal((self.count // 2, known + len(self.filter.states)))
-        self._normals = np.concatenate([half, -half])
-        middle = np.array([model.coefficients[name] for name in model.terms.names])
-        low, high = np.array([term.bound for term in model.terms.terms]).T
-        drawn = middle + self._normals[:, :known] @ self.filter.root[:, :known].T
-        self.coefficients = np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle))
+    @cached_property
+    def _normals(self) -> np.ndarray:
+        size = len(self.filter.states) + self.filter.root.shape[1]
+        half = np.random.default_rng(self.seed).standard_normal((self.count // 2, size))
+        return np.concatenate([half, -half])
 
-    def states(self, normal: Normal) -> np.ndarray:
-        """Return the states of the members, (count, states).
+    def drawn(self, estimate: Estimate) -> Drawn:
+        """Return the members.
 
         Parameters
         ----------
-        normal : Normal
+        estimate : Estimate
             What is known now.
+
+        Raises
+        ------
+        InputError
+            Where nothing is.
         """
-        root = normal.root
-        return np.asarray(normal.mean + self._normals[:, -root.shape[1] :] @ root.T)
+        return self._ships(estimate, self._normals)
+
+    def likely(self, estimate: Estimate) -> Drawn:
+        """Return the one ship of the mean.
+
+        Parameters
+        ----------
+        estimate : Estimate
+            What is known now.
+
+        Raises
+        ------
+        InputError
+            Where nothing is.
+        """
+        return self._ships(estimate, np.zeros((1, self._normals.shape[1])))
+
+    def _ships(self, estimate: Estimate, normals: np.ndarray) -> Drawn:
+        joint, size = estimate.joint, len(self.filter.states)
+        if joint is None:
+            raise InputError("there is nothing known of this ship yet, so nothing can be foretold")
+        points = joint.mean + normals[:, : joint.root.shape[1]] @ joint.root.T
+        carried = normals[:, : self.filter.considered]
+        directions = points[:, size:] if self.filter.estimated else carried
+        return Drawn(points[:, :size], self._coefficients(directions))
+
+    def _coefficients(self, directions: np.ndarray) -> np.ndarray:
+        """Coefficients by the directions of their covariance, within the bounds of their terms."""
+        model = self.filter.model
+        middle = np.array([model.coefficients[name] for name in model.terms.names])
+        low, high = np.array([term.bound for term in model.terms.terms]).T
+        drawn = middle + directions @ self.filter.root[:, : directions.shape[1]].T
+        return np.asarray(np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
