@@ -1,0 +1,156 @@
+"""Alerts as sentences: ALF, ALC, HBT and ARC out, ACN in.
+
+References
+----------
+Fields as printed in makers' manuals, after IEC 61162-1: JRC JLN-900 (2018), 3.1, and JFE-680, 4, for ALF, ALC, HBT, ARC
+and ACN.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from typing import NamedTuple
+
+from narrows.readers.nmea.nmea_lines import checksum
+from narrows.warning.alerts.alert import Alert, AlertState, Command
+from narrows.warning.alerts.situations import SITUATIONS
+
+TALKER, MAKER, CATEGORY = "II", "NRW", "B"
+"""Integrated instrumentation; whose alerts they are; that they may be acknowledged at another place."""
+LONGEST_TEXT = 40
+"""Letters of the second sentence of an alert."""
+ENTRIES = 3
+"""Of a list, a sentence."""
+HEARTBEAT = 60.0
+"""Between heartbeats [s], as the sentence tells."""
+RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
+LETTERS: Mapping[AlertState, str] = {
+    AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
+    AlertState.RECTIFIED: "U",
+}  # fmt: skip
+"""Of states. Makers' manuals contradict each other, so that they can be others."""
+ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
+
+
+class AlertCommand(NamedTuple):
+    """What a bridge asks for.
+
+    Parameters
+    ----------
+    identifier, instance : int
+        Which alert.
+    command : Command
+        What.
+    """
+
+    identifier: int
+    instance: int
+    command: Command
+
+
+def sentence(body: str) -> str:
+    """Return a sentence with its checksum (ours).
+
+    Parameters
+    ----------
+    body : str
+        Without ``$``.
+    """
+    return f"${body}*{checksum(body.encode('ascii')):02X}\r\n"
+
+
+def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
+    """Return the two sentences of an alert: its name, and what there is to say (ours).
+
+    Parameters
+    ----------
+    alert : Alert
+        The alert.
+    since_1970 : float [s]
+        When it last changed.
+    number : int
+        Of the message, of which 0 to 9 are told.
+    letters : mapping of AlertState to str
+        Of the states.
+    """
+    name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
+    # What is not normal has a priority; what became normal tells the one that it had.
+    about = f"{_clock(since_1970)},{CATEGORY},{alert.priority.letter},{letters[alert.state]}"
+    which = f"{MAKER},{alert.identifier},{alert.instance},{alert.revision},{alert.repeats}"
+    return [
+        sentence(f"{TALKER}ALF,2,1,{number % 10},{about},{which},{_escaped(name)}"),
+        sentence(f"{TALKER}ALF,2,2,{number % 10},,,,,{which},{_escaped(text)}"),
+    ]
+
+
+def alc(alerts: Sequence[Alert], number: int) -> list[str]:
+    """Return the sentences of the list of alerts that are not normal (ours).
+
+    Parameters
+    ----------
+    alerts : sequence of Alert
+        The alerts.
+    number : int
+        Of the message, of which 0 to 99 are told.
+    """
+    parts = [alerts[first : first + ENTRIES] for first in range(0, len(alerts), ENTRIES)] or [()]
+    return [
+        sentence(
+            ",".join(
+                [f"{TALKER}ALC", f"{len(parts):02d}", f"{place:02d}", f"{number % 100:02d}", f"{len(part)}"]
+                + [f"{MAKER},{one.identifier},{one.instance},{one.revision}" for one in part]
+            )
+        )
+        for place, part in enumerate(parts, 1)
+    ]
+
+
+def hbt(sound: bool, number: int) -> str:
+    """Return a heartbeat (ours).
+
+    Parameters
+    ----------
+    sound : bool
+        Whether forecasts are made.
+    number : int
+        Of the message, of which 0 to 9 are told.
+    """
+    return sentence(f"{TALKER}HBT,{HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
+
+
+def arc(refused: AlertCommand, since_1970: float) -> str:
+    """Return the sentence that refuses a command (ours).
+
+    Parameters
+    ----------
+    refused : AlertCommand
+        What was asked for.
+    since_1970 : float [s]
+        When.
+    """
+    which = f"{MAKER},{refused.identifier},{refused.instance}"
+    return sentence(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
+
+
+def command_of(text: bytes) -> AlertCommand | None:
+    """Return the command of a sentence ACN whose checksum is right; None where it is no command to us (ours).
+
+    Parameters
+    ----------
+    text : bytes
+        From ``$`` to the checksum.
+    """
+    match = ACN.match(text)
+    if match is None or match[1] not in (b"", MAKER.encode()):
+        return None
+    return AlertCommand(int(match[2]), int(match[3]), Command(match[4].decode()))
+
+
+def _clock(since_1970: float) -> str:
+    at = datetime.fromtimestamp(since_1970, UTC)
+    return f"{at:%H%M%S}.{at.microsecond // 10_000:02d}"
+
+
+def _escaped(text: str) -> str:
+    """What a field cannot hold, as a circumflex and two digits."""
+    return RESERVED.sub(lambda match: "".join(f"^{byte:02X}" for byte in match[0].encode("latin-1", "replace")), text)

@@ -1,0 +1,294 @@
+"""Alerts by a model of who has heard what; by printed sentences; a log that kill -9, disks and hands cannot break."""
+
+import math
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+import narrows as nw
+from narrows.readers.nmea.nmea_lines import sentences
+from narrows.warning.alerts.alert import PATIENCE, SILENCE, Alert, AlertState, Command, Priority
+from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition
+from narrows.warning.alerts.alert_log import AlertLog, logged
+from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt, sentence
+from narrows.warning.alerts.bank_level import LOWERED_AFTER, RAISED_AFTER, BankLevel, Thresholds
+from narrows.warning.alerts.situations import BANK, SENSORS
+from narrows.warning.forecasting.forecast import BankForecast, CaseForecast, LikelyRun
+from narrows.warning.forecasting.forecast_cases import AS_IS, PILOT_NOW
+
+NAMES = st.sampled_from(list(Priority))
+
+
+class Bridge(RuleBasedStateMachine):
+    """One situation: how urgent it is, who has heard it, since when it is silent."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.desk, self.t = AlertDesk(), 0.0
+        self.priority, self.heard, self.silent_until, self.waiting, self.instances = Priority.NONE, True, -1.0, False, 0
+
+    @rule(priority=NAMES)
+    def becomes(self, priority: Priority) -> None:
+        before = self.priority
+        if priority and not before and not self.waiting:
+            self.instances += 1
+        if priority != before:
+            self.silent_until = -1.0
+            if not priority:
+                self.waiting = not self.heard
+            elif priority is Priority.CAUTION or (before and self.heard and priority < before):
+                self.heard, self.waiting = True, False
+            else:
+                self.heard, self.waiting = False, False
+        self.priority = priority
+        self.desk.update(self.t, {BANK: Condition(priority, "text")})
+
+    @rule(seconds=st.floats(0.5, 25.0))
+    def passes(self, seconds: float) -> None:
+        self.t += seconds
+        self.desk.update(self.t, {})
+
+    @rule(command=st.sampled_from(list(Command)), wrong=st.sampled_from([0, 0, 0, 1, -1]))
+    def commanded(self, command: Command, wrong: int) -> None:
+        """By the right instance, or by one that is replayed from another time or guessed."""
+        unheard = self.waiting or (self.priority and not self.heard)
+        silent = self.t < self.silent_until
+        done = self.desk.command(self.t, BANK.identifier, self.instances + wrong, command)
+        known = bool(self.priority or self.waiting) and not wrong
+        can = {
+            Command.ACKNOWLEDGE: unheard, Command.REPEAT: True, Command.TRANSFER: False,
+            Command.SILENCE: unheard and not self.waiting and not silent,
+        }  # fmt: skip
+        assert (done is not None) == bool(known and can[command])
+        if done is not None and command is Command.ACKNOWLEDGE:
+            self.heard, self.waiting = True, False
+        if done is not None and command is Command.SILENCE:
+            self.silent_until = self.t + SILENCE
+
+    @invariant()
+    def is_as_the_bridge_believes(self) -> None:
+        alert, silent = self.desk[BANK], self.t < self.silent_until
+        if not self.priority:
+            assert alert.state is (AlertState.RECTIFIED if self.waiting else AlertState.NORMAL)
+            return
+        assert alert.priority is self.priority
+        assert alert.state is (
+            AlertState.ACKNOWLEDGED if self.heard
+            else AlertState.SILENCED if silent and alert.state is AlertState.SILENCED
+            else AlertState.UNACKNOWLEDGED
+        )  # fmt: skip
+        assert alert.sounds == (not self.heard and not silent)
+        assert alert.instance == self.instances
+
+    @invariant()
+    def there_is_one_alert(self) -> None:
+        assert len(self.desk.alerts) == (1 if self.priority or self.waiting else 0)
+
+
+Bridge.TestCase.settings = settings(max_examples=60, stateful_step_count=30, deadline=None)
+TestBridge = Bridge.TestCase
+
+
+def test_what_nobody_acknowledges_sounds_anew_and_is_counted() -> None:
+    desk = AlertDesk()
+    (raised,) = desk.update(0.0, {BANK: Condition(Priority.WARNING, "text")})
+    assert (raised.revision, raised.instance, raised.repeats) == (1, 1, 0)
+    assert desk.update(PATIENCE - 0.1, {}) == []
+    (again,) = desk.update(PATIENCE, {})
+    assert (again.revision, again.repeats, again.state) == (2, 1, AlertState.UNACKNOWLEDGED)
+
+
+def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
+    desk = AlertDesk()
+    desk.update(0.0, {SENSORS: Condition(Priority.CAUTION, "a"), BANK: Condition(Priority.WARNING, "b")})
+    assert [alert.identifier for alert in desk.alerts] == [BANK.identifier, SENSORS.identifier]
+    desk.update(1.0, {BANK: CALM})
+    assert [alert.state for alert in desk.alerts] == [AlertState.ACKNOWLEDGED, AlertState.RECTIFIED]
+
+
+def forecast(now: float = 0.0, soon: float = 0.0, contact: float = math.inf, chance: float = math.inf) -> BankForecast:
+    cases = {
+        AS_IS: CaseForecast(AS_IS, soon, soon, 50.0, "port"), PILOT_NOW: CaseForecast(PILOT_NOW, now, now, 50.0, "port")
+    }  # fmt: skip
+    return BankForecast(0.0, cases, LikelyRun(contact, "port", max(chance, 0.0), chance < 0.0), 0.0, 0.1, 0.6)
+
+
+@pytest.mark.parametrize(
+    ("told", "level"),
+    [
+        ({}, Priority.NONE), ({"now": 0.15}, Priority.CAUTION), ({"soon": 0.25}, Priority.CAUTION),
+        ({"now": 0.35}, Priority.WARNING), ({"soon": 0.6}, Priority.WARNING), ({"contact": 80.0}, Priority.NONE),
+        ({"contact": 80.0, "chance": 10.0}, Priority.ALARM), ({"contact": 80.0, "chance": -1.0}, Priority.ALARM),
+        ({"contact": 25.0, "chance": -1.0}, Priority.EMERGENCY_ALARM), ({"soon": 1.0, "now": 1.0}, Priority.WARNING),
+    ],
+)  # fmt: skip
+def test_chances_warn_and_the_most_likely_run_alarms(told: dict[str, float], level: Priority) -> None:
+    assert Thresholds().level(forecast(**told)) is level
+
+
+def test_nothing_chatters_at_a_threshold() -> None:
+    """A chance that jumps over a threshold and back every second, for ten minutes: one warning."""
+    level, said = BankLevel(Thresholds()), []
+    for t in range(600):
+        said.append(level.update(float(t), forecast(now=0.3 + (0.02 if t % 5 else -0.02))))
+    assert sum(a is not b for a, b in pairwise(said)) == 1
+    below = [level.update(600.0 + t, forecast(now=0.05)) for t in range(20)]
+    assert below.index(Priority.NONE) == LOWERED_AFTER
+    assert said.index(Priority.WARNING) >= RAISED_AFTER
+
+
+def test_an_emergency_waits_for_nothing_and_a_spike_is_none() -> None:
+    level = BankLevel(Thresholds())
+    assert level.update(0.0, forecast(now=0.9)) is Priority.NONE
+    assert level.update(1.0, forecast()) is Priority.NONE
+    assert level.update(2.0, forecast(contact=10.0, chance=-1.0)) is Priority.EMERGENCY_ALARM
+
+
+@pytest.mark.parametrize("wrong", [{"caution": 0.0}, {"warning": 0.05}, {"warning_soon": 1.5}, {"emergency": -1.0}])
+def test_thresholds_that_are_none_are_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(nw.InputError, match=next(iter(wrong))):
+        Thresholds(**wrong)
+
+
+ALERT = Alert(BANK.identifier, Priority.ALARM, AlertState.UNACKNOWLEDGED, "Contact to port, 42 s", 3.0, 7, 2, 1)
+
+
+def test_sentences_are_as_they_are_printed() -> None:
+    first, second = alf(ALERT, 1_777_680_000.25, 13)
+    assert first.startswith("$IIALF,2,1,3,000000.25,B,A,V,NRW,10110,7,2,1,BANK CONTACT*")
+    assert second.startswith("$IIALF,2,2,3,,,,,NRW,10110,7,2,1,Contact to port^2C 42 s*")
+    (listed,) = alc([ALERT], 105)
+    assert listed.startswith("$IIALC,01,01,05,1,NRW,10110,7,2*")
+    assert [part.split(",")[1:5] for part in alc([ALERT] * 4, 0)] == [["02", "01", "00", "3"], ["02", "02", "00", "1"]]
+    assert alc([], 0)[0].startswith("$IIALC,01,01,00,0*")
+    assert hbt(True, 12).startswith("$IIHBT,60.0,A,2*")
+    assert hbt(False, 0).startswith("$IIHBT,60.0,V,0*")
+    refused = arc(AlertCommand(10110, 7, Command.TRANSFER), 1_777_680_000.0)
+    assert refused.startswith("$IIARC,000000.00,NRW,10110,7,O*")
+    for line in (first, second, listed, refused, hbt(True, 0)):
+        assert len(line) <= 82
+        (read,) = sentences([line.encode()], Counter())
+        assert read.text.decode() == line.strip()
+
+
+def test_letters_of_states_are_a_setting() -> None:
+    letters = dict.fromkeys(AlertState, "X")
+    assert ",B,A,X,NRW" in alf(ALERT, 0.0, 0, letters)[0]
+
+
+def test_a_command_is_read_and_nothing_else_is() -> None:
+    told = sentence("INACN,120000.00,NRW,10110,7,A,C").strip().encode()
+    assert command_of(told) == AlertCommand(10110, 7, Command.ACKNOWLEDGE)
+    assert command_of(sentence("INACN,,,10110,7,S,C").strip().encode()) == AlertCommand(10110, 7, Command.SILENCE)
+    for body in ("INACN,,SAL,10110,7,A,C", "INACN,,NRW,x,7,A,C", "INACN,,NRW,10110,7,Z,C", "INACN,,NRW,10110,7,A,R"):
+        assert command_of(sentence(body).strip().encode()) is None
+
+
+@given(st.binary(max_size=60))
+def test_fuzzed_commands_never_raise(noise: bytes) -> None:
+    command_of(b"$INACN," + noise)
+    command_of(noise)
+
+
+def test_states_come_back_on_restart(tmp_path: Path) -> None:
+    with AlertLog(tmp_path / "log.db") as log:
+        assert log.alert(ALERT)
+        assert log.write("status", {"said": "so"})
+    with AlertLog(tmp_path / "log.db") as log:
+        assert log.alerts == (ALERT,)
+        assert AlertDesk(log.alerts)[BANK] == ALERT
+        assert log.alert(ALERT)
+    assert [row.number for row in logged(tmp_path / "log.db")] == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["UPDATE rows SET content = '{}' WHERE number = 2", "DELETE FROM rows WHERE number = 2",
+     "UPDATE rows SET written = written + 1 WHERE number = 3"],
+)  # fmt: skip
+def test_a_log_that_was_changed_is_found_out(tmp_path: Path, change: str) -> None:
+    with AlertLog(tmp_path / "log.db") as log:
+        for _ in range(4):
+            log.alert(ALERT)
+    with sqlite3.connect(tmp_path / "log.db") as connection:
+        connection.execute(change)
+    connection.close()
+    with pytest.raises(nw.InputError, match=r"row \d does not follow from the one before"):
+        list(logged(tmp_path / "log.db"))
+
+
+def test_a_file_that_is_no_log_is_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "a.db").write_text("no database" * 100)
+    with pytest.raises(nw.InputError, match=r"is no log of alerts \(file is not a database\); name another"):
+        AlertLog(tmp_path / "a.db")
+
+
+def test_a_full_disk_mutes_nothing_and_what_waited_is_written(tmp_path: Path) -> None:
+    """A disk that fails, then stands still, then works: each alert returns by its deadline, and the chain is whole."""
+    path, way = tmp_path / "log.db", ["full"]
+
+    def connect() -> sqlite3.Connection:
+        if way[0] == "full":
+            raise sqlite3.OperationalError("database or disk is full")
+        while way[0] == "stuck":
+            time.sleep(0.01)
+        from narrows.warning.alerts.alert_log import _opened
+
+        return _opened(path)
+
+    with AlertLog(path, deadline=0.05, connect=connect) as log:
+        for kind in ("full", "stuck"):
+            way[0], start = kind, time.monotonic()
+            assert not log.alert(ALERT)
+            assert time.monotonic() - start < 0.5
+        assert log.trouble == "database or disk is full"
+        way[0] = ""
+        deadline = time.monotonic() + 5.0
+        while not log.alert(ALERT) and time.monotonic() < deadline:
+            pass
+        assert log.trouble == ""
+    rows = list(logged(path))
+    assert len(rows) >= 3
+    assert {row.kind for row in rows} == {"alert"}
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from narrows.warning.alerts.alert import Alert, AlertState, Priority
+from narrows.warning.alerts.alert_log import AlertLog
+with AlertLog(Path(sys.argv[1]), deadline=30.0) as log:
+    for number in range(10_000):
+        assert log.alert(Alert(10110, Priority.WARNING, AlertState.UNACKNOWLEDGED, str(number)))
+        print(log._last.number, flush=True)
+"""
+
+
+def test_kill_9_loses_no_published_alert(tmp_path: Path) -> None:
+    """A writer that publishes what is on disk, killed while it writes: all that it published is in a whole log."""
+    path, published = tmp_path / "log.db", 0
+    for pause in (0.0, 0.013, 0.05):
+        writer = subprocess.Popen(
+            [sys.executable, "-c", WRITER, path], stdout=subprocess.PIPE, text=True, env=os.environ
+        )
+        assert writer.stdout is not None
+        first = writer.stdout.readline()
+        time.sleep(pause)
+        os.kill(writer.pid, signal.SIGKILL)
+        told = [first, *writer.stdout.read().splitlines()]
+        writer.stdout.close()
+        writer.wait()
+        published = max(int(line) for line in told if line.strip())
+        assert len(list(logged(path))) >= published
+    assert published > 3
