@@ -10,10 +10,13 @@ import pytest
 import narrows as nw
 from logs import D, kvlcc2, sensed, trial, zigzag
 from narrows.logbook.grid_source import parts
+from narrows.logbook.log_source import LogSource
+from narrows.logbook.shooting import log_search
 from narrows.logbook.shooting.bordered_band import BorderedBand
 from narrows.logbook.shooting.noise_left import memory_of
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.record_grid import grid_of
+from narrows.logbook.shooting.record_search import record_best
 
 WRONG = {"N_v": 1.12, "Y_v": 0.9, "N_rudder": 0.93, "R_0": 1.1}
 MANOEUVRES = ("psi", "x", "y", "r", "rudder")
@@ -218,3 +221,27 @@ def test_a_record_of_another_draft_is_left_out_and_said() -> None:
     found = nw.learn(mistaken(), [records()[0], light], sensors="basin", spread=0.1)
     assert len(found.records) == 1
     assert any("of a draft of 15 m" in note for note in found.notes)
+
+
+def test_an_interrupted_fit_keeps_what_is_done_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    done = iter(range(8))
+
+    def stopped(*told: Any) -> Any:
+        if next(done, None) is None:
+            raise KeyboardInterrupt
+        return record_best(*told)
+
+    monkeypatch.setattr(log_search, "record_best", stopped)
+    found = nw.learn(mistaken(), records(), sensors="basin", spread=0.1)
+    assert any(note.startswith("Interrupted: 3 of 3 records") for note in found.notes)
+    assert abs(found.model["N_v"] / kvlcc2()["N_v"] - 1) < 0.06
+    done = iter(range(1))
+    early = nw.learn(mistaken(), records(), sensors="basin", spread=0.1)
+    assert "Interrupted: 1 of 3 records were looked at." in early.notes
+
+
+def test_a_learned_model_says_where_it_comes_from() -> None:
+    source = learned().model.source
+    assert "3 records of the ship itself (zigzag +20 to circle, 0 s to 1500 s, sensors basin, sha256 " in source.text
+    assert source.sha256.endswith(LogSource.of(records(), "", "").sha256)
+    assert LogSource.of(records(1), "", "").sha256 != LogSource.of(records(), "", "").sha256

@@ -40,7 +40,10 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
     assert f"wrote {model}" in out
     learned = nw.load_model(model)
     assert abs(learned["N_v"] / kvlcc2()["N_v"] - 1) < 0.06
-    assert "learned from 2 records of the ship itself" in learned.source.text
+    assert (
+        "learned from 2 records of the ship itself (zigzag +20 to zigzag -20, 0 s to 900 s, sensors basin"
+        in learned.source.text
+    )
     text = page.read_text(encoding="utf-8")
     assert text.count("<svg") == 3
     assert "zigzag +20" in text
@@ -58,9 +61,9 @@ def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
 
 
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
-    code, out, _ = cli("learn", folder / "ship.toml", folder / "straight.csv", "--spread", "0.01", "--unchecked")
+    code, out, _ = cli("learn", folder / "ship.toml", folder / "straight.csv", "--sensors", "basin", "--spread", "0.01")
     assert code == 1
-    assert out.startswith("Learned from 1 record, 15 min: nothing.")
+    assert out.startswith("Learned from 1 record, 14.9 min: nothing.")
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from narrows.logbook.log_assumptions import BASIN, LogAssumptions
 from narrows.logbook.log_fit import LogFit
 from narrows.logbook.log_prior import Spread, coefficient_prior, covariance_before, push_inertia
 from narrows.logbook.log_result import log_result
+from narrows.logbook.log_source import LogSource
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.refined_search import refined_search
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
@@ -88,11 +89,15 @@ def learn(
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
     source = GridSource(records, assumptions, dict(motion.positions), model.configuration)
-    return log_result(model, before, refined_search(problem, source), source, _name(log))
+    return log_result(
+        model, before, refined_search(problem, source), source, LogSource.of(records, _name(records), grade.name)
+    )
 
 
 def _name(log: Any) -> str:
-    return Path(log).name if isinstance(log, str | Path) else str(getattr(log, "name", "a log"))
+    if isinstance(log, ShipLog):
+        return log.names[0] if len(log) == 1 else f"{log.names[0]} to {log.names[-1]}"
+    return Path(str(getattr(log, "name", "a log"))).name
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:

@@ -9,6 +9,7 @@ from narrows.logbook.learned_coefficient import learned_coefficients
 from narrows.logbook.learned_model import learned_model
 from narrows.logbook.log_fit import Gusts, LogFit
 from narrows.logbook.log_posterior import log_posterior
+from narrows.logbook.log_source import LogSource
 from narrows.logbook.record_answers import record_answers
 from narrows.logbook.refined_search import Refined
 from narrows.logbook.shooting.push_chain import SWAY, YAW, WindowChain
@@ -17,7 +18,7 @@ from narrows.model.model import Model
 from narrows.terms.about import TermKind
 
 
-def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridSource, name: str) -> LogFit:
+def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridSource, log: LogSource) -> LogFit:
     """Return the answer of a search (ours).
 
     Parameters
@@ -30,17 +31,17 @@ def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridS
         The search.
     source : GridSource
         The records.
-    name : str
-        Of the log, for the source of the model.
+    log : LogSource
+        What it is known by.
     """
     found, prior = refined.found, replace(model, covariance=before)
     after = log_posterior(model, before, refined.problem.prior, found)
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(refined, source)
-    source_text = f"learned from {len(answers)} records of the ship itself ({name})"
+    came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))
     stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
     return LogFit(
-        learned_model(prior, learned, after.covariance, source_text, *_ranges(refined)), prior, learned, answers,
+        replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
         _gusts(refined.problem.chain), refined.left, after.disagreement, after.freedom, after.probability,
         _inertia(model, refined), (*source.left_out, *stopped * found.interrupted), found.settled,
     )  # fmt: skip

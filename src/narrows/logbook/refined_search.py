@@ -8,9 +8,10 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.logbook.grid_source import GridSource
 from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_chain
+from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.log_search import ENOUGH, NEARLY_ENOUGH, Found, RecordState, searched
+from narrows.logbook.shooting.log_search import ENOUGH, NEARLY_ENOUGH, Found, RecordState, evaluated, searched
 from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
@@ -18,6 +19,8 @@ from narrows.progress import stage
 
 ROUNDS, SETTLED = 5, 0.1
 """Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
+SHARE = 0.7
+"""Of a change of how wide windows are left, that is taken: less is left where it was taken."""
 SAMPLES, SAMPLES_ALONE = 8, 64
 """Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
 WORSE = 1.2
@@ -69,16 +72,48 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     if not states:
         raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")
     sampled, least = _sampled(len(states), problem.linked), source.assumptions.least_noise
+    problem = _begun_wide(problem, scaled, source, states, sampled)
     for _ in range(ROUNDS):
         found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH)
         if found.interrupted:
             return Refined(problem, found, tuple(states), noise_left(source, found))
-        after = _reestimated(problem, source, states, found, least)
-        problem, scaled, moved = after, found.scaled, _moved(problem, after)
+        try:
+            after = _reestimated(problem, source, states, found, least)
+        except KeyboardInterrupt:
+            return Refined(problem, replace(found, interrupted=True), tuple(states), noise_left(source, found))
+        problem, scaled, moved = after, found.scaled, _moved(problem, after, found)
         if moved < SETTLED:
             break
     found = _searched(problem, scaled, source, states, sampled, ENOUGH)
     return Refined(problem, found, tuple(states), noise_left(source, found))
+
+
+def _begun_wide(
+    problem: LogProblem, scaled: np.ndarray, source: GridSource, states: list[RecordState], sampled: frozenset[int]
+) -> LogProblem:
+    """How wide linked windows are left, where the search begins: coefficients would run far without it."""
+    if not problem.linked:
+        return problem
+    found = evaluated(problem, scaled, source, states, sampled)
+    if found is None or found.interrupted:
+        return problem
+    return replace(problem, determinant_slope=determinant_slope(problem, _samples(source, found, states), scaled))
+
+
+def _far(problem: LogProblem, found: Found, turn: np.ndarray) -> float:
+    """How far a change of slope moves the coefficients, in standard errors."""
+    moves, windows = problem.prior.moves, sum(len(told.own.starts) for told in found.told)
+    whole = (found.information + problem.prior.precision)[np.ix_(moves, moves)]
+    return float(windows * np.sqrt(turn[moves] @ np.linalg.solve(whole, turn[moves])))
+
+
+def _samples(source: GridSource, found: Found, states: Sequence[RecordState]) -> list[ChainSample]:
+    """Records whose equations are kept."""
+    return [
+        ChainSample(grid, told, state.links)
+        for grid, told, state in zip(source, found.told, states, strict=False)
+        if told.best is not None and state.links is not None
+    ]
 
 
 def _searched(
@@ -115,12 +150,10 @@ def _reestimated(
         return problem.with_noise(_noise_alone(problem, found, left, least))
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
-    samples = [
-        ChainSample(grid, told, state.links)
-        for grid, told, state in zip(source, found.told, states, strict=False)
-        if told.best is not None and state.links is not None
-    ]
-    return replace(problem, chain=most_likely_chain(problem, samples, found.scaled))
+    samples = _samples(source, found, states)
+    problem = replace(problem, chain=most_likely_chain(problem, samples, found.scaled))
+    turn = SHARE * (determinant_slope(problem, samples, found.scaled) - problem.determinant_slope)
+    return replace(problem, determinant_slope=problem.determinant_slope + turn)
 
 
 def _noise_alone(
@@ -134,8 +167,9 @@ def _noise_alone(
     return {name: float(factor * size) for name, size in counted.items()}
 
 
-def _moved(before: LogProblem, after: LogProblem) -> float:
-    """The largest change of a logarithm."""
+def _moved(before: LogProblem, after: LogProblem, found: Found) -> float:
+    """The largest change of a logarithm, or of the coefficients by how wide windows are left, in standard errors."""
+    far = _far(after, found, after.determinant_slope - before.determinant_slope) if after.linked else 0.0
     pairs = [(before.noise[name], size) for name, size in after.noise.items()]
     pairs += list(zip(before.chain.std.tolist(), after.chain.std.tolist(), strict=True))
-    return max((abs(float(np.log(new / old))) for old, new in pairs if old > 0 and new > 0), default=0.0)
+    return max(far, *(abs(float(np.log(new / old))) for old, new in pairs if old > 0 and new > 0))

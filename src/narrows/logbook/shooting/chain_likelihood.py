@@ -14,7 +14,9 @@ from narrows.logbook.shooting.window_links import WindowLinks, banded, link_dete
 
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
 """How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm."""
-FIRST_MOVE, MOST_MOVE = 0.5, 4.0
+SPREAD_OF_CORRELATION = 1.0
+"""Standard deviation before, of the inverse hyperbolic tangent of the correlation of sway and yaw."""
+FIRST_MOVE, MOST_MOVE = 0.3, 1.0
 """Of logarithms, in the search: at first, and at most from where it began."""
 ASKED = 80
 """How often the likelihood is asked for, at most."""
@@ -58,7 +60,7 @@ def likelihood(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.n
         assert best is not None
         band = banded(problem, sample.grid, best.own, best.found, sample.links)
         left = band.eliminated().without(len(best.own.zeros))
-        corner, right = corner + left.corner, right + left.right
+        corner, right = corner + left.corner, right + left.right - len(sample.grid) * problem.determinant_slope
         cost += left.cost + left.determinant + link_determinant(problem, sample.grid, sample.links)
     inner = np.linalg.cholesky(corner)
     best_step = np.linalg.solve(inner, right)
@@ -96,8 +98,11 @@ def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample], scale
         if np.abs(numbers - start).max() > MOST_MOVE:
             return float("inf")
         stays = (numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY
+        together = numbers[-1] / SPREAD_OF_CORRELATION
         try:
-            return float(0.5 * stays**2 - likelihood(replace(problem, chain=chain_of(numbers)), samples, scaled))
+            return float(
+                0.5 * (stays**2 + together**2) - likelihood(replace(problem, chain=chain_of(numbers)), samples, scaled)
+            )
         except np.linalg.LinAlgError:
             return float("inf")
 

@@ -30,12 +30,20 @@ def first_guess(problem: LogProblem, grid: RecordGrid) -> RecordUnknowns:
     guessed = {
         "u": along * cosine + across * sine,
         "v": across * cosine - along * sine,
-        "r": np.gradient(psi, grid.times),
+        "r": np.gradient(psi, grid.times) + along * _curvature(problem, x),
     }
     for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
         guessed[name] = next((smoothed(place[other]) for other in others if other in place), guessed[name])
     states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)[grid.first[:-1]]
     return RecordUnknowns(states, np.zeros((len(grid), len(problem.chain.names))), np.zeros(len(problem.zeros)))
+
+
+def _curvature(problem: LogProblem, x: np.ndarray) -> np.ndarray | float:
+    """Of the waterway's line, which turns under a heading that is told to it."""
+    waterway = problem.motion.choices.get("waterway")
+    if waterway is None:
+        return 0.0
+    return np.asarray(waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature)
 
 
 def _at_nodes(grid: RecordGrid, read: Readings) -> np.ndarray:

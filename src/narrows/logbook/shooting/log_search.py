@@ -55,7 +55,7 @@ class RecordTold:
     pull : array (p,) [1]
         Half the slope of its sum of squares, downhill.
     cost : float [1]
-        Its sum of squares, all of its own at its best.
+        Its sum of squares, all of its own at its best, and what its windows are left to be.
     own : RecordUnknowns
         What it has of its own.
     residuals : mapping of str to array, optional
@@ -136,7 +136,9 @@ def evaluated(
                 if best is None:
                     return None
                 of_it = (best.found.residuals, best) if number in kept else (None, None)
-                told.append(RecordTold(best.left.corner, best.left.right, best.band.cost, best.own, *of_it))
+                slope = len(grid) * problem.determinant_slope
+                cost = best.band.cost + 2 * float(np.sum(slope * scaled))
+                told.append(RecordTold(best.left.corner, best.left.right - slope, cost, best.own, *of_it))
                 done(1)
         except KeyboardInterrupt:
             stopped = True

@@ -146,17 +146,19 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
-    """Positions at the nodes: means over a step where values are finer, straight between them where coarser."""
+    """Positions at the nodes: straight between values where these are coarser, else weighed by a hat.
+
+    A hat is 1 at its node and 0 at the next ones, so that every value counts and what the rudder did all in all stays.
+    """
+    from scipy.interpolate import make_interp_spline
+
     step = times[1] - times[0]
-    if signal.step > step / 2:
+    if signal.step >= step:
         return np.asarray(np.interp(times, signal.t, signal.values))
-    edges = np.append(times - step / 2, times[-1] + step / 2)
-    place = np.searchsorted(edges, signal.t) - 1
-    inside = (place >= 0) & (place < len(times))
-    count = np.bincount(place[inside], minlength=len(times))
-    total = np.bincount(place[inside], signal.values[inside], minlength=len(times))
-    straight = np.interp(times, signal.t, signal.values)
-    return np.where(count > 0, total / np.maximum(count, 1), straight)
+    ends = (min(times[0], signal.t[0]) - 2 * step, max(times[-1], signal.t[-1]) + 2 * step)
+    t, values = np.concatenate([ends[:1], signal.t, ends[1:]]), np.pad(signal.values, 1, mode="edge")
+    twice = make_interp_spline(t, values, k=1).antiderivative(2)
+    return np.asarray((twice(times - step) - 2 * twice(times) + twice(times + step)) / step**2)
 
 
 def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:

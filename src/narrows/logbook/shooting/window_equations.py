@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import STEADY, LogProblem
-from narrows.logbook.shooting.predicted_signals import CURRENT_X, PREDICTED, SeenStates
+from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y, PREDICTED, SeenStates
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_helm import RUDDER_OFFSET
 from narrows.logbook.shooting.recorded_motion import CURRENT, PUSHES, RecordedMotion
@@ -68,7 +68,7 @@ class WindowEquations:
     residuals : mapping of str to array
         Read less predicted, by signal.
     ends : array (windows, 6)
-        Where each window ends.
+        Where each window ends, carried on by the current.
     end_slopes : array (windows, 6, d)
         Slopes of that.
     """
@@ -111,8 +111,25 @@ def window_equations(
     hessian, gradient = _summed(rows, left, grid.edges)
     cost = sum(part[2] for part in gathered)
     residuals = {name: part[3] for name, part in zip(grid.readings, gathered, strict=True)}
-    ends = grid.first[1:] + np.arange(len(own.starts))
-    return WindowEquations(hessian, gradient, cost, residuals, states[ends], along[ends])
+    ends, moved = _ends(problem, grid, own, states, along)
+    return WindowEquations(hessian, gradient, cost, residuals, ends, moved)
+
+
+def _ends(
+    problem: LogProblem, grid: RecordGrid, own: RecordUnknowns, states: np.ndarray, along: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where windows end over ground and the slopes of that: a current that the motion does not know carries them on."""
+    rows = grid.first[1:] + np.arange(len(grid))
+    ends, slopes = states[rows], along[rows]
+    if CURRENT in problem.motion.directions:
+        return ends, slopes
+    lasting, zeros = np.diff(grid.times[grid.first]), list(problem.zeros)
+    for state, name in enumerate((CURRENT_X, CURRENT_Y)):
+        if name in zeros:
+            place = zeros.index(name)
+            ends[:, state] += own.zeros[place] * lasting
+            slopes[:, state, problem.local + place] += lasting
+    return ends, slopes
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,92 @@
+"""Where a learned model comes from: the log by its content and times, the sensors, the model before."""
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+
+from narrows.logbook.ship_record import ShipRecord
+from narrows.model.model import Model
+from narrows.model.source import Source
+
+SHORT = 12
+"""Digits of a hash in a sentence."""
+A_DATE = 1e8
+"""From here times count from 1970 [s]."""
+
+
+@dataclass(frozen=True)
+class LogSource:
+    """What a log is known by.
+
+    Parameters
+    ----------
+    name : str
+        Of the log.
+    sensors : str
+        The grade that it was taken for.
+    sha256 : str
+        Of all names, times and values.
+    start, stop : float [s]
+        From the first value to the last.
+    """
+
+    name: str
+    sensors: str
+    sha256: str
+    start: float
+    stop: float
+
+    @classmethod
+    def of(cls, records: Iterable[ShipRecord], name: str, sensors: str) -> "LogSource":
+        """Return what a log is known by (ours).
+
+        Parameters
+        ----------
+        records : iterable of ShipRecord
+            The log.
+        name, sensors : str
+            Of the log, of the grade.
+        """
+        hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
+        for record in records:
+            hashed.update(record.name.encode())
+            start, stop = min(start, record.start), max(stop, record.stop)
+            for key in record:
+                hashed.update(key.encode())
+                for column in (record[key].t, record[key].values):
+                    hashed.update(np.ascontiguousarray(column, float).tobytes())
+        return cls(name, sensors, hashed.hexdigest(), float(start), float(stop))
+
+    def after(self, prior: Model, records: int) -> Source:
+        """Return the source of the model that was learned: what was before, and the log (ours).
+
+        Parameters
+        ----------
+        prior : Model
+            Before.
+        records : int
+            How many were used.
+        """
+        several = "1 record" if records == 1 else f"{records} records"
+        text = (
+            f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "
+            f"sensors {self.sensors}, sha256 {self.sha256[:SHORT]}...), from the model {_hash_of(prior)[:SHORT]}..."
+        )
+        before = prior.source
+        return Source(*("; ".join(filter(None, pair)) for pair in (
+            (before.text, text), (before.table, self.name), (before.sha256, self.sha256)
+        )))  # fmt: skip
+
+
+def _when(t: float) -> str:
+    return f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S} UTC" if t > A_DATE else f"{t:.0f} s"
+
+
+def _hash_of(model: Model) -> str:
+    """Of coefficients and covariance."""
+    hashed = hashlib.sha256(repr(sorted(model.coefficients.items())).encode())
+    hashed.update(np.ascontiguousarray(model.covariance, float).tobytes())
+    return hashed.hexdigest()

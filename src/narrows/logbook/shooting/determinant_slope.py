@@ -1,0 +1,49 @@
+"""What a likelihood of readings has beyond the best windows: how wide the windows are left, and how that moves.
+
+Starts and pushes that are at their best for the readings make a ship look as damped as suits them: with many windows
+the coefficients err by it. Integrated out instead, they leave the determinant of their equations.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from narrows.logbook.shooting.chain_likelihood import ChainSample
+from narrows.logbook.shooting.log_problem import LogProblem
+from narrows.logbook.shooting.window_equations import window_equations
+from narrows.logbook.shooting.window_links import banded
+
+STEP = 0.02
+"""Of a difference, in standard deviations before."""
+
+
+def determinant_slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> np.ndarray:
+    """Return the slope of half the logarithm of the determinant of a window by the coefficients, (p,) [1] (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    samples : sequence of ChainSample
+        Records, with their equations at their best.
+    scaled : array (p,) [1]
+        The coefficients there.
+
+    References
+    ----------
+    Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
+    81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
+    """
+    slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
+    at = sum(_determinant(problem, sample, scaled) for sample in samples)
+    for place in np.flatnonzero(problem.prior.moves):
+        beside = scaled + STEP * (np.arange(len(scaled)) == place)
+        slope[place] = sum(_determinant(problem, sample, beside) for sample in samples) - at
+    return slope / (2 * STEP * max(windows, 1))
+
+
+def _determinant(problem: LogProblem, sample: ChainSample, scaled: np.ndarray) -> float:
+    """The logarithm of that of all that a record has of its own, where it stood."""
+    own = sample.told.own
+    found = window_equations(problem, problem.at(scaled), scaled, sample.grid, own)
+    return banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros)).determinant
