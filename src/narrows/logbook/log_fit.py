@@ -70,6 +70,8 @@ class LogFit(Shown):
         How many combinations of coefficients the log tells.
     probability : float [1]
         Of at least such a disagreement where log and prior speak of one ship.
+    widened : float [1]
+        Factor of standard errors for that disagreement (Birge).
     held : tuple of str
         Coefficients of inertia that the log left as they were: what holds the others, for motion tells ratios.
     about : tuple of str
@@ -87,6 +89,7 @@ class LogFit(Shown):
     disagreement: float
     freedom: int
     probability: float
+    widened: float
     held: tuple[str, ...]
     about: tuple[str, ...]
     settled: bool
@@ -149,7 +152,8 @@ class LogFit(Shown):
         named = f", most of all {', '.join(c.name for c in far)}" if far else ""
         return (
             f"The log and what was known before disagree{named}: a sum of squares of {self.disagreement:.0f}, "
-            f"{self.freedom} expected. One of them errs, or their errors are larger than they say.",
+            f"{self.freedom} expected. One of them errs, or their errors are larger than they say: what the log tells "
+            f"is taken for {self.widened:.1f} times less sure.",
         )
 
     def summary(self) -> str:
@@ -161,7 +165,7 @@ class LogFit(Shown):
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
         rest = f" From the prior still: {', '.join(open_still)}." if open_still else ""
-        return "\n".join(filter(None, (first + rest, self._foretold, self._gusty, ON_TWINS)))
+        return "\n".join(filter(None, (first + rest, *self._disagreement, self._foretold, self._gusty, ON_TWINS)))
 
     @property
     def _foretold(self) -> str:
@@ -199,7 +203,8 @@ class LogFit(Shown):
             "summary": self.summary(),
             "tells": self.tells,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
-            "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability},
+            "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability,
+                             "widened": self.widened},
             "gusts": None if self.gusts is None else vars(self.gusts),
             "noise": {name: {"size": left.size, "memory": left.memory, "outliers": left.beyond}
                       for name, left in self.noise.items()},

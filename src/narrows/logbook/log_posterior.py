@@ -9,7 +9,7 @@ from narrows.logbook.shooting.log_search import Found
 from narrows.model.model import Model
 
 TOLD = 1e-3
-"""Of a variance before, what a log takes away at least where it tells something."""
+"""Of a variance before, by which a log is to move a combination at least where it tells something."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,8 @@ class LogPosterior:
         Square of how far the log moved them, over what was to be expected of it.
     freedom : int
         How many combinations of them the log tells.
+    widened : float [1]
+        Factor of standard errors for what the model gets wrong.
     """
 
     values: np.ndarray
@@ -35,6 +37,7 @@ class LogPosterior:
     scaled: np.ndarray
     disagreement: float
     freedom: int
+    widened: float
 
     @property
     def probability(self) -> float:
@@ -57,15 +60,21 @@ def log_posterior(model: Model, before: np.ndarray, prior: CoefficientPrior, fou
         Of those that were solved for.
     found : Found
         What the records tell.
+
+    References
+    ----------
+    Birge (1932), The calculation of errors by the method of least squares, Phys. Rev. 40, for the factor by which
+    errors are wider where a sum of squares is larger than expected.
     """
-    scaled = scaled_covariance(prior, found.information)
+    disagreement, freedom = _disagreement(prior, found.information, found.scaled)
+    widened = float(np.sqrt(max(1.0, disagreement / max(freedom, 1))))
+    scaled = scaled_covariance(prior, found.information / widened**2)
     shift, known = prior.scale * found.scaled, scaled * np.outer(prior.scale, prior.scale)
     weights = _weights(model, before, prior)
     places = [model.terms.names.index(name) for name in prior.names]
     covariance = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
     values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ shift
-    disagreement, freedom = _disagreement(prior, scaled, found.scaled)
-    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom)
+    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom, widened)
 
 
 def scaled_covariance(prior: CoefficientPrior, information: np.ndarray) -> np.ndarray:
@@ -100,10 +109,12 @@ def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.nd
     return np.asarray(across)
 
 
-def _disagreement(prior: CoefficientPrior, after: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
-    """Squares of how far the log moved combinations, over the variance that it took from them."""
+def _disagreement(prior: CoefficientPrior, information: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
+    """Squares of how far the log moved combinations, over how far it was to move them, those that are held in doubt."""
     moves = prior.moves
-    taken = (np.linalg.inv(prior.precision) - after)[np.ix_(moves, moves)]
-    sizes, axes = np.linalg.eigh(taken)
-    told = sizes > TOLD
-    return float(np.sum((axes.T @ moved[moves])[told] ** 2 / sizes[told])), int(told.sum())
+    told = information[moves]
+    gain = np.linalg.inv((information + prior.precision)[np.ix_(moves, moves)])
+    expected = gain @ (told[:, moves] + told @ np.linalg.inv(prior.precision) @ told.T) @ gain
+    sizes, axes = np.linalg.eigh(expected)
+    counted = sizes > TOLD
+    return float(np.sum((axes.T @ moved[moves])[counted] ** 2 / sizes[counted])), int(counted.sum())

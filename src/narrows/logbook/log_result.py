@@ -43,7 +43,7 @@ def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridS
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
         _gusts(refined.problem.chain), refined.left, after.disagreement, after.freedom, after.probability,
-        _inertia(model, refined), (*source.left_out, *stopped * found.interrupted), found.settled,
+        after.widened, _inertia(model, refined), (*source.left_out, *stopped * found.interrupted), found.settled,
     )  # fmt: skip
 
 

@@ -151,7 +151,7 @@ def _reestimated(
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
     samples = _samples(source, found, states)
-    problem = replace(problem, chain=most_likely_chain(problem, samples, found.scaled))
+    problem = replace(problem, chain=most_likely_chain(problem, samples))
     turn = SHARE * (determinant_slope(problem, samples, found.scaled) - problem.determinant_slope)
     return replace(problem, determinant_slope=problem.determinant_slope + turn)
 

@@ -1,13 +1,14 @@
-"""How strong gusts are and how long they stay: by the likelihood of the records, all else integrated out."""
+"""How strong gusts are and how long they stay: by the likelihood of the records, their own unknowns integrated out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.log_search import RecordTold
-from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation
+from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_motion import PUSHES
 from narrows.logbook.shooting.window_links import WindowLinks, banded, link_determinant
@@ -15,11 +16,13 @@ from narrows.logbook.shooting.window_links import WindowLinks, banded, link_dete
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
 """How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm."""
 SPREAD_OF_CORRELATION = 1.0
-"""Standard deviation before, of the inverse hyperbolic tangent of the correlation of sway and yaw."""
-FIRST_MOVE, MOST_MOVE = 0.3, 1.0
-"""Of logarithms, in the search: at first, and at most from where it began."""
-ASKED = 80
-"""How often the likelihood is asked for, at most."""
+"""Standard deviation of the inverse hyperbolic tangent of the correlation between sway and yaw: few records tell it."""
+MOST_MOVE, SLOPE_STEP = 1.0, 0.1
+"""Of logarithms, in the search: at most from where it began, and by which slopes are taken."""
+UNLIKELY = 1e12
+"""Where a chain has no likelihood."""
+ASKED, ENOUGH = 60, 0.1
+"""How often the likelihood is asked for, at most; its logarithm, which a step is to gain."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,10 @@ class ChainSample:
     links: WindowLinks
 
 
-def likelihood(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> float:
+def likelihood(problem: LogProblem, samples: Sequence[ChainSample]) -> float:
     """Return the logarithm of the likelihood of a chain, to a constant, by the equations where the search stood (ours).
+
+    The coefficients stay: with weaker gusts they would move farther than these equations are straight.
 
     Parameters
     ----------
@@ -50,24 +55,18 @@ def likelihood(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.n
         With the chain to judge.
     samples : sequence of ChainSample
         Records.
-    scaled : array (p,) [1]
-        The coefficients there.
     """
-    prior = problem.prior.precision
-    corner, right, cost = prior.copy(), -prior @ scaled, float(scaled @ prior @ scaled)
+    cost = 0.0
     for sample in samples:
         best = sample.told.best
         assert best is not None
-        band = banded(problem, sample.grid, best.own, best.found, sample.links)
+        band = banded(problem, sample.grid, best.own, best.found.without_coefficients(problem), sample.links)
         left = band.eliminated().without(len(best.own.zeros))
-        corner, right = corner + left.corner, right + left.right - len(sample.grid) * problem.determinant_slope
         cost += left.cost + left.determinant + link_determinant(problem, sample.grid, sample.links)
-    inner = np.linalg.cholesky(corner)
-    best_step = np.linalg.solve(inner, right)
-    return -0.5 * float(cost - best_step @ best_step + 2 * np.log(np.diag(inner)).sum())
+    return -0.5 * cost
 
 
-def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> WindowChain:
+def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample]) -> WindowChain:
     """Return the chain with the pushes that the records make most likely (ours).
 
     Parameters
@@ -76,40 +75,32 @@ def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample], scale
         With the chain to begin with.
     samples : sequence of ChainSample
         Records.
-    scaled : array (p,) [1]
-        The coefficients there.
 
     References
     ----------
-    Nelder and Mead (1965), A simplex method for function minimization, Computer Journal 7.
+    Byrd, Lu, Nocedal and Zhu (1995), A limited memory algorithm for bound constrained optimization, SIAM J. Sci.
+    Comput. 16.
     """
     from scipy.optimize import minimize
 
     chain = problem.chain
     pushes = [name for name in chain.names if name in PUSHES]
     places = [chain.names.index(name) for name in pushes]
-    start = np.append(np.log([*chain.std[places], chain.memory[places[0]]]), np.arctanh(chain.correlation / 0.995))
+    start = np.append(np.log([*chain.std[places], chain.memory[places[0]]]), free_correlation(chain.correlation))
 
     def chain_of(numbers: np.ndarray) -> WindowChain:
         sizes = dict(zip(pushes, np.exp(numbers[: len(pushes)]).tolist(), strict=True))
         return chain.with_pushes(sizes, float(np.exp(numbers[-2])), bounded_correlation(float(numbers[-1])))
 
     def unlikely(numbers: np.ndarray) -> float:
-        if np.abs(numbers - start).max() > MOST_MOVE:
-            return float("inf")
-        stays = (numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY
-        together = numbers[-1] / SPREAD_OF_CORRELATION
+        known = ((numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY, numbers[-1] / SPREAD_OF_CORRELATION)
         try:
-            return float(
-                0.5 * (stays**2 + together**2) - likelihood(replace(problem, chain=chain_of(numbers)), samples, scaled)
-            )
+            told = likelihood(replace(problem, chain=chain_of(numbers)), samples)
         except np.linalg.LinAlgError:
-            return float("inf")
+            return UNLIKELY
+        return float(0.5 * (known[0] ** 2 + known[1] ** 2) - told)
 
-    simplex = np.vstack([start, start + FIRST_MOVE * np.eye(len(start))])
-    return chain_of(
-        minimize(
-            unlikely, start, method="Nelder-Mead",
-            options={"maxfev": ASKED, "xatol": 0.05, "fatol": 0.1, "initial_simplex": simplex},
-        ).x
-    )  # fmt: skip
+    bounds = [(number - MOST_MOVE, number + MOST_MOVE) for number in start]
+    first = unlikely(start)
+    options: Any = {"maxfun": ASKED, "eps": SLOPE_STEP, "ftol": ENOUGH / max(abs(first), 1.0), "gtol": 0.0}
+    return chain_of(minimize(unlikely, start, method="L-BFGS-B", bounds=bounds, options=options).x)

@@ -45,5 +45,5 @@ def determinant_slope(problem: LogProblem, samples: Sequence[ChainSample], scale
 def _determinant(problem: LogProblem, sample: ChainSample, scaled: np.ndarray) -> float:
     """The logarithm of that of all that a record has of its own, where it stood."""
     own = sample.told.own
-    found = window_equations(problem, problem.at(scaled), scaled, sample.grid, own)
+    found = window_equations(problem, problem.at(scaled), scaled, sample.grid, own).without_coefficients(problem)
     return banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros)).determinant

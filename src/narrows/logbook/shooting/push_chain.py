@@ -99,6 +99,9 @@ class WindowChain:
         return WindowChain(self.names, sizes, stays, correlation)
 
 
+MOST_CORRELATION = 0.995
+
+
 def bounded_correlation(free: float) -> float:
     """Return a correlation of a free number, short of one (ours).
 
@@ -107,4 +110,15 @@ def bounded_correlation(free: float) -> float:
     free : float [1]
         Any.
     """
-    return 0.995 * math.tanh(free)
+    return MOST_CORRELATION * math.tanh(free)
+
+
+def free_correlation(correlation: float) -> float:
+    """Return the free number of a correlation (ours).
+
+    Parameters
+    ----------
+    correlation : float [1]
+        Short of one.
+    """
+    return math.atanh(correlation / MOST_CORRELATION)

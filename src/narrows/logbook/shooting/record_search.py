@@ -1,5 +1,6 @@
 """What a record has of its own, at its best where the coefficients stay: a damped Gauss-Newton search."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +12,10 @@ from narrows.logbook.shooting.recorded_motion import RecordedMotion
 from narrows.logbook.shooting.window_equations import RecordUnknowns, WindowEquations, window_equations
 from narrows.logbook.shooting.window_links import WindowLinks, banded
 
-STEPS, SHRINKS, SHRUNK = 8, 6, 0.3
-"""Steps of the search, shares of a step that are tried, and how much smaller each is."""
+STEPS, SHRINKS = 8, 6
+"""Steps of the search, and shares of a step that are tried."""
+LEAST_SHRUNK, MOST_SHRUNK = 0.1, 0.6
+"""By which a share that does not help is made smaller."""
 SETTLED = 0.05
 """Of a sum of squares, less than which a step need not gain."""
 
@@ -62,22 +65,42 @@ def record_best(
     """
 
     def at(there: RecordUnknowns) -> tuple[WindowEquations, BorderedBand]:
-        with np.errstate(all="ignore"):  # A motion that runs away is noticed by its cost.
+        with np.errstate(all="ignore"):  # A motion that runs away is noticed by its cost, or by its equations.
             found = window_equations(problem, motion, scaled, grid, there)
             return found, banded(problem, grid, there, found, links)
 
+    try:
+        return _best(at, own)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _best(at: Callable[[RecordUnknowns], tuple[WindowEquations, BorderedBand]], own: RecordUnknowns) -> RecordBest:
     found, band = at(own)
     if not np.isfinite(band.cost):
-        return None
+        raise np.linalg.LinAlgError("the motion goes to infinity")
     for _ in range(STEPS):
         inner = band.eliminated()
         left = inner.without(len(own.zeros))
-        if band.cost - left.cost < SETTLED:
+        gain = band.cost - left.cost
+        if gain < SETTLED:
             return RecordBest(own, found, band, left)
         zeros = np.linalg.solve(inner.corner[: len(own.zeros), : len(own.zeros)], inner.right[: len(own.zeros)])
-        tried = (own.moved(inner.windows(zeros), zeros, float(share)) for share in SHRUNK ** np.arange(SHRINKS))
-        better = next(((there, *now) for there in tried if (now := at(there))[1].cost < band.cost), None)
-        if better is None:
+        windows, share = inner.windows(zeros), 1.0
+        for _ in range(SHRINKS):
+            there = own.moved(windows, zeros, share)
+            after = at(there)
+            if after[1].cost < band.cost:
+                break
+            share = _shrunk(share, gain, after[1].cost - band.cost)
+        else:
             break
-        own, found, band = better
+        own, (found, band) = there, after
     return RecordBest(own, found, band, band.eliminated().without(len(own.zeros)))
+
+
+def _shrunk(share: float, gain: float, rise: float) -> float:
+    """Where a parabola through what is known along a step has its lowest point."""
+    bent = rise + 2 * gain * share
+    best = gain * share**2 / bent if np.isfinite(bent) else 0.0
+    return float(np.clip(best, LEAST_SHRUNK * share, MOST_SHRUNK * share))

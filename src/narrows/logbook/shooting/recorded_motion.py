@@ -137,8 +137,11 @@ def _poses(
     """The six states of what is kept: the heading counts on from the start of its window."""
     column = {name: i for i, name in enumerate(kept)}
     heading, turned = _heading(column, starts, first, states, slopes)
-    places = [column[name] for name in ("x", "y", "u", "v", "r")]
-    pose, moved = np.insert(states[:, places], 2, heading, axis=1), np.insert(slopes[:, places], 2, turned, axis=1)
+    pose, moved = np.empty((len(states), 6)), np.empty((len(states), 6, slopes.shape[2]))
+    pose[:, 2], moved[:, 2] = heading, turned
+    for i, name in enumerate(STATES):
+        if name != "psi":
+            pose[:, i], moved[:, i] = states[:, column[name]], slopes[:, column[name]]
     return pose, moved
 
 

@@ -80,6 +80,20 @@ class WindowEquations:
     ends: np.ndarray
     end_slopes: np.ndarray
 
+    def without_coefficients(self, problem: LogProblem) -> "WindowEquations":
+        """Return them where the coefficients stay.
+
+        Parameters
+        ----------
+        problem : LogProblem
+            What is solved for.
+        """
+        own = slice(problem.local + len(problem.zeros))
+        return replace(
+            self, hessian=self.hessian[:, own, own], gradient=self.gradient[:, own],
+            end_slopes=self.end_slopes[:, :, own],
+        )  # fmt: skip
+
 
 def window_equations(
     problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns

@@ -1,0 +1,61 @@
+"""What is known after a log: a sum of squares as expected of one ship, and wider errors where it is larger."""
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from engine_models import steered
+from narrows.logbook.log_posterior import log_posterior
+from narrows.logbook.log_prior import coefficient_prior
+from narrows.logbook.shooting.log_problem import CoefficientPrior
+from narrows.logbook.shooting.log_search import Found, RecordTold
+
+FREE = frozenset(("b_bank", "c_bank", "b_uv"))
+
+
+def ship() -> tuple[nw.Model, np.ndarray]:
+    model = steered().with_coefficients(b_bank=0.3, c_bank=0.04)
+    names = ("b_bank", "c_bank", "b_uv", "b_vdot")
+    sizes = np.array([0.3 * abs(model[name]) if name in names else 0.0 for name in model.terms.names])
+    mixed = 0.3 + 0.7 * np.eye(len(sizes))
+    return model, mixed * np.outer(sizes, sizes)
+
+
+def found(prior: CoefficientPrior, scaled: np.ndarray, information: np.ndarray) -> Found:
+    told = RecordTold(information, np.zeros(len(scaled)), 0.0, None)
+    return Found(scaled, (told,), 0.0)
+
+
+@pytest.mark.parametrize("free", [None, FREE], ids=["all free", "inertia held"])
+def test_a_log_of_the_same_ship_moves_as_far_as_expected(free: frozenset[str] | None) -> None:
+    """Draws of the ship and of what its log tells, of the equations themselves."""
+    model, covariance = ship()
+    prior = coefficient_prior(model, covariance, "held", free)
+    draw, count = np.random.default_rng(1), len(prior.names)
+    root = draw.normal(size=(count, count))
+    information = 20 * root @ root.T
+    moves, squares = prior.moves, []
+    for _ in range(400):
+        truth = np.linalg.cholesky(np.linalg.inv(prior.precision)) @ draw.normal(size=count)
+        pull = information @ truth + np.linalg.cholesky(information) @ draw.normal(size=count)
+        scaled = np.zeros(count)
+        scaled[moves] = np.linalg.solve((information + prior.precision)[np.ix_(moves, moves)], pull[moves])
+        after = log_posterior(model, covariance, prior, found(prior, scaled, information))
+        squares.append(after.disagreement / after.freedom)
+    assert np.mean(squares) == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_log_that_disagrees_is_taken_for_less_sure() -> None:
+    model, covariance = ship()
+    prior = coefficient_prior(model, covariance, "held")
+    count = len(prior.names)
+    near, far = (
+        log_posterior(model, covariance, prior, found(prior, np.full(count, size), 50 * np.eye(count)))
+        for size in (0.5, 5.0)
+    )
+    assert near.widened == 1.0
+    assert far.widened == pytest.approx(np.sqrt(far.disagreement / far.freedom))
+    assert far.probability < 1e-3 < near.probability
+    place = model.terms.names.index("c_bank")
+    before, one, other = (matrix[place, place] for matrix in (covariance, near.covariance, far.covariance))
+    assert one < other < before
