@@ -1,11 +1,15 @@
-"""A step with its slopes in 26 directions, and a fit of zigzags of KVLCC2, beside the same windows in CasADi.
+"""A step with its slopes in 26 directions beside CasADi, and a fit of zigzags of KVLCC2 beside equation error.
 
-    python benchmarks/learning.py [ZIGZAGS] [--small]
+    python benchmarks/learn.py [ZIGZAGS] [--small]
 
-The peer is CasADi's symbolic expressions of the same terms: one Runge-Kutta step and its Jacobian, and the chain rule.
+CasADi has the hull's polynomials alone, fewer terms than ours, as one function that it maps over the steps. Equation
+error smooths velocities, takes their slopes and regresses the forces: one linear fit, no motion is sailed. Goals: 6 us
+a step, 2 s a fit of 12 zigzags, in process time.
 """
 
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +18,12 @@ from common import installed, interleaved, show, sizes
 import narrows as nw
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 
+sys.path.append(str(Path(__file__).parents[1] / "decisions"))
+from kvlcc2_log import smoothed
+
 MODEL = nw.published("yasukawa2015_kvlcc2")
 APPROACH, DURATION, STEP = 1.179, 150.0, 0.25
+STEPS, SPREAD = 1000, 0.2
 FREE = ("R_0", "X_thrust", "Y_v", "Y_r", "Y_vvv", "Y_vvr", "Y_vrr", "Y_rudder", "N_v", "N_r", "N_vvv", "N_vvr", "N_vrr",
         "N_rrr", "N_rudder", "X_rudder")  # fmt: skip
 
@@ -31,16 +39,17 @@ def zigzags(count: int) -> list[nw.ShipRecord]:
         )  # fmt: skip
         spread = {"x": 0.005, "y": 0.005, "psi": 2e-3, "r": 1e-3, "rudder": 0.0}
         told = {name: voyage[name] + size * noise.standard_normal(len(voyage)) for name, size in spread.items()}
+        told["revolutions"] = np.full(len(voyage), MODEL.configuration.propeller.revolutions)
         signals = {name: nw.Signal(voyage.t, values) for name, values in told.items()}
         records.append(nw.ShipRecord(f"zigzag {number}", signals))
     return records
 
 
 def stepped() -> tuple[int, Callable[[], object]]:
-    """A voyage of 1000 steps in windows of 100, with slopes by start, pushes, the rudder's zero and 16 coefficients."""
+    """A voyage of some steps in windows of 100, with slopes by start, pushes, the rudder's zero and 16 coefficients."""
     motion = RecordedMotion(MODEL, {"rudder": 0.0}, FREE, {"u": APPROACH, "surge": "free", "contact": "none"})
-    times = STEP * np.arange(1001)
-    first = np.arange(0, 1001, 100)
+    times = STEP * np.arange(STEPS + 1)
+    first = np.arange(0, STEPS + 1, 100)
     starts = np.tile([0.0, 0.0, 0.0, 1.1, 0.0, 0.0], (10, 1))
     rudder = {"rudder": 0.2 * np.sin(times / 5)}
     return len(motion.directions), lambda: motion.sailed(starts, np.zeros((10, 3)), first, times, rudder, np.zeros(10))
@@ -49,24 +58,24 @@ def stepped() -> tuple[int, Callable[[], object]]:
 def main(count: int, rounds: int) -> None:
     """Measure and print."""
     directions, sail = stepped()
-    records = zigzags(count)
-    works = {
-        "1000 steps with slopes": sail,
-        f"fit of {count} zigzags": lambda: nw.learn(MODEL, records, sensors="basin", spread=0.2),
-    }
+    works = {f"a step, {directions} directions": sail}
     if installed("casadi"):
-        works["1000 steps in CasADi"] = by_casadi()
+        works["a step of polynomials alone in CasADi"] = by_casadi()
     cost = interleaved(works, rounds)
-    rows = [(name, seconds, "process time") for name, seconds in cost.items()]
-    rows.append((f"a step, {directions} directions", cost["1000 steps with slopes"] / 1000, "process time"))
-    show("learning from records", rows, "ms", 1e3)
+    show("slopes of a recorded voyage", [(name, seconds / STEPS, "") for name, seconds in cost.items()], "us", 1e6)
+    records = zigzags(count)
+    cost = interleaved({
+        f"fit of {count} zigzags": lambda: nw.learn(MODEL, records, sensors="basin", spread=SPREAD),
+        "equation error, smoothed over 2 s": lambda: smoothed(MODEL, records, 2.0, SPREAD),
+    }, rounds)  # fmt: skip
+    show("learning from records", [(name, seconds, "process time") for name, seconds in cost.items()], "s", 1)
 
 
 def by_casadi() -> Callable[[], object]:
-    """The hull's polynomials alone by CasADi: fewer terms than ours, the same directions."""
+    """The same directions, in one call for all steps."""
     import casadi
 
-    z, theta, rudder = casadi.SX.sym("z", 6), casadi.SX.sym("theta", 20), casadi.SX.sym("rudder")
+    z, slopes, theta, rudder = (casadi.SX.sym(*of) for of in (("z", 6), ("slopes", 6, 26), ("theta", 20), ("rudder",)))
 
     def rate(at: Any) -> Any:
         u, v, r = at[3], at[4], at[5]
@@ -80,21 +89,13 @@ def by_casadi() -> Callable[[], object]:
     b = rate(z + STEP / 2 * a)
     c = rate(z + STEP / 2 * b)
     after = z + STEP / 6 * (a + 2 * b + 2 * c + rate(z + STEP * c))
-    inputs = casadi.vertcat(z, theta)
-    step = casadi.Function("step", [z, theta, rudder], [after, casadi.jacobian(after, inputs)])
-    values, rudders = np.full(20, -0.05), 0.2 * np.sin(np.arange(1000) * STEP / 5)
-
-    def sailed() -> None:
-        state, slopes = np.array([0.0, 0.0, 0.0, 1.1, 0.0, 0.0]), np.eye(6, 26)
-        for number in range(1000):
-            if number % 100 == 0:
-                state, slopes = np.array([0.0, 0.0, 0.0, 1.1, 0.0, 0.0]), np.eye(6, 26)
-            ended, jacobian = step(state, values, rudders[number])
-            state, jacobian = np.array(ended).ravel(), np.array(jacobian)
-            slopes = jacobian[:, :6] @ slopes
-            slopes[:, 6:] += jacobian[:, 6:]
-
-    return sailed
+    moved = casadi.jacobian(after, z) @ slopes
+    moved[:, 6:] += casadi.jacobian(after, theta)
+    both, step = casadi.vertcat(z, casadi.vec(slopes)), casadi.vertcat(after, casadi.vec(moved))
+    march = casadi.Function("step", [both, theta, rudder], [step]).mapaccum("march", STEPS)
+    start = np.concatenate([[0.0, 0.0, 0.0, 1.1, 0.0, 0.0], np.eye(6, 26).ravel(order="F")])
+    values, rudders = np.full((20, STEPS), -0.05), 0.2 * np.sin(np.arange(STEPS) * STEP / 5)[None]
+    return lambda: march(start, values, rudders)
 
 
 if __name__ == "__main__":
