@@ -1,5 +1,6 @@
 from . import control as control
 from . import estimation as estimation
+from . import export as export
 from . import report as report
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun

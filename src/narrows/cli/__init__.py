@@ -1,11 +1,12 @@
 """The command line: one thin command a verb, a file for those that belong together."""
 
-from narrows.cli import envelopes, fits, learning, manoeuvring, plans, reproduce, scale, voyages, waterways
+from narrows.cli import envelopes, exporting, fits, learning, manoeuvring, plans, reproduce, scale, voyages, waterways
 from narrows.cli.app import app, main
 
 __all__ = [
     "app",
     "envelopes",
+    "exporting",
     "fits",
     "learning",
     "main",

@@ -1,6 +1,6 @@
 """Exact derivatives of the motion, from the same trace: by state, by control, by coefficient."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from sympy import Integer, sympify
 
@@ -92,8 +92,22 @@ def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, 
 
 
 def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
-    """The rates of ``LINEARISED`` by state and by control, row by row."""
     lines, results = rates.program()
+    return linear_slopes(lines, {**results, "psi": real("r")}, actuators)
+
+
+def linear_slopes(lines: Lines, rates: Mapping[str, Expr], actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
+    """Write the derivatives of the rates of ``LINEARISED`` by state and by control, row by row.
+
+    Parameters
+    ----------
+    lines : Lines
+        Of the rates.
+    rates : mapping of str to expression
+        By the names of ``LINEARISED``.
+    actuators : sequence of Actuated
+        Of the model.
+    """
     angles = {"psi", *(actuator.name for actuator in actuators if actuator.angle)}
     directions = _directions(actuators)
     slopes: dict[Expr, list[Expr]] = {}
@@ -102,8 +116,7 @@ def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Ex
         for component, slope in moved.items():
             slopes[real(component)] = [slope if k == number else 0 for k in range(len(directions))]
     more, slopes_of = with_tangents(lines, slopes, len(directions))
-    rows = [results["x"], results["y"], real("r"), results["u"], results["v"], results["r"]]
-    return more, [entry for row in rows for entry in slopes_of(row)]
+    return more, [entry for name in LINEARISED for entry in slopes_of(rates[name])]
 
 
 def _angle_slopes(name: str) -> dict[str, Expr]:
@@ -112,22 +125,40 @@ def _angle_slopes(name: str) -> dict[str, Expr]:
 
 
 def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Expr]]:
-    """With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor."""
-    motion, lines = rates.motion, Lines()
-    solved = rates.written(lines, "", {name: real(name) for name in (*STATE, *rates.moving)})
+    lines = Lines()
+    return lines, coefficient_slopes(lines, rates, names, {name: real(name) for name in (*STATE, *rates.moving)})
+
+
+def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values: Mapping[str, Expr]) -> list[Expr]:
+    """Write the derivatives of the accelerations by coefficients, row by row.
+
+    With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor.
+
+    Parameters
+    ----------
+    lines : Lines
+        The program.
+    rates : Rates
+        Of the state.
+    names : sequence of str
+        The coefficients.
+    values : mapping of str to expression
+        State and moving quantities.
+    """
+    motion = rates.motion
+    solved = rates.written(lines, "", values)
     known = list(motion.regressors)
     columns = [rates.constants.lift(sympify(motion.regressors[name][1])) for name in known]
     where = {symbol(name): solved[state] for name, state in zip(ACCELERATIONS.values(), ("u", "v", "r"), strict=True)}
-    where |= {symbol(name): real(name) for name in (*STATE, *rates.moving)}
-    values = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
+    where |= {symbol(name): value for name, value in values.items()}
+    regressors = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
     rows = dict(zip(motion.freedoms, motion.pushes, strict=True))
-    zero = Integer(0)
     entries = []
     for force in FORCES:
         for name in names:
-            if name not in values or force not in rows:
-                entries.append(zero)
+            if name not in regressors or force not in rows:
+                entries.append(Integer(0))
                 continue
             inverse = rates.constants.lift(rows[force][motion.freedoms.index(motion.regressors[name][0])])
-            entries.append(inverse * values[name])
-    return lines, entries
+            entries.append(inverse * regressors[name])
+    return entries

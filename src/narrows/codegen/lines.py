@@ -6,7 +6,7 @@ over lanes may be parted.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import sympy
 
@@ -161,3 +161,40 @@ class Lines:
             asked |= {str(s) for s in value.free_symbols} - made
             made.add(str(name))
         return tuple(sorted(asked))
+
+
+@dataclass(frozen=True)
+class Program:
+    """Lines, and what becomes of them.
+
+    Parameters
+    ----------
+    assignments : tuple of (symbol, expression)
+        In order.
+    results : tuple of expression
+        What it gives.
+    """
+
+    assignments: tuple[Assignment, ...]
+    results: tuple[Expr, ...]
+
+    @classmethod
+    def of(cls, lines: Lines, results: Sequence[Expr]) -> "Program":
+        """Return the lines that some results need.
+
+        Parameters
+        ----------
+        lines : Lines
+            A program.
+        results : sequence of expression
+            What it is to give.
+        """
+        return cls(tuple(lines.needed_for(results).assignments), tuple(results))
+
+    @cached_property
+    def asked(self) -> tuple[str, ...]:
+        """The names that it uses and does not make, in alphabetical order."""
+        made = {str(name) for name, _ in self.assignments}
+        values = [*(value for _, value in self.assignments), *self.results]
+        used = {str(s) for value in values for s in sympy.sympify(value).free_symbols}
+        return tuple(sorted(used - made))

@@ -70,7 +70,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
 
     def rate(at: Mapping[str, Expr], node: int) -> dict[str, Expr]:
         values = {**{name: at[name] for name in STATE}, **controls(NODES[node]), **pushes}
-        return _rate(lines, rates, choices, values, str(node))
+        return rate_here(lines, rates, choices, values, str(node))
 
     after = _runge_kutta(lines, z, h, rate, _felt_states(rates, choices))
     if TIME in z:
@@ -159,21 +159,51 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
     return {name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), 0)) for name in INPUTS.values()}
 
 
-def _rate(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
-    """The rates in the waterway, by those of the straight canal that the water is here."""
-    if not choices.waterway:
-        return {**rates.written(lines, tag, values), COUNTED: values["r"]}
+def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str) -> tuple[dict[str, Expr], Expr]:
+    """Write the straight canal that a waterway is at a ship's place, and the curvature of its line there.
+
+    Parameters
+    ----------
+    lines : Lines
+        The program.
+    rates : Rates
+        Of the state.
+    values : mapping of str to expression
+        The state.
+    tag : str
+        Of the names of the lines.
+    """
     now = _section(lines, values["x"], _felt_columns(rates), f"stage{tag}")
-    y = values["y"]
-    values = {
-        **values,
+    here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
         "depth": now.get("depth", real("depth")),
-        "y": lines.put(f"off_{tag}", y - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
+        "y": lines.put(f"off_{tag}", values["y"] - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
     }
-    straight = rates.written(lines, tag, values)
-    pace = lines.put(f"pace_{tag}", (straight["x"] + real("current")) / (1 - now["curvature"] * y))
-    turn = lines.put(f"turn_{tag}", values["r"] - now["curvature"] * pace)
+    return {**values, **here}, now["curvature"]
+
+
+def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
+    """Write the rates in the waterway, by those of the straight canal that the water is here.
+
+    Parameters
+    ----------
+    lines : Lines
+        The program.
+    rates : Rates
+        Of the state.
+    choices : Choices
+        What the step holds.
+    values : dict of str to expression
+        State and moving quantities.
+    tag : str
+        Of the names of the lines.
+    """
+    if not choices.waterway:
+        return {**rates.written(lines, tag, values), COUNTED: values["r"]}
+    here, curvature = section_here(lines, rates, values, tag)
+    straight = rates.written(lines, tag, here)
+    pace = lines.put(f"pace_{tag}", (straight["x"] + real("current")) / (1 - curvature * values["y"]))
+    turn = lines.put(f"turn_{tag}", values["r"] - curvature * pace)
     heading = {"cos_psi": -turn * values["sin_psi"], "sin_psi": turn * values["cos_psi"]}
     return {
         **straight,

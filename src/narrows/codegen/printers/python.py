@@ -26,6 +26,18 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
         super().__init__({"fully_qualified_modules": False})
         self.number = number
 
+    def called(self, name: str, *arguments: str) -> str:
+        """Write the call of a function.
+
+        Parameters
+        ----------
+        name : str
+            As lines call it.
+        *arguments : str
+            Their texts.
+        """
+        return f"{name}({', '.join(arguments)})"
+
     def _print_Float(self, value: Expr) -> str:
         text = self.number(repr(abs(float(value.evalf(DIGITS)))))
         return f"-{text}" if value < 0 else text
@@ -34,36 +46,36 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     _print_NumberSymbol = _print_Exp1 = _print_Pi = _print_Float
 
     def _print_Abs(self, value: Expr) -> str:
-        return f"abs({self._print(value.args[0])})"
+        return self.called("abs", self._print(value.args[0]))
 
     def _print_exp(self, value: Expr) -> str:
-        return f"exp({self._print(value.args[0])})"
+        return self.called("exp", self._print(value.args[0]))
 
     def _print_log(self, value: Expr) -> str:
-        return f"log({self._print(value.args[0])})"
+        return self.called("log", self._print(value.args[0]))
 
     def _print_Pow(self, value: Expr, **_: Any) -> str:
         base, power = value.args
         if base == sympy.E:
-            return f"exp({self._print(power)})"
+            return self.called("exp", self._print(power))
         if power.is_Rational and power < 0:
             return f"({self.number('1.0')} / {self.parenthesize(sympy.Pow(base, -power), 1000)})"
         if power.is_Integer and power <= LONGEST_PRODUCT:
             return "(" + " * ".join([self.parenthesize(base, 1000)] * int(power)) + ")"
         if power == sympy.Rational(1, 2):
-            return f"sqrt({self._print(base)})"
+            return self.called("sqrt", self._print(base))
         if power.is_Rational and power.q == 2:
             whole = self.parenthesize(base ** (power - sympy.Rational(1, 2)), 1000)
-            return f"({whole} * sqrt({self._print(base)}))"
+            return f"({whole} * {self.called('sqrt', self._print(base))})"
         if base.is_number and not power.is_number:
-            return f"exp({self._print(power * sympy.log(base).evalf(DIGITS))})"
-        return f"power({self._print(base)}, {self._print(power)})"
+            return self.called("exp", self._print(power * sympy.log(base).evalf(DIGITS)))
+        return self.called("power", self._print(base), self._print(power))
 
     def _print_Function(self, value: Expr) -> str:
         name = str(value.func)
         if name == "entry":
             return f"entry(table, {int(value.args[0])}, {self._print(value.args[1])})"
-        return f"{name}({', '.join(map(self._print, value.args))})"
+        return self.called(name, *map(self._print, value.args))
 
 
 plain = Arithmetic()

@@ -1,0 +1,39 @@
+"""``export``: a model out of Python."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from narrows.cli.grouped import verb
+from narrows.cli.options import AsJson, ModelFile
+from narrows.cli.output import print_json, say_written
+from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
+from narrows.errors import check_choice
+
+KINDS = ("c",)
+
+
+@verb("narrows export c mikkelsen2025_dtc -o dtc.h")
+def export(
+    kind: Annotated[str, typer.Argument(help="Language or format: 'c'.", show_default=False)],
+    model: ModelFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h of C.")],
+    physics: PhysicsOptions,
+    water: WaterOptions,
+    json: AsJson = False,
+) -> None:
+    """Write a model as a file of another language, printed from the lines that voyages are sailed by.
+
+    MODEL is a model file, or the name of a published model.
+    """
+    from narrows import export as room
+    from narrows.model.model_file import model_named
+
+    check_choice("what to export", kind, KINDS)
+    write = {"c": room.write_c}[kind]
+    write(model_named(model), output, waterway=water.read(), **vars(physics))
+    if json:
+        print_json({"kind": kind, "output": str(output), "bytes": output.stat().st_size})
+        return
+    say_written([output])

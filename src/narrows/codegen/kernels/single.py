@@ -1,0 +1,155 @@
+"""One vessel to its end, step by step: what every file for another language ends with, in that language.
+
+Written in the few words of Python that ``printers.translation`` knows. ``step`` and ``room`` stand above it there,
+printed from the lines of the model; the rule of what closes a voyage is ``event``, and the banks of a waterway are
+asked by ``waterway.room``.
+"""
+
+from math import floor
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from narrows.codegen.kernels.event import (
+    BACK,
+    CLOCK,
+    CLOSED,
+    COUNT,
+    FINISHED,
+    LOST,
+    NEXT,
+    PLACES,
+    TRIES,
+    begin,
+    cleared,
+    judge,
+)  # fmt: skip
+from narrows.waterway.room import exact_room
+
+Array: TypeAlias = Any
+"""Numbers that are written to."""
+Inputs: TypeAlias = Any
+"""What a caller may change."""
+Constants: TypeAlias = Any
+"""What stays the same through a voyage."""
+Place: TypeAlias = Any
+"""Where a ship sails."""
+
+if TYPE_CHECKING:
+
+    def step(state: Array, after: Array, length: float, inputs: Inputs, constants: Constants, waterway: Place) -> None:
+        """Write the state after a step, the room and the lean."""
+
+    def room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
+        """Write the room by the lines' own rule, and the lean."""
+
+
+EXACT = WATERWAY = False
+LEAVES = 0.0
+KEPT, COS, U, V, R = 7, 2, 4, 5, 6
+AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED = 0, 1, 2, 3, 4, 5
+TOLERANCE = 1e-9
+"""How near to contact an end is placed [m]."""
+MOST_SPEED, MOST_RATE = 100.0, 10.0
+
+
+def true_room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
+    """Write the room by the banks themselves and by what else ends a voyage, and the lean [m]."""
+    closeness[0], closeness[1] = exact_room(
+        waterway.track, 1.0 / waterway.cells_a_metre, state[0], state[1], state[2], state[3], waterway.outline
+    )
+    ends = min(waterway.x_last - state[0], state[0] - waterway.x_first)
+    closeness[0] = min(min(closeness[0], ends), state[COS] - constants.least_cos)
+
+
+def clearance(state: Array, closeness: Array, waterway: Place) -> None:
+    """Write the room to starboard and to port by the banks themselves [m]."""
+    closeness[0], closeness[1] = exact_room(
+        waterway.track, 1.0 / waterway.cells_a_metre, state[0], state[1], state[2], state[3], waterway.outline
+    )
+    starboard = closeness[0] if closeness[1] > 0.0 else closeness[0] - closeness[1]
+    closeness[1] += starboard
+    closeness[0] = starboard
+
+
+def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
+    """Whether the numbers are those of a ship; drawn to a bank that ends its voyage any speed is."""
+    if LEAVES > 0.0 and closeness <= constants.near_bank:
+        return True
+    slow = abs(state[U]) < MOST_SPEED and abs(state[V]) < MOST_SPEED
+    return slow and abs(state[R]) < MOST_RATE and closeness == closeness  # not NaN
+
+
+def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: float) -> int:
+    """What is met where the room is nil: the limit of heading, an end of the waterway, or a bank."""
+    if state[COS] - constants.least_cos <= tolerance:
+        return OUTSIDE
+    if WATERWAY:
+        if waterway.x_last - state[0] <= tolerance:
+            return PASSED
+        if state[0] - waterway.x_first <= tolerance:
+            return ASTERN
+    return GROUNDED
+
+
+def begun(state: Array, closeness: Array, constants: Constants, waterway: Place) -> int:
+    """What ends a voyage where it begins; AFLOAT where nothing does."""
+    room(state, closeness, constants, waterway)
+    if EXACT and closeness[0] <= 0.0:
+        true_room(state, closeness, constants, waterway)
+    if not is_sane(state, closeness[0], constants):
+        return DIVERGED
+    if closeness[0] > 0.0:
+        return AFLOAT
+    fate = cause_of(state, constants, waterway, 0.0)
+    return AFLOAT if closeness[0] == 0.0 and fate == ASTERN else fate  # The first point of a waterway is in it.
+
+
+def sail(
+    state: Array, inputs: Inputs, constants: Constants, waterway: Place, length: float, duration: float, end: Array
+) -> int:
+    """Sail under what the caller holds until the time is up or something ends the voyage, and say what."""
+    book = [0.0] * PLACES
+    after = [0.0] * (KEPT + 2)
+    closeness = [0.0] * 2
+    count = 1.0 * floor(duration / length + 1e-9)
+    rest = duration - count * length
+    begin(book, length, count, rest if rest > 1e-9 * length else 0.0)
+    fate = begun(state, closeness, constants, waterway)
+    end[0], end[1] = 0.0, closeness[1]
+    if fate != AFLOAT:
+        return fate
+    left, before = book[COUNT], closeness[0]
+    while book[COUNT] > 0.0:
+        trying = book[TRIES] > 0.0
+        step(state, after, book[NEXT], inputs, constants, waterway)
+        left -= 1.0
+        closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
+        sane = is_sane(after, closeness[0], constants)
+        if EXACT and sane and (closeness[0] <= 0.0 or trying):
+            true_room(after, closeness, constants, waterway)
+        now, lean = closeness[0], closeness[1]
+        clear = sane and cleared(now, before, LEAVES) > 0.0
+        if clear and left > 0.0 and not trying:
+            for number in range(KEPT):
+                state[number] = after[number]
+            before = now
+            continue
+        if EXACT and (trying or not clear):
+            true_room(state, closeness, constants, waterway)
+            before = closeness[0]
+        fate = judge(book, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
+        end[0] = book[CLOCK]
+        if fate == LOST:
+            if before <= constants.near_bank:
+                return cause_of(state, constants, waterway, constants.near_bank)
+            return DIVERGED
+        if fate != BACK:
+            for number in range(KEPT):
+                state[number] = after[number]
+            end[1] = lean
+        if fate == CLOSED:
+            return cause_of(state, constants, waterway, constants.near_bank if now > TOLERANCE else TOLERANCE)
+        if fate == FINISHED:
+            return AFLOAT
+        room(state, closeness, constants, waterway)
+        left, before = book[COUNT], closeness[0]
+    return AFLOAT

@@ -1,0 +1,168 @@
+"""The equations of one ship as programs for languages other than Python: the lines of the engine, by what they do."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from narrows.codegen.choices import COUNTED, LENGTH, Actuated, Choices, Law, control_names
+from narrows.codegen.free_motion import INPUTS, STATE, Expr, FreeMotion
+from narrows.codegen.jacobian import coefficient_slopes, linear_slopes
+from narrows.codegen.lines import Lines, Program, real
+from narrows.codegen.lowering import straight_lines
+from narrows.codegen.rates import Rates
+from narrows.codegen.shapes import OPEN
+from narrows.codegen.step import rate_here, room_left, section_here, step_of
+from narrows.codegen.tape import tape_of
+
+ORDERED = "ordered_{}".format
+"""What the lines call the order that a caller gives an actuator with a gear."""
+
+PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
+"""What the lines ask for of the table of a waterway."""
+
+
+@dataclass(frozen=True)
+class Portable:
+    """The engine's lines of one ship, for a caller who gives orders, forces and a waterway.
+
+    Actuators that are angles have a gear, which follows an order; the others are as the caller says.
+
+    Parameters
+    ----------
+    motion : FreeMotion
+        The equations of motion.
+    names : tuple of str
+        The coefficients.
+    actuators : tuple of Actuated
+        Of the model.
+    contact : str or int
+        ``corners``, ``midship``, ``none``, or the number of points of an outline.
+    waterway : bool
+        Whether the section of the water changes.
+    """
+
+    motion: FreeMotion
+    names: tuple[str, ...]
+    actuators: tuple[Actuated, ...]
+    contact: str | int
+    waterway: bool
+
+    @property
+    def geared(self) -> tuple[Actuated, ...]:
+        """What follows orders."""
+        return tuple(actuator for actuator in self.actuators if actuator.angle)
+
+    @cached_property
+    def choices(self) -> Choices:
+        """What a step holds."""
+        return Choices(self.contact, self.waterway, _followed(self.geared), "always")
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """The state: what goes from step to step."""
+        return self.choices.kept
+
+    @cached_property
+    def rates(self) -> Rates:
+        """The rates of the state, with everything that a caller may change among what moves."""
+        controls = [name for actuator in self.actuators for name in control_names(actuator)]
+        section = ("width", "depth") if self.waterway else ()
+        return Rates(self.motion, (*INPUTS.values(), *controls, *section), pushed=True)
+
+    @cached_property
+    def parameters(self) -> dict[str, Expr]:
+        """The symbols of what the constants are made of, by the names of the vocabulary."""
+        used = set().union(*(expression.free_symbols for expression in self.rates.constants.table))
+        return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
+
+    @cached_property
+    def programs(self) -> Mapping[str, Program]:
+        """What there is to print, by its name; ``constants`` gives those of ``rates.constants`` in order."""
+        programs = {
+            "rates": self._rates(),
+            "step": self._step(),
+            "room": self._room(),
+            "by_state": self._linear(slice(0, 6)),
+            "by_input": self._linear(slice(6, None)),
+            "by_coefficient": self._by_coefficient(),
+        }
+        if self.contact != OPEN:
+            programs["clearance"] = self._clearance()
+        # The derivatives ask for more constants than the rates: those come last.
+        return {**programs, "constants": self._constants()}
+
+    @property
+    def _values(self) -> dict[str, Expr]:
+        return {name: real(name) for name in (*STATE, *self.rates.moving)}
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What a caller may change from step to step, by the names of the lines: what the step asks for of it."""
+        orders = [ORDERED(one.name) if one.angle else one.name for one in self.actuators]
+        known = (*INPUTS.values(), *orders, *(("current",) if self.waterway else ()))
+        return tuple(name for name in known if name in self.programs["step"].asked)
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """What the program of that name gives; the derivatives ask for more of it than the rates."""
+        assert self.programs
+        return self.rates.constants.names
+
+    @property
+    def hull(self) -> tuple[str, ...]:
+        """What step and room ask for beside the constants of the rates: hull, walls, gear."""
+        asked = {name for own in ("step", "room") for name in self.programs[own].asked}
+        return tuple(sorted(asked - {*self.constants, *self.kept, *self.inputs, *PLACES, LENGTH}))
+
+    def _constants(self) -> Program:
+        assignments, results = straight_lines(list(self.rates.constants.table))
+        return Program(tuple(assignments), tuple(results))
+
+    def _rates(self) -> Program:
+        lines = Lines()
+        rates = rate_here(lines, self.rates, self.choices, self._values, "")
+        return Program.of(lines, [rates[name] for name in self.kept if name in rates])
+
+    def _step(self) -> Program:
+        step = step_of(self.rates, self.choices).with_whole_steps()
+        return Program.of(step.lines, [step.out[name] for name in (*self.kept, "room", "lean")])
+
+    def _room(self) -> Program:
+        lines = Lines()
+        return Program.of(lines, room_left(lines, self.choices, self._values))
+
+    @cached_property
+    def _slopes(self) -> tuple[Lines, list[Expr]]:
+        lines = Lines()
+        rates = rate_here(lines, self.rates, self.choices, self._values, "")
+        return linear_slopes(lines, {**rates, "psi": rates[COUNTED]}, self.actuators)
+
+    def _clearance(self) -> Program:
+        """The room to starboard and to port; of a waterway by the least distance at which its banks can be met."""
+        lines, z = Lines(), self._values
+        room_left(lines, self.choices, z)
+        return Program.of(lines, [real("room_starboard"), real("room_port")])
+
+    def _linear(self, columns: slice) -> Program:
+        lines, entries = self._slopes
+        width = len(entries) // 6
+        return Program.of(lines, [e for row in range(6) for e in entries[row * width : (row + 1) * width][columns]])
+
+    def _by_coefficient(self) -> Program:
+        lines, values = Lines(), self._values
+        if self.waterway:
+            values, _ = section_here(lines, self.rates, values, "")
+        return Program.of(lines, coefficient_slopes(lines, self.rates, self.names, values))
+
+
+def _followed(actuators: Sequence[Actuated]) -> Law | None:
+    """The law of orders that a caller gives."""
+    if not actuators:
+        return None
+    names = {ORDERED(actuator.name): ORDERED(actuator.name) for actuator in actuators}
+    tape = tape_of(
+        lambda at: {actuator.name: getattr(at, ORDERED(actuator.name)) for actuator in actuators},
+        {**names, "dt": LENGTH},
+        "the gear",
+    )
+    return Law(tape, (), tuple(actuators))

@@ -1,0 +1,91 @@
+"""Lines as C99: numbers of structures unpacked before their first use, then an assignment a line."""
+
+from collections.abc import Mapping, Sequence
+from textwrap import wrap
+
+from narrows.codegen.free_motion import Expr
+from narrows.codegen.lines import Program
+from narrows.codegen.printers.python import Arithmetic
+
+WIDTH, TIED = 108, "\0=\0"
+LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
+           "floor": "floor", "hypot": "hypot", "cos": "cos", "sin": "sin"}  # fmt: skip
+"""Functions of <math.h> by what lines and plain functions call them."""
+TAKEN = frozenset({
+    "auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern",
+    "false", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed",
+    "sizeof", "static", "struct", "switch", "true", "typedef", "union", "unsigned", "void", "volatile", "while",
+    "INFINITY", "NAN", "near", "far", "small", "main", "state", "inputs", "constants", "parameters", "waterway",
+    "result", "after", *LIBRARY.values(),
+})  # fmt: skip
+"""Words that no number can be called by."""
+
+
+def c_name(name: str) -> str:
+    """Return what a number is called in C (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of the lines.
+    """
+    return f"{name}_" if name in TAKEN else name
+
+
+class CArithmetic(Arithmetic):
+    """Expressions in C.
+
+    Parameters
+    ----------
+    prefix : str
+        Of the names of functions.
+    """
+
+    def __init__(self, prefix: str) -> None:
+        super().__init__()
+        self.prefix = prefix
+
+    def called(self, name: str, *arguments: str) -> str:
+        """Write the call of a function.
+
+        Parameters
+        ----------
+        name : str
+            As the lines call it.
+        *arguments : str
+            Their texts.
+        """
+        return f"{LIBRARY.get(name, f'{self.prefix}_{name}')}({', '.join(arguments)})"
+
+    def _print_Symbol(self, value: Expr) -> str:
+        return c_name(value.name)
+
+    def _print_Function(self, value: Expr) -> str:
+        name, arguments = str(value.func), [self._print(one) for one in value.args]
+        if name == "entry":
+            return f"{self.prefix}_entry(waterway, {int(value.args[0])}, {arguments[1]})"
+        return self.called(name, *arguments)
+
+
+def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic) -> list[str]:
+    """Write a program as statements of C (ours).
+
+    Parameters
+    ----------
+    program : Program
+        The lines.
+    targets : sequence of str
+        What each result is assigned to.
+    places : mapping of str to str
+        Where each number that the program asks for is found.
+    printer : CArithmetic
+        Writes expressions.
+    """
+    unpacked = ", ".join(f"{c_name(name)} = {places[name]}" for name in program.asked if name != places[name])
+    whole = f"const double {unpacked};".replace(" = ", TIED)  # No line breaks within a declaration.
+    lines = [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if unpacked else []
+    for name, value in program.assignments:
+        lines.append(f"const double {printer.doprint(name)} = {printer.doprint(value)};")
+    for target, value in zip(targets, program.results, strict=True):
+        lines.append(f"{target} = {printer.doprint(value)};")
+    return lines

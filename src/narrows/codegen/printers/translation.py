@@ -1,0 +1,210 @@
+"""Plain functions of Python in another language: the rule of contact and the banks of a waterway, written once.
+
+Of Python it knows what those are written in: floats, whole numbers, arrays of floats, tuples that are returned, loops
+over ranges and short tuples.
+"""
+
+import ast
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+
+from narrows.codegen.printers.plain_expressions import OPERATORS, PlainExpressions
+from narrows.codegen.printers.plain_source import PlainSource
+
+
+class Translation(PlainExpressions):
+    """Statements and expressions, as languages with braces write them.
+
+    Parameters
+    ----------
+    source : PlainSource
+        What is translated.
+    """
+
+    def __init__(self, source: PlainSource) -> None:
+        super().__init__(source)
+        self.function: ast.FunctionDef
+        self.held_numbers = 0
+
+    def text(self, function: ast.FunctionDef) -> str:
+        """Return a function in the language.
+
+        Parameters
+        ----------
+        function : ast.FunctionDef
+            Of the source.
+        """
+        self.function, self.held_numbers = function, 0
+        body = [line for statement in function.body[1:] for line in self.statement(statement)]
+        return "\n".join([self.head(), *(f"    {line}" for line in [*self.declarations(), *body]), "}"])
+
+    @abstractmethod
+    def head(self) -> str:
+        """The line that begins the function."""
+
+    @abstractmethod
+    def declarations(self) -> list[str]:
+        """Lines before the first statement."""
+
+    @abstractmethod
+    def array(self, name: str, size: str) -> str:
+        """The line that makes an array of zeros."""
+
+    @abstractmethod
+    def held(self, name: str, value: str) -> str:
+        """The line that keeps a number for the next lines."""
+
+    @abstractmethod
+    def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
+        """Lines that take apart the tuple that a call returns."""
+
+    @abstractmethod
+    def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
+        """Lines that return a tuple."""
+
+    @abstractmethod
+    def over_tuple(self, node: ast.For) -> Iterator[str]:
+        """Lines that begin a loop over a tuple of numbers, or of tuples of them."""
+
+    def parameters(self) -> list[ast.arg]:
+        """Those of the function that are there."""
+        return [one for one in self.function.args.args if one.arg not in self.source.absent]
+
+    def assigned(self) -> dict[str, list[ast.expr | None]]:
+        """The variables of the function, with what is assigned to each; None where that is part of a tuple."""
+        known: dict[str, list[ast.expr | None]] = {}
+        for node in ast.walk(self.function):
+            for target, value in self._pairs(node):
+                if isinstance(target, ast.Name):
+                    known.setdefault(target.id, []).append(value)
+        return {name: values for name, values in known.items() if not any(_is_array(value) for value in values)}
+
+    def _pairs(self, node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
+        """Targets with what is assigned to them."""
+        if isinstance(node, ast.For):
+            elements = node.target.elts if isinstance(node.target, ast.Tuple) else [node.target]
+            yield from ((one, node.iter) for one in elements)
+        elif isinstance(node, ast.Assign):
+            (target,) = node.targets
+            if not isinstance(target, ast.Tuple):
+                yield target, node.value
+            elif isinstance(node.value, ast.Tuple):
+                yield from zip(target.elts, node.value.elts, strict=True)
+            elif isinstance(node.value, ast.Call):
+                whole = [ast.Constant(0) if one else None for one in self.whole_results(node.value)]
+                yield from zip(target.elts, whole, strict=True)
+
+    def whole_results(self, call: ast.Call) -> list[bool]:
+        """Whether each number of the tuple that a call returns is a whole one.
+
+        Parameters
+        ----------
+        call : ast.Call
+            Of a function of the source.
+        """
+        assert isinstance(call.func, ast.Name)
+        returned = self.source.functions[call.func.id].returns
+        assert isinstance(returned, ast.Subscript)
+        assert isinstance(returned.slice, ast.Tuple)
+        return [ast.unparse(one) == "int" for one in returned.slice.elts]
+
+    def statement(self, node: ast.stmt) -> list[str]:
+        """Return the lines of a statement.
+
+        Parameters
+        ----------
+        node : ast.stmt
+            Of the function.
+        """
+        return list(getattr(self, f"_{type(node).__name__.lower()}")(node))
+
+    def block(self, nodes: Sequence[ast.stmt]) -> list[str]:
+        """Return the lines of statements, set in.
+
+        Parameters
+        ----------
+        nodes : sequence of ast.stmt
+            Of the function.
+        """
+        return [f"    {line}" for node in nodes for line in self.statement(node)]
+
+    def _expr(self, node: ast.Expr) -> Iterator[str]:
+        yield f"{self.expression(node.value)};"
+
+    def _assign(self, node: ast.Assign) -> Iterator[str]:
+        (target,), value = node.targets, node.value
+        if _is_array(value):
+            assert isinstance(value, ast.BinOp)
+            assert isinstance(target, ast.Name)
+            yield self.array(target.id, self.expression(value.right))
+        elif isinstance(target, ast.Tuple) and isinstance(value, ast.Call):
+            yield from self.from_call(target.elts, value)
+        elif isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+            yield from self._at_once(target.elts, value.elts)
+        else:
+            yield f"{self.expression(target)} = {self.expression(value)};"
+
+    def _at_once(self, targets: Sequence[ast.expr], values: Sequence[ast.expr]) -> Iterator[str]:
+        """Assign several numbers, by way of others where one is written and read."""
+        names, texts = [self.expression(one) for one in targets], [self.expression(one) for one in values]
+        written = {one.id for target in targets for one in _names(target)}
+        if written & {one.id for value in values for one in _names(value)}:
+            first, self.held_numbers = self.held_numbers, self.held_numbers + len(texts)
+            held = [f"held_{number}" for number in range(first, self.held_numbers)]
+            yield from (self.held(name, text) for name, text in zip(held, texts, strict=True))
+            texts = held
+        yield from (f"{name} = {text};" for name, text in zip(names, texts, strict=True))
+
+    def _annassign(self, node: ast.AnnAssign) -> Iterator[str]:
+        assert node.value is not None
+        yield f"{self.expression(node.target)} = {self.expression(node.value)};"
+
+    def _augassign(self, node: ast.AugAssign) -> Iterator[str]:
+        yield f"{self.expression(node.target)} {OPERATORS[type(node.op)]}= {self.expression(node.value)};"
+
+    def _if(self, node: ast.If) -> Iterator[str]:
+        yield f"if ({self.expression(node.test)}) {{"
+        yield from self.block(node.body)
+        if node.orelse:
+            yield "} else {"
+            yield from self.block(node.orelse)
+        yield "}"
+
+    def _while(self, node: ast.While) -> Iterator[str]:
+        yield f"while ({self.expression(node.test)}) {{"
+        yield from self.block(node.body)
+        yield "}"
+
+    def _for(self, node: ast.For) -> Iterator[str]:
+        if isinstance(node.iter, ast.Call):
+            texts = [self.expression(one) for one in node.iter.args]
+            first, last, step = ["0", *texts, "1"] if len(texts) == 1 else [*texts, "1"][:3]
+            name = self.expression(node.target)
+            yield f"for ({name} = {first}; {name} < {last}; {name} += {step}) {{"
+        else:
+            yield from self.over_tuple(node)
+        yield from self.block(node.body)
+        yield "}"
+
+    def _return(self, node: ast.Return) -> Iterator[str]:
+        if isinstance(node.value, ast.Tuple):
+            yield from self.returned(node.value.elts)
+        elif node.value is None:
+            yield "return;"
+        else:
+            yield f"return {self.expression(node.value)};"
+
+    def _break(self, _: ast.Break) -> Iterator[str]:
+        yield "break;"
+
+    def _continue(self, _: ast.Continue) -> Iterator[str]:
+        yield "continue;"
+
+
+def _names(node: ast.AST) -> Iterator[ast.Name]:
+    return (one for one in ast.walk(node) if isinstance(one, ast.Name))
+
+
+def _is_array(value: ast.expr | None) -> bool:
+    """Whether it is an array of zeros: a list times its size."""
+    return isinstance(value, ast.BinOp) and isinstance(value.left, ast.List)

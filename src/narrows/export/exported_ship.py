@@ -1,0 +1,209 @@
+"""A ship as it leaves the package: its programs, and every number that they ask for with unit and meaning."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sympy import Float
+
+from narrows.codegen.free_motion import INPUTS, SURGE_INERTIA, Expr
+from narrows.codegen.lines import Program, real
+from narrows.codegen.portable import ORDERED, Portable
+from narrows.codegen.shapes import MIDSHIP, OPEN
+from narrows.codegen.system import DEFAULTS
+from narrows.errors import InputError
+from narrows.files import is_stream
+from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
+from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
+from narrows.simulation.march import NEAR_THE_BANK
+from narrows.simulation.ship import SimulatedShip
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+USUAL_PREFIX = "ship"
+WALLS = ("wall_starboard", "wall_port")
+FORCES_FROM_OUTSIDE = {
+    INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
+}
+CURRENT = Quantity("m/s", "current along the line of the waterway")
+
+
+@dataclass(frozen=True)
+class ExportedNumber:
+    """A parameter, input or state of an exported file.
+
+    Parameters
+    ----------
+    name : str
+        In the file.
+    value : float
+        Unless a caller changes it.
+    unit : str
+        In SI.
+    meaning : str
+        In words.
+    """
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class ExportedShip:
+    """A model with the choices of simulation, ready to be written in another language.
+
+    Parameters
+    ----------
+    ship : SimulatedShip
+        The model under its choices.
+    waterway : Waterway, optional
+        Whose table goes into the file; the section of the water then changes along the way.
+    prefix : str
+        Of the names in the file.
+    """
+
+    ship: SimulatedShip
+    waterway: "Waterway | None" = None
+    prefix: str = USUAL_PREFIX
+
+    @cached_property
+    def portable(self) -> Portable:
+        """The programs."""
+        shape = self.ship.shape if isinstance(self.ship.shape, str) else len(self.ship.shape)
+        motion = self.ship.system().rates.motion
+        return Portable(motion, self.ship.model.terms.names, self.ship.actuators, shape, self.waterway is not None)
+
+    @property
+    def programs(self) -> Mapping[str, Program]:
+        """The programs, those of the constants with what hull and gear ask for."""
+        constants = self.portable.programs["constants"]
+        results = (*constants.results, *self._derived.values())
+        return {**self.portable.programs, "constants": Program(constants.assignments, results)}
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """What stays the same through a voyage, in order."""
+        return (*self.portable.constants, *self._derived)
+
+    @cached_property
+    def _derived(self) -> dict[str, Expr]:
+        """What hull, banks and gear ask for, by the parameters."""
+        least = limits_of(self.ship.shape)["least_cos"]
+        known: dict[str, Any] = {
+            "half_length": real("length") / 2, "half_beam": real("beam") / 2, "least_cos": Float(least, 17),
+            "near_bank": Float(NEAR_THE_BANK, 17) * real("width"),
+            **{name: real("width") / 2 for name in WALLS if name not in self._values},
+        }  # fmt: skip
+        return {name: known.get(name, real(name)) for name in sorted({*self.portable.hull, "least_cos", "near_bank"})}
+
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        channel = self.channel.inputs if self.waterway is None else {}
+        outline = {name: value for name, value in channel.items() if name.startswith("outline_")}
+        return {**DEFAULTS, **self.ship.values(), **outline}
+
+    @cached_property
+    def channel(self) -> Channel:
+        """Where it sails."""
+        if self.waterway is None:
+            return straight_channel(self.ship.values(), self.ship.shape)
+        return along_waterway(self.waterway, self.ship.model, self.ship.shape)
+
+    @cached_property
+    def parameters(self) -> tuple[ExportedNumber, ...]:
+        """What the constants are made of."""
+        symbols = {str(symbol): name for name, symbol in self.portable.parameters.items()}
+        asked = self.programs["constants"].asked
+        missing = [symbols.get(name, name) for name in asked if self._values.get(symbols.get(name, name)) is None]
+        if missing:
+            raise InputError(f"the equations of motion need {missing[0]}; give it in the ship or the model file")
+        return tuple(self._parameter(name, symbols.get(name, name)) for name in asked)
+
+    def _parameter(self, name: str, known_as: str) -> ExportedNumber:
+        unit, meaning = self._quantity(known_as)
+        return ExportedNumber(name, float(np.ravel(self._values[known_as])[0]), unit, meaning)
+
+    def _quantity(self, name: str) -> Quantity:
+        terms, actuators = self.ship.model.terms, self.ship.model.terms.actuators
+        if name in terms.names:
+            term = terms[name]
+            return Quantity(term.dimension.unit, f"coefficient {name}, {term.kind.value}")
+        of_gear = {
+            f"{one.name}_{end}": Quantity(unit, f"{meaning} of the {one.name}")
+            for one in actuators
+            for end, unit, meaning in (("limit", one.unit, "largest size"), ("rate", f"{one.unit}/s", "fastest change"))
+        }
+        known = {**REGRESSOR_INPUTS, **of_gear, SURGE_INERTIA: Quantity("kg", "added to the mass in surge")}
+        for actuator in actuators:
+            known |= actuator.quantities
+        return known.get(name, Quantity("m", "of the hull that meets a bank"))
+
+    @cached_property
+    def inputs(self) -> tuple[ExportedNumber, ...]:
+        """What a caller may change from step to step; the lines call each by its place in ``portable.inputs``."""
+        return tuple(self._input(name) for name in self.portable.inputs)
+
+    def _input(self, name: str) -> ExportedNumber:
+        if name in FORCES_FROM_OUTSIDE:
+            return ExportedNumber(name, 0.0, *FORCES_FROM_OUTSIDE[name])
+        if name == "current" and self.waterway is not None:
+            return ExportedNumber(name, float(self.waterway.current), *CURRENT)
+        for one in self.ship.model.terms.actuators:
+            if name == ORDERED(one.name):
+                return ExportedNumber(f"{one.name}_order", 0.0, one.unit, f"ordered {one.meaning}")
+            if name == one.name:
+                return ExportedNumber(name, float(self._values.get(name) or 0.0), one.unit, one.meaning)
+        raise AssertionError(name)
+
+    @cached_property
+    def state(self) -> tuple[ExportedNumber, ...]:
+        """What goes from step to step, at rest on the line."""
+        known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
+        known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
+        return tuple(ExportedNumber(name, float(name == "cos_psi"), *known[name]) for name in self.portable.kept)
+
+    @property
+    def controls(self) -> tuple[str, ...]:
+        """The columns of the derivatives by inputs."""
+        return (*INPUTS.values(), *(actuator.name for actuator in self.ship.actuators))
+
+    @property
+    def exact(self) -> bool:
+        """Whether the banks themselves are asked where the room's lower bound is used up."""
+        return self.waterway is not None and self.ship.shape not in (MIDSHIP, OPEN)
+
+    @property
+    def rule(self) -> dict[str, Any]:
+        """The numbers of the rule that ends a voyage."""
+        return {
+            "EXACT": self.exact, "WATERWAY": self.waterway is not None, "LEAVES": self.portable.choices.leaves,
+            "KEPT": len(self.portable.kept),
+        }  # fmt: skip
+
+    def about(self) -> Iterator[str]:
+        """Whose model it is, in lines of a comment."""
+        model = self.ship.model
+        yield f"{model.configuration.ship.name}: motion between two banks by the terms {model.terms.name}."
+        yield f"Written by narrows {version('narrows')}."
+        if model.source.text:
+            yield model.source.text
+
+
+def prefix_of(path: str | Path) -> str:
+    """Return what names in a file begin with, by its own (ours).
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the file.
+    """
+    stem = re.sub(r"\W+", "_", Path(path).stem, flags=re.ASCII).strip("_")
+    return USUAL_PREFIX if is_stream(path) or not stem else stem if stem[0].isalpha() else f"{USUAL_PREFIX}_{stem}"

@@ -1,0 +1,195 @@
+"""The exported header beside the package: the same lines, by another compiler."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from compiled import COMPILER, FLAGS, CompiledShip, needs_compiler
+from exported import STEERED, TABLES, bent, model_of, speed_of, states
+
+import narrows as nw
+from narrows.simulation.departure import POSE, departure
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import steering_of
+
+pytestmark = needs_compiler
+PUSH = {"Y": 0.7, "N": -0.4}
+IN_WATERWAY = ("paper+keel_gap", "steered", "mmg+delta")
+KINDS = {0: "afloat", 1: "grounded", 2: "diverged", 3: "outside", 5: "passed"}
+
+
+def surge_of(name: str) -> str:
+    return "free" if name == "mmg+delta" else "held"
+
+
+@pytest.fixture(scope="module")
+def ships(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    made: dict[tuple[str, bool, str], CompiledShip] = {}
+
+    def ship(name: str, curved: bool = False, contact: Any = "corners") -> CompiledShip:
+        key = (name, curved, str(contact))
+        if key not in made:
+            folder = tmp_path_factory.mktemp("ship")
+            waterway = bent(name) if curved else None
+            choices = {"waterway": waterway, "surge": surge_of(name), "contact": contact}
+            made[key] = CompiledShip(model_of(name), folder, **choices)
+        return made[key]
+
+    return ship
+
+
+def close(one: Any, other: Any, most: float) -> None:
+    one, other = np.asarray(one), np.asarray(other)
+    assert np.abs(one - other).max() <= most * max(1.0, np.abs(other).max())
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_rates_and_derivatives_are_those_of_python(ships: Any, name: str) -> None:
+    ship, model = ships(name), model_of(name)
+    ship.set(Y_in=0.7, N_in=-0.4)
+    linear = SimulatedShip(model, surge_of(name)).linearisation(SimulatedShip(model, surge_of(name)).values())
+    revolutions = {"revolutions": model.configuration.propeller.revolutions} if name == "mmg+delta" else {}
+    for state in states(name, 8):
+        x, y, cosine, sine, u, v, r, *rudder = state
+        psi = np.arctan2(sine, cosine)
+        positions = dict(zip(("rudder",), rudder, strict=False)) | revolutions
+        expected = nw.derivative(model, [x, y, psi, u, v, r], **PUSH, surge=surge_of(name), **positions)
+        rates = ship.called("rates", state, 7)
+        close(rates[[0, 1, 4, 5, 6]], expected[[0, 1, 3, 4, 5]], 1e-12)
+        close(cosine * rates[3] - sine * rates[2], expected[2], 1e-12)
+        at = {
+            "y": y,
+            "cos_psi": cosine,
+            "sin_psi": sine,
+            "u": u,
+            "v": v,
+            "r": r,
+            "Y_in": 0.7,
+            "N_in": -0.4,
+            **positions,
+        }
+        by_state, by_input = linear.state(at), linear.controls(at)
+        close(ship.called("by_state", state, 36), by_state.ravel(), 1e-12)
+        close(ship.called("by_input", state, by_input.size), by_input.ravel(), 1e-12)
+        by_coefficient = linear.coefficients(at)[3:]
+        close(ship.called("by_coefficient", state, by_coefficient.size), by_coefficient.ravel(), 1e-12)
+
+
+@pytest.mark.parametrize("name", IN_WATERWAY)
+def test_steps_and_derivatives_in_a_waterway(ships: Any, name: str) -> None:
+    """Steps against Python's; derivatives against differences of the rates, the section's slope in them."""
+    ship, model = ships(name, True), model_of(name)
+    rudder = 0.1 if name in STEERED else 0.0
+    ship.set(**({"rudder_order": rudder} if name in STEERED else {}))
+    simulated = SimulatedShip(model, surge_of(name))
+    steering = steering_of(nw.ConstantRudder(rudder), simulated.actuators) if name in STEERED else None
+    for state in states(name, 5):
+        x, y, cosine, sine, u, v, r, *_ = state
+        start = {"x": x, "y": y, "psi": np.arctan2(sine, cosine), "u": u, "v": v, "r": r, "rudder": 0.0}
+        march, begun = departure(simulated, steering, start, bent(name), False)
+        after, room, lean = march.stepped(begun, 0.05)
+        close(ship.called("step", begun, len(begun) + 2, 0.05), [*after, room, lean], 1e-12)
+        by_state = ship.called("by_state", begun, 36).reshape(6, 6)
+        close(by_state, np.stack([slope(ship, begun, column) for column in range(6)], axis=1), 2e-6)
+
+
+def slope(ship: CompiledShip, state: Any, column: int, h: float = 1e-6) -> np.ndarray:
+    """Of the rates of x, y, psi, u, v, r, by a central difference."""
+
+    def rates(by: float) -> np.ndarray:
+        moved = np.array(state)
+        psi = np.arctan2(moved[3], moved[2]) + (by if column == 2 else 0.0)
+        moved[2], moved[3] = np.cos(psi), np.sin(psi)
+        if column != 2:
+            moved[column if column < 2 else column + 1] += by
+        xdot, ydot, cosine, sine, *rest = ship.called("rates", moved, 7)
+        return np.array([xdot, ydot, moved[2] * sine - moved[3] * cosine, *rest])
+
+    return (rates(h) - rates(-h)) / (2 * h)
+
+
+@pytest.mark.parametrize("curved", [False, True], ids=["straight", "waterway"])
+@pytest.mark.parametrize("name", ["paper", "steered", "mmg+delta"])
+def test_voyages_end_where_those_of_python_do(ships: Any, name: str, curved: bool) -> None:
+    voyages_agree(ships(name, curved), name, bent(name) if curved else None, "corners")
+
+
+@pytest.mark.parametrize(
+    "contact", ["midship", [(2.0, 0.0), (1.4, 0.3), (-1.9, 0.3), (-1.9, -0.3), (1.4, -0.3)]], ids=["midship", "outline"]
+)
+def test_hulls_of_other_shapes(ships: Any, contact: Any) -> None:
+    # At midship the suction ends infinite, and the velocities with it: there the pose is what can be held.
+    voyages_agree(ships("paper", False, contact), "paper", None, contact, 3 if contact == "midship" else 6)
+
+
+def voyages_agree(ship: CompiledShip, name: str, waterway: Any, contact: Any, held: int = 6) -> None:
+    model, u, size = model_of(name), speed_of(name), model_of(name).configuration.ship.length / 4
+    ends = set()
+    for y, psi, order in ((0.5, 0.02, 0.1), (-0.7, 0.01, -0.2), (0.0, -0.03, 0.02)):
+        start = {"x": 3.0 * size, "y": y * size, "psi": psi, "u": u, "v": 0.01, "r": 0.002}
+        told = {"controller": nw.ConstantRudder(order)} if name in STEERED else {}
+        voyage = nw.simulate(
+            model, **start, duration=40.01, dt=0.05, surge=surge_of(name), waterway=waterway, contact=contact, **told
+        )
+        ship.set(**({"rudder_order": order} if told else {}))
+        state = [start["x"], start["y"], np.cos(psi), np.sin(psi), u, 0.01, 0.002, *([0.0] if told else [])]
+        fate, time, _, end = ship.sail(state, 0.05, 40.01)
+        ends.add(fate)
+        assert KINDS[fate] == {"time_up": "afloat"}.get(voyage.outcome.kind, voyage.outcome.kind)
+        close(time, voyage.outcome.time, 1e-10)
+        reached = [end[0], end[1], np.arctan2(end[3], end[2]), *end[4:7]]
+        close(reached[:held], [voyage.outcome.state[one] for one in POSE[:held]], 1e-10)
+    assert 1 in ends
+
+
+def test_written_again_it_is_the_same_to_the_byte(tmp_path: Path) -> None:
+    """Also by another process, that orders sets otherwise."""
+    nw.export.write_c(model_of("steered"), tmp_path / "ship.h")
+    nw.save_model(model_of("steered"), tmp_path / "model.toml")
+    order = "import narrows as nw; nw.export.write_c(nw.load_model('model.toml'), 'again/ship.h')"
+    (tmp_path / "again").mkdir()
+    subprocess.run([sys.executable, "-c", order], cwd=tmp_path, check=True, env=other_seed())
+    assert (tmp_path / "ship.h").read_bytes() == (tmp_path / "again" / "ship.h").read_bytes()
+
+
+def other_seed() -> dict[str, str]:
+    return {**os.environ, "PYTHONHASHSEED": "7"}
+
+
+def test_the_program_of_the_docs_says_what_python_says(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+    (tmp_path / "main.c").write_text(page.split("```c\n")[1].split("```")[0], encoding="utf-8")
+    model = nw.published("mikkelsen2025_dtc")
+    nw.export.write_c(model, tmp_path / "dtc.h")
+    subprocess.run([COMPILER, *FLAGS, "main.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    outcome = nw.simulate(model, y=0.5, u=1.0).outcome
+    assert said == f"aground to {outcome.side} after {outcome.time:.2f} s and {outcome.state['x']:.2f} m\n"
+
+
+def test_the_file_names_what_is_in_it(tmp_path: Path) -> None:
+    nw.export.write_c(model_of("paper"), tmp_path / "4 dtc-model.h")
+    text = (tmp_path / "4 dtc-model.h").read_text(encoding="utf-8")
+    assert "static inline void ship_4_dtc_model_step(" in text
+    assert subprocess.run([COMPILER, *FLAGS, "-x", "c", "-fsyntax-only", tmp_path / "4 dtc-model.h"]).returncode == 0
+
+
+def test_a_name_cannot_end_its_comment(tmp_path: Path) -> None:
+    model = model_of("paper")
+    ship = replace(model.configuration.ship, name="*/ int main(void) { return 1; } /*\\")
+    nw.export.write_c(replace(model, configuration=replace(model.configuration, ship=ship)), tmp_path / "ship.h")
+    assert "*/ int" not in (tmp_path / "ship.h").read_text(encoding="utf-8")
+    subprocess.run([COMPILER, *FLAGS, "-x", "c", "-fsyntax-only", tmp_path / "ship.h"], check=True)
+
+
+def test_refusals_write_nothing(tmp_path: Path) -> None:
+    with pytest.raises(nw.InputError, match=r"\.h"):
+        nw.export.write_c(model_of("paper"), tmp_path / "ship.txt")
+    with pytest.raises(nw.InputError, match="inertia"):
+        nw.export.write_c(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.h", surge="free")
+    assert list(tmp_path.iterdir()) == []
