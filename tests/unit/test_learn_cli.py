@@ -27,6 +27,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     noise = np.random.default_rng(0)
     quiet = {name: nw.Signal(t, column + 1e-3 * noise.standard_normal(len(t))) for name, column in told.items()}
     nw.ShipLog((nw.ShipRecord("straight", quiet),)).to_csv(folder / "straight.csv")
+    (folder / "empty.csv").write_text("t,x,y,heading [deg],rudder [deg]\n")
+    unsteered = {name: signal for name, signal in quiet.items() if name != "rudder"}
+    nw.ShipLog((nw.ShipRecord("silent", unsteered),)).to_csv(folder / "silent.csv")
     return folder
 
 
@@ -71,11 +74,19 @@ def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
     [
         (["{ship}"], "give logs after the model"), (["{ship}", "{log}", "--demo"], "one of them"),
         (["--demo", "--steady", "x.csv"], "one of them"), (["{ship}", "{gone}"], "no such file"),
-        (["{ship}", "{log}"], "spread"), (["{ship}", "--foresee", "vdr", "-o", "new.toml"], "nothing is learned yet"),
+        (["{ship}", "{log}"], "--spread 0.1"), (["{ship}", "{log}", "{log}"], "is given twice"),
+        (["{ship}", "{log}", "--spread", "0.1", "--free", "N_vv,N_w"], "did you mean"),
+        (["{ship}", "{log}", "--spread", "0.1", "--sensors", "gps"], "rtk or vdr or ais or basin"),
+        (["{ship}", "{log}", "--waterway", "{gone}"], "gone.csv"), (["{ship}", "{empty}"], "tells nothing of a ship"),
+        (["{ship}", "{silent}", "--spread", "0.1"], "has no rudder"),
+        (["{ship}", "--foresee", "vdr", "-o", "new.toml"], "nothing is learned yet"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_one_line_and_exit_2(cli, folder: Path, words: list[str], says: str) -> None:
-    files = {"ship": folder / "ship.toml", "log": folder / "zigzags.csv", "gone": folder / "gone.csv"}
+    files = {"ship": folder / "ship.toml"} | {
+        name: folder / f"{file}.csv"
+        for name, file in (("log", "zigzags"), ("gone", "gone"), ("empty", "empty"), ("silent", "silent"))
+    }
     code, _, err = cli("learn", *(word.format(**files) for word in words))
     assert code == 2
     assert says in err

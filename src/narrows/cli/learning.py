@@ -161,7 +161,7 @@ def _learn(
     if not logged.unchecked and (wrong := check_log(log, model).wrong):
         more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
         raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
-    free = tuple(filter(None, logged.free.split(",")))
+    free = tuple(filter(None, map(str.strip, logged.free.split(","))))
     return _deliver(learned(model, log, free=free, sensors=logged.sensors, spread=logged.spread), delivery)
 
 
@@ -171,6 +171,9 @@ def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "Shi
     from narrows.progress import LARGE
     from narrows.waterway import read_waterway
 
+    twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
+    if twice is not None:
+        raise InputError(f"{twice} is given twice: what it tells would count twice; give each log once")
     way = None if ahead.waterway is None else read_waterway(ahead.waterway)
     if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE:
         return stream_log(logs[0], way, logged.mapping)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, check_choice, did_you_mean
 from narrows.logbook.grid_source import GridSource, speed_of
 from narrows.logbook.log_assumptions import BASIN, LogAssumptions
 from narrows.logbook.log_fit import LogFit
@@ -16,7 +16,7 @@ from narrows.logbook.log_result import log_result
 from narrows.logbook.log_source import LogSource
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.refined_search import refined_search
-from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
+from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.shooting.recorded_helm import RUDDER
@@ -78,6 +78,8 @@ def learn(
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
     records = _records(log, waterway)
+    if isinstance(sensors, str):
+        check_choice("sensors", sensors, (*GRADES, BASIN.name))
     grade = BASIN if sensors == BASIN.name else sensor_grade(sensors)
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")

@@ -19,7 +19,7 @@ RANK = 1e-9
 """Of the largest eigenvalue of a correlation, under which two coefficients are known as one."""
 NO_PRIOR = (
     "this model has no covariance of its coefficients, so nothing says what a log may change; identify it from tests, "
-    "or state a spread, as spread=0.1 for a tenth of each"
+    "or state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
 )
 
 

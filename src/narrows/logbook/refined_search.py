@@ -11,16 +11,20 @@ from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_c
 from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.log_search import ENOUGH, NEARLY_ENOUGH, Found, RecordState, evaluated, searched
+from narrows.logbook.shooting.log_search import ENOUGH, NEARLY_ENOUGH, Found, RecordState, searched
 from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
+from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage
 
-ROUNDS, SETTLED = 5, 0.1
+ROUNDS, SETTLED = 7, 0.1
 """Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
 SHARE = 0.7
 """Of a change of how wide windows are left, that is taken: less is left where it was taken."""
+OF_GUSTS, FARTHEST = 3, 4.0
+"""Rounds in which gusts are estimated, and standard errors that a change of how wide windows are left may move
+coefficients by."""
 SAMPLES, SAMPLES_ALONE = 8, 64
 """Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
 WORSE = 1.2
@@ -72,13 +76,13 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     if not states:
         raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")
     sampled, least = _sampled(len(states), problem.linked), source.assumptions.least_noise
-    problem = _begun_wide(problem, scaled, source, states, sampled)
-    for _ in range(ROUNDS):
+    usual = problem.chain
+    for number in range(ROUNDS):
         found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH)
         if found.interrupted:
             return Refined(problem, found, tuple(states), noise_left(source, found))
         try:
-            after = _reestimated(problem, source, states, found, least)
+            after = _reestimated(problem, source, states, found, least, usual if number < OF_GUSTS else None)
         except KeyboardInterrupt:
             return Refined(problem, replace(found, interrupted=True), tuple(states), noise_left(source, found))
         problem, scaled, moved = after, found.scaled, _moved(problem, after, found)
@@ -86,18 +90,6 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
             break
     found = _searched(problem, scaled, source, states, sampled, ENOUGH)
     return Refined(problem, found, tuple(states), noise_left(source, found))
-
-
-def _begun_wide(
-    problem: LogProblem, scaled: np.ndarray, source: GridSource, states: list[RecordState], sampled: frozenset[int]
-) -> LogProblem:
-    """How wide linked windows are left, where the search begins: coefficients would run far without it."""
-    if not problem.linked:
-        return problem
-    found = evaluated(problem, scaled, source, states, sampled)
-    if found is None or found.interrupted:
-        return problem
-    return replace(problem, determinant_slope=determinant_slope(problem, _samples(source, found, states), scaled))
 
 
 def _far(problem: LogProblem, found: Found, turn: np.ndarray) -> float:
@@ -142,8 +134,9 @@ def _sampled(count: int, linked: bool) -> frozenset[int]:
 
 
 def _reestimated(
-    problem: LogProblem, source: GridSource, states: Sequence[RecordState], found: Found, least: dict[str, float]
-) -> LogProblem:
+    problem: LogProblem, source: GridSource, states: Sequence[RecordState], found: Found, least: dict[str, float],
+    usual: WindowChain | None,
+) -> LogProblem:  # fmt: skip
     """Noise of the grade, or what the model leaves where that is more; gusts by their likelihood."""
     left = noise_left(source, found)
     if not problem.linked:
@@ -151,8 +144,10 @@ def _reestimated(
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
     samples = _samples(source, found, states)
-    problem = replace(problem, chain=most_likely_chain(problem, samples))
+    if usual is not None:
+        problem = replace(problem, chain=most_likely_chain(problem, samples, usual))
     turn = SHARE * (determinant_slope(problem, samples, found.scaled) - problem.determinant_slope)
+    turn *= min(1.0, FARTHEST / max(_far(problem, found, turn), FARTHEST))
     return replace(problem, determinant_slope=problem.determinant_slope + turn)
 
 

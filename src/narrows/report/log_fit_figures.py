@@ -76,6 +76,8 @@ def forecast_figure(record: RecordAnswer) -> Figure:
     _within(axes[1:, 0], record)
     for panel in axes[:, 0]:
         panel.grid(alpha=0.3)
+        panel.set_xlim(record.forecasts[1].t[0], record.forecasts[1].t[-1])
+        panel.tick_params(labelbottom=panel is axes[-1, 0])
     axes[-1, 0].set_xlabel("time [s]")
     figure.legend(*axes[-1, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
     return figure

@@ -15,6 +15,8 @@ from narrows.logbook.shooting.window_links import WindowLinks, banded, link_dete
 
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
 """How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm."""
+SPREAD_OF_STRENGTH = 1.5
+"""Standard deviation of the logarithm of how strong gusts are, about what is usual: none at all would be bold."""
 SPREAD_OF_CORRELATION = 1.0
 """Standard deviation of the inverse hyperbolic tangent of the correlation between sway and yaw: few records tell it."""
 MOST_MOVE, SLOPE_STEP = 1.0, 0.1
@@ -66,7 +68,7 @@ def likelihood(problem: LogProblem, samples: Sequence[ChainSample]) -> float:
     return -0.5 * cost
 
 
-def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample]) -> WindowChain:
+def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample], usual: WindowChain) -> WindowChain:
     """Return the chain with the pushes that the records make most likely (ours).
 
     Parameters
@@ -75,6 +77,8 @@ def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample]) -> Wi
         With the chain to begin with.
     samples : sequence of ChainSample
         Records.
+    usual : WindowChain
+        As strong as gusts are before anything is known.
 
     References
     ----------
@@ -93,12 +97,14 @@ def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample]) -> Wi
         return chain.with_pushes(sizes, float(np.exp(numbers[-2])), bounded_correlation(float(numbers[-1])))
 
     def unlikely(numbers: np.ndarray) -> float:
-        known = ((numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY, numbers[-1] / SPREAD_OF_CORRELATION)
+        strong = (numbers[: len(pushes)] - np.log(usual.std[places])) / SPREAD_OF_STRENGTH
+        stays = (numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY
+        known = strong @ strong + stays**2 + (numbers[-1] / SPREAD_OF_CORRELATION) ** 2
         try:
             told = likelihood(replace(problem, chain=chain_of(numbers)), samples)
         except np.linalg.LinAlgError:
             return UNLIKELY
-        return float(0.5 * (known[0] ** 2 + known[1] ** 2) - told)
+        return float(0.5 * known - told)
 
     bounds = [(number - MOST_MOVE, number + MOST_MOVE) for number in start]
     first = unlikely(start)
