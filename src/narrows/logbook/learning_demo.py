@@ -18,7 +18,8 @@ from narrows.terms.tables import STEERED
 LENGTH, WIDTH, DENSITY, CONDITION = 399.94, 205.0, 1025.0, "C0101A02"
 """Of the ship [m], the canal [m] and the water [kg/m3], as in the case of the Suez section; 50 % under the keel."""
 ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
-SPEED, MINUTES = 8 * KNOT, 40.0
+SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
+"""Of a transit, and of one for a demonstration that is soon over."""
 SHIPS = 100
 """That may be drawn until one comes through."""
 
@@ -70,7 +71,8 @@ def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) ->
     for ship in range(SHIPS):
         truth = drawn_truth(prior, SHIPS * seed + ship)
         try:
-            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, SHIPS * seed + ship))
+            twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
+            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, SHIPS * seed + ship, twin))
         except InputError:
             continue
     raise InputError("none of the ships that were drawn comes through the canal; take another seed")
