@@ -10,10 +10,10 @@ predictor is what bridges have today: the present rate of turn and speed go on, 
 import time
 from collections.abc import Callable
 
-import helm_scenes
 import numpy as np
 from common import show, sizes
 from envelope import full_scale
+from scenes.five_scenes import bend
 
 import narrows as nw
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
@@ -75,11 +75,11 @@ def main() -> None:
     """Time them."""
     count, small = sizes(__doc__, 60, 3)
     model, members = full_scale(), 20 if small else 1000
-    bend = forecasting(model, helm_scenes.bend(model), members, count)
+    bent = forecasting(model, bend(model), members, count)
     rows = [
         ("one run of the model", single_run(model, count), "as the rudder is, 120 s"),
         ("curved predictor", curved(model, count), "NumPy"),
-        ("nine futures in a bend", bend, f"{members} members, banks as polygons"),
+        ("nine futures in a bend", bent, f"{members} members, banks as polygons"),
     ]
     if not small:
         rows.append(("nine futures, straight canal", forecasting(model, None, members, count), f"{members} members"))

@@ -13,6 +13,7 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.cli import app
 from narrows.results import plain, to_json
+from narrows.warning.monitoring.bridge_sentences import bridge_sentences
 
 pytest.importorskip("jsonschema", reason="of the group test")
 from jsonschema import Draft202012Validator
@@ -65,9 +66,13 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     canal = replace(nw.straight_waterway(nw.Canal(300.0, 16.2), 4000.0), origin=(7.6, 52.0))
     nw.write_waterway(canal, folder / "canal.geojson")
     (folder / "held.csv").write_text(HELD)
+    still = {"y": 3.0, "psi": 0.0, "r": 0.0, "u": 4.0, "course": 0.0, "speed": 4.0, "rudder": 0.0}
+    told = [line for t in range(6) for line in bridge_sentences(canal, {**still, "x": 900.0 + 4.0 * t}, 1.7e9 + t)]
+    (folder / "bridge.nmea").write_text("".join(told))
     return {
         "table": Path(table), "ship": Path(ship), "tank": folder / "tank.toml", "full": folder / "full.toml",
-        "canal": folder / "canal.geojson", "legs": folder / "held.csv", "out": folder / "out",
+        "canal": folder / "canal.geojson", "legs": folder / "held.csv", "told": folder / "bridge.nmea",
+        "out": folder / "out",
     }  # fmt: skip
 
 
@@ -82,11 +87,12 @@ WORDS = {
     "map": "mikkelsen2025_dtc --y -1,0,1 --speed 0.8,1",
     "envelope": "{full} --y 0,30 --speed 8kn --samples 5",
     "learn": "{full} --steady {legs}",
+    "monitor": "{full} --waterway {canal} --replay {told}",
     "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
     "waterway": "{canal} --draft 10",
     "reproduce": "--out {out}",
 }
-SAYS_NO, SLOW = {"plan"}, {"demo", "envelope", "learn", "map", "reproduce"}
+SAYS_NO, SLOW = {"plan"}, {"demo", "envelope", "learn", "map", "monitor", "reproduce"}
 
 
 @pytest.mark.parametrize(

@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 import narrows as nw
-from narrows.readers.nmea.nmea_lines import sentences
+from narrows.readers.nmea.nmea_lines import sentences, with_checksum
 from narrows.warning.alerts.alert import PATIENCE, SILENCE, Alert, AlertState, Command, Priority
 from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition
 from narrows.warning.alerts.alert_log import AlertLog, logged
-from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt, sentence
+from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt
 from narrows.warning.alerts.bank_level import LOWERED_AFTER, RAISED_AFTER, BankLevel, Thresholds
 from narrows.warning.alerts.situations import BANK, SENSORS
 from narrows.warning.forecasting.forecast import BankForecast, CaseForecast, LikelyRun
@@ -188,11 +188,11 @@ def test_letters_of_states_are_a_setting() -> None:
 
 
 def test_a_command_is_read_and_nothing_else_is() -> None:
-    told = sentence("INACN,120000.00,NRW,10110,7,A,C").strip().encode()
+    told = with_checksum("INACN,120000.00,NRW,10110,7,A,C").strip().encode()
     assert command_of(told) == AlertCommand(10110, 7, Command.ACKNOWLEDGE)
-    assert command_of(sentence("INACN,,,10110,7,S,C").strip().encode()) == AlertCommand(10110, 7, Command.SILENCE)
+    assert command_of(with_checksum("INACN,,,10110,7,S,C").strip().encode()) == AlertCommand(10110, 7, Command.SILENCE)
     for body in ("INACN,,SAL,10110,7,A,C", "INACN,,NRW,x,7,A,C", "INACN,,NRW,10110,7,Z,C", "INACN,,NRW,10110,7,A,R"):
-        assert command_of(sentence(body).strip().encode()) is None
+        assert command_of(with_checksum(body).strip().encode()) is None
 
 
 @given(st.binary(max_size=60))

@@ -1,26 +1,25 @@
 """A ship for tests: the KCS at 230 m in a canal 300 m wide that bends, with an estimator of it."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 import narrows as nw
-from narrows.captive.measured import measured_files
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.identification.bundled_ship import bundled_ship
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 
-ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
 SPEED = 4.5
 
 
 @cache
 def ship() -> nw.Model:
-    """The KCS at 50 % clearance as its tests tell."""
-    tests = nw.read_captive(*measured_files("kcs"), ROWS).by_condition()["C0101A02"]
-    fit = nw.identify(tests, table_named("speed+helm"))
-    return nw.scale_model(fit.model, 230.0, 1025.0, width=300.0, depth=16.2).model
+    """The KCS at 50 % clearance as its tests tell, as if they had been in a canal as wide."""
+    model = bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm"))
+    return replace(model, data_range=replace(model.data_range, width_to_beam=None))
 
 
 @cache

@@ -1,6 +1,18 @@
 """The command line: one thin command a verb, a file for those that belong together."""
 
-from narrows.cli import envelopes, exporting, fits, learning, manoeuvring, plans, reproduce, scale, voyages, waterways
+from narrows.cli import (
+    envelopes,
+    exporting,
+    fits,
+    learning,
+    manoeuvring,
+    plans,
+    reproduce,
+    scale,
+    voyages,
+    watching,
+    waterways,
+)
 from narrows.cli.app import app, main
 
 __all__ = [
@@ -15,5 +27,6 @@ __all__ = [
     "reproduce",
     "scale",
     "voyages",
+    "watching",
     "waterways",
 ]

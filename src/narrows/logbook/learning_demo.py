@@ -2,22 +2,17 @@
 
 from dataclasses import dataclass, replace
 
-from narrows.captive.measured import measured_files
-from narrows.captive.read import read_captive
 from narrows.errors import InputError
-from narrows.identification.conditions import identify_conditions
+from narrows.identification.bundled_ship import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.transit_twins import TransitTwin, drawn_truth, recorded
-from narrows.model.froude import scale_model
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.constants import KNOT
-from narrows.terms.tables import STEERED
 
-LENGTH, WIDTH, DENSITY, CONDITION = 399.94, 205.0, 1025.0, "C0101A02"
-"""Of the ship [m], the canal [m] and the water [kg/m3], as in the case of the Suez section; 50 % under the keel."""
-ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+LENGTH, WIDTH = 399.94, 205.0
+"""Of the ship and the canal [m], as in the case of the Suez section."""
 SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
 """Of a transit, and of one for a demonstration that is soon over."""
 SHIPS = 100
@@ -45,9 +40,7 @@ class DemonstratedLog:
 
 def large_container_ship() -> Model:
     """Return the KCS as identified from the bundled tests, at 400 m in a canal of 205 m (ours)."""
-    table, ship = measured_files("kcs")
-    fit = identify_conditions(read_captive(table, ship, ROWS), terms=STEERED)[CONDITION]
-    return scale_model(fit.model, LENGTH, DENSITY, width=WIDTH).model
+    return bundled_ship(LENGTH, WIDTH)
 
 
 def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> DemonstratedLog:

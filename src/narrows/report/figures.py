@@ -31,6 +31,7 @@ from narrows.report.pilot_page import pilot_page
 from narrows.report.rules_view import rules_figure
 from narrows.report.steady_figures import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, ORANGE, drawing_on, panels
+from narrows.report.transit_figures import transit_figure
 from narrows.report.uncertainty_figures import comparison_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
 from narrows.safety import OutsideRules, SafeEnvelope
@@ -38,6 +39,7 @@ from narrows.simulation.linear_motion import Jacobian
 from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
+from narrows.warning.monitoring.watched_transit import WatchedTransit
 
 MOST_CURVES = 5
 
@@ -83,6 +85,7 @@ _drawn.register(Model, model_figure)
 _drawn.register(SteadyFit, steady_figure)
 _drawn.register(Foresight, foresight_figure)
 _drawn.register(EnvelopeChange, change_figure)
+_drawn.register(WatchedTransit, transit_figure)
 
 
 @_drawn.register

@@ -73,6 +73,17 @@ def checksum(body: bytes) -> int:
     return reduce(xor, body, 0)
 
 
+def with_checksum(body: str) -> str:
+    """Return a sentence, whole (ours).
+
+    Parameters
+    ----------
+    body : str
+        Without ``$``.
+    """
+    return f"${body}*{checksum(body.encode('ascii')):02X}\r\n"
+
+
 def _logged(before: bytes) -> float | None:
     """When the logger wrote a sentence down, by what stands before it."""
     if match := TAG.search(before) or EPOCH.search(before):

@@ -1,10 +1,14 @@
 """All alerts of a monitor: one a situation, changed by conditions, by commands and by time."""
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from narrows.warning.alerts.alert import Alert, AlertState, Command, Priority
 from narrows.warning.alerts.situations import SITUATIONS, Situation
+
+LINGERS = 10.0
+"""That a condition is spoken of after it last held [s]."""
 
 
 class Condition(NamedTuple):
@@ -20,6 +24,36 @@ class Condition(NamedTuple):
 
     priority: Priority
     text: str
+
+
+CALM = Condition(Priority.NONE, "")
+
+
+class Lingering:
+    """A condition that is spoken of for a while after it last held, so that it does not come and go with noise.
+
+    Parameters
+    ----------
+    time : float [s]
+        For how long.
+    """
+
+    def __init__(self, time: float = LINGERS) -> None:
+        self.time, self._last, self._until = time, CALM, -math.inf
+
+    def held(self, t: float, condition: Condition) -> Condition:
+        """Return the condition, or the one that held a while ago (ours).
+
+        Parameters
+        ----------
+        t : float [s]
+            When.
+        condition : Condition
+            As it is.
+        """
+        if condition.priority:
+            self._last, self._until = condition, t + self.time
+        return self._last if t < self._until else CALM
 
 
 class AlertDesk:
@@ -91,6 +125,3 @@ class AlertDesk:
         if after is not None:
             self._alerts[identifier] = after
         return after
-
-
-CALM = Condition(Priority.NONE, "")

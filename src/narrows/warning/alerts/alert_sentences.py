@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import NamedTuple
 
-from narrows.readers.nmea.nmea_lines import checksum
+from narrows.readers.nmea.nmea_lines import with_checksum
 from narrows.warning.alerts.alert import Alert, AlertState, Command
 from narrows.warning.alerts.situations import SITUATIONS
 
@@ -48,17 +48,6 @@ class AlertCommand(NamedTuple):
     command: Command
 
 
-def sentence(body: str) -> str:
-    """Return a sentence with its checksum (ours).
-
-    Parameters
-    ----------
-    body : str
-        Without ``$``.
-    """
-    return f"${body}*{checksum(body.encode('ascii')):02X}\r\n"
-
-
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
     """Return the two sentences of an alert: its name, and what there is to say (ours).
 
@@ -78,8 +67,8 @@ def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertStat
     about = f"{_clock(since_1970)},{CATEGORY},{alert.priority.letter},{letters[alert.state]}"
     which = f"{MAKER},{alert.identifier},{alert.instance},{alert.revision},{alert.repeats}"
     return [
-        sentence(f"{TALKER}ALF,2,1,{number % 10},{about},{which},{_escaped(name)}"),
-        sentence(f"{TALKER}ALF,2,2,{number % 10},,,,,{which},{_escaped(text)}"),
+        with_checksum(f"{TALKER}ALF,2,1,{number % 10},{about},{which},{_escaped(name)}"),
+        with_checksum(f"{TALKER}ALF,2,2,{number % 10},,,,,{which},{_escaped(text)}"),
     ]
 
 
@@ -95,7 +84,7 @@ def alc(alerts: Sequence[Alert], number: int) -> list[str]:
     """
     parts = [alerts[first : first + ENTRIES] for first in range(0, len(alerts), ENTRIES)] or [()]
     return [
-        sentence(
+        with_checksum(
             ",".join(
                 [f"{TALKER}ALC", f"{len(parts):02d}", f"{place:02d}", f"{number % 100:02d}", f"{len(part)}"]
                 + [f"{MAKER},{one.identifier},{one.instance},{one.revision}" for one in part]
@@ -115,7 +104,7 @@ def hbt(sound: bool, number: int) -> str:
     number : int
         Of the message, of which 0 to 9 are told.
     """
-    return sentence(f"{TALKER}HBT,{HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
+    return with_checksum(f"{TALKER}HBT,{HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
 
 
 def arc(refused: AlertCommand, since_1970: float) -> str:
@@ -129,7 +118,7 @@ def arc(refused: AlertCommand, since_1970: float) -> str:
         When.
     """
     which = f"{MAKER},{refused.identifier},{refused.instance}"
-    return sentence(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
+    return with_checksum(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
 
 
 def command_of(text: bytes) -> AlertCommand | None:

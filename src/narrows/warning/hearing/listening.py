@@ -53,7 +53,8 @@ class Listening:
         due = time.monotonic() + PERIOD
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             now = time.monotonic()
-            yield Tick(now, self._entries(now), self.faults())
+            arrivals = self._arrivals(now)
+            yield Tick(now, self._entries(arrivals), self.faults(), [*_commands(arrivals)])
             due = max(due, now - PERIOD) + PERIOD
 
     def faults(self) -> dict[str, int]:
@@ -62,10 +63,14 @@ class Listening:
         total["for which there was no time"] = self.inbox.lost
         return dict(+total)
 
-    def _entries(self, now: float) -> list[Entry]:
+    def _arrivals(self, now: float) -> list[Arrival]:
+        """What came: all that the ship told of itself, and of the others as much as there is time for."""
         arrivals = self.inbox.own()
         while time.monotonic() < now + SHARE * PERIOD and (other := self.inbox.other()):
             arrivals.append(other)
+        return arrivals
+
+    def _entries(self, arrivals: list[Arrival]) -> list[Entry]:
         told = ((arrival.t, self._understood(arrival)) for arrival in arrivals)
         return [Entry(t, one) for t, one in told if one is not None]
 
@@ -88,3 +93,9 @@ class Listening:
                 continue
             for sentence in sentences(splitter.lines(piece, connection.whole), faults):
                 self.inbox.put(Arrival(now, sentence))
+
+
+def _commands(arrivals: list[Arrival]) -> Iterator[bytes]:
+    for _, message in arrivals:
+        if isinstance(message, Sentence) and message.kind.endswith("ACN"):
+            yield message.text

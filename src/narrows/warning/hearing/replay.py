@@ -35,11 +35,7 @@ class Replay:
 
     def ticks(self) -> Iterator[Tick]:
         """Yield what was told, second by second; times count from 1970 where the recording says so."""
-        began: tuple[float, float] | None = None
-        for tick in by_second(in_order(self._entries())):
-            began = began or (time.monotonic(), tick.t)
-            if math.isfinite(self.speed):
-                time.sleep(max(0.0, began[0] + (tick.t - began[1]) / self.speed - time.monotonic()))
+        for tick in paced(by_second(in_order(self._entries())), self.speed):
             yield tick._replace(faults=dict(self.recording.faults))
 
     def _entries(self) -> Iterator[Entry]:
@@ -101,3 +97,21 @@ def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
         heard.append(entry)
     if heard:
         yield Tick(until, heard, {})
+
+
+def paced(ticks: Iterable[Tick], speed: float) -> Iterator[Tick]:
+    """Yield ticks no sooner than they are due (ours).
+
+    Parameters
+    ----------
+    ticks : iterable of Tick
+        In order.
+    speed : float [1]
+        Times that of the ship; infinite for as fast as it goes.
+    """
+    began: tuple[float, float] | None = None
+    for tick in ticks:
+        began = began or (time.monotonic(), tick.t)
+        if math.isfinite(speed):
+            time.sleep(max(0.0, began[0] + (tick.t - began[1]) / speed - time.monotonic()))
+        yield tick

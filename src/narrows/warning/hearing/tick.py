@@ -20,8 +20,11 @@ class Tick(NamedTuple):
         What was told, in order.
     faults : dict of str to int
         Messages that were left out so far, by what is wrong with them.
+    commands : sequence of bytes
+        Sentences by which the bridge answers alerts (ACN).
     """
 
     t: float
     entries: Sequence[Entry]
     faults: dict[str, int]
+    commands: Sequence[bytes] = ()

@@ -1,0 +1,38 @@
+"""Whether a ship is where its model was tested."""
+
+import math
+
+from narrows.estimation.estimate import Estimate
+from narrows.model.data_range import extrapolation
+from narrows.model.model import Model
+from narrows.warning.alerts.alert import Priority
+from narrows.warning.alerts.alert_desk import CALM, Condition
+from narrows.waterway.waterway import Waterway
+
+DRAFT_OFF = 0.03
+"""Of the draft, by which the ship may lie deeper or less deep than its model."""
+
+
+def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, draft: float | None) -> Condition:
+    """Return a caution where the ship is outside of what its model's data covered (ours).
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    waterway : Waterway
+        Where it sails.
+    estimate : Estimate
+        Where it is, and how it moves.
+    draft : float, optional [m]
+        As the ship reports it.
+    """
+    ship, now = model.configuration.ship, estimate.values
+    here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
+    asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}
+    asked |= {"width_to_beam": float(here.width) / ship.beam, "depth_to_draft": float(here.depth) / ship.draft}
+    known = {name: value for name, value in asked.items() if math.isfinite(value)}
+    said = list(extrapolation(model.data_range, known))
+    if draft is not None and abs(draft - ship.draft) > DRAFT_OFF * ship.draft:
+        said.append(f"The ship reports a draft of {draft:g} m; its model is of {ship.draft:g} m.")
+    return Condition(Priority.CAUTION, " ".join(said)) if said else CALM

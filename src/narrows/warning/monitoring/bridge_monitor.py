@@ -1,0 +1,206 @@
+"""The monitor: from what was told in a second to alerts, whatever came in."""
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from narrows.errors import InputError
+from narrows.estimation.estimate import Estimate
+from narrows.estimation.estimator import Estimator
+from narrows.estimation.satellite_sensors import CourseOverGround, Gnss
+from narrows.estimation.ship_sensors import Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.model.model import Model
+from narrows.warning.alerts.alert import Alert, Priority
+from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition, Lingering
+from narrows.warning.alerts.alert_sentences import command_of
+from narrows.warning.alerts.bank_level import BankLevel, Thresholds
+from narrows.warning.alerts.situations import BANK, BEYOND_DATA, LOG_LATE, NO_FORECAST, SENSORS, Situation
+from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.hearing.bridge_readings import GROUND_LOG, BridgeReadings, Heard
+from narrows.warning.hearing.tick import PERIOD, Tick
+from narrows.warning.monitoring.alert_publisher import AlertPublisher
+from narrows.warning.monitoring.beyond_data import beyond_data
+from narrows.warning.monitoring.bridge_status import BridgeStatus
+from narrows.warning.monitoring.sensor_health import SensorHealth
+from narrows.waterway.waterway import Waterway
+
+GROUND_NOISE = 0.4
+"""Of the speed through the water, where it is taken for that over ground [m/s]: a current lies between."""
+GRACE = 20.0
+"""After the start, in which it is no alert that nothing is foretold yet [s]."""
+
+
+def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
+    """Return what a bridge has, as the estimator asks for it (ours).
+
+    Parameters
+    ----------
+    antenna : pair of float [m]
+        Forward and to starboard of midship.
+    """
+    forward, starboard = antenna
+    receiver = Gnss(forward=forward, starboard=starboard), CourseOverGround(forward=forward, starboard=starboard)
+    return [*receiver, Gyro(), RateOfTurn(), Log(), Log(GROUND_NOISE, name=GROUND_LOG), RudderIndicator()]
+
+
+@dataclass
+class BridgeMonitor:
+    """A ship that is watched.
+
+    Parameters
+    ----------
+    model : Model
+        The ship at its own size, with the terms of a rudder.
+    waterway : Waterway
+        Where it sails, that knows where on earth it is.
+    line : float [m]
+        That a pilot who takes over brings it to, to starboard of the waterway's line.
+    antenna : pair of float [m]
+        Of the position: forward and to starboard of midship.
+    thresholds : Thresholds
+        From when on a forecast is urgent.
+    members : int
+        Of the ensemble.
+    publisher : AlertPublisher
+        Logs and sends alerts.
+
+    Raises
+    ------
+    InputError
+        Where the model has no rudder, or the waterway is nowhere.
+    """
+
+    model: Model
+    waterway: Waterway
+    line: float = 0.0
+    antenna: tuple[float, float] = (0.0, 0.0)
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    members: int = 1000
+    publisher: AlertPublisher = field(default_factory=AlertPublisher)
+
+    def __post_init__(self) -> None:
+        self.bridge = BridgeReadings(self.waterway)
+        self.estimator = Estimator(self.model, bridge_sensors(self.antenna), waterway=self.waterway)
+        self.forecaster: Callable[[Estimate, Mapping[str, float]], BankForecast] = Forecaster(
+            self.estimator, self.line, members=self.members
+        )
+        log = self.publisher.log
+        self.desk = AlertDesk(log.alerts if log else ())
+        self._level, self._health = BankLevel(self.thresholds), SensorHealth()
+        self._beyond = Lingering()
+        self._positions: dict[str, float] = {}
+        self._began: float | None = None
+
+    def prepare(self, u: float) -> None:
+        """Compile what is not compiled yet, so that the first alert does not wait for it (ours).
+
+        Parameters
+        ----------
+        u : float [m/s]
+            About how fast the ship is.
+        """
+        half = self.waterway.line.length / 2
+        still = {"gyro": 0.0, "log": u, "rudder": 0.0}
+        for t in range(3):
+            estimate = self.estimator.update(float(t), {**still, "gnss": (half, self.line)})
+        self.forecaster(estimate, {"rudder": 0.0})
+        self.estimator.forget()
+
+    def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
+        """Take what was told in a second, and return what is known then (ours).
+
+        Parameters
+        ----------
+        tick : Tick
+            What was told.
+        since_1970 : float [s]
+            Now, for sentences.
+        """
+        heard = self.bridge.heard(tick)
+        self._began = tick.t if self._began is None else self._began
+        estimate = self._estimated(heard)
+        forecast, why = self._forecast(heard, estimate)
+        conditions = self._conditions(heard, estimate, forecast, why)
+        changed = [*self._commanded(tick, since_1970), *self.desk.update(tick.t, conditions)]
+        self.publisher.publish(changed, since_1970)
+        self.publisher.beat(tick.t, self.desk.alerts, forecast is not None)
+        clearance = self._clearance(estimate)
+        return BridgeStatus(tick.t, estimate, forecast, self.desk.alerts, tuple(changed), clearance, heard.faults)
+
+    def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:
+        """Do what the bridge asks for, and refuse what cannot be."""
+        changed = []
+        for command in filter(None, map(command_of, tick.commands)):
+            alert = self.desk.command(tick.t, *command)
+            if alert is None:
+                self.publisher.refuse(command, since_1970)
+            else:
+                changed.append(alert)
+        return changed
+
+    def _estimated(self, heard: Heard) -> Estimate:
+        actuators = self.estimator.filter.actuators
+        known = {
+            name: reading
+            for name, reading in heard.readings.items()
+            if name in self.estimator.filter.sensors or name in actuators
+        }
+        self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
+        return self.estimator.update(heard.t, known)
+
+    def _forecast(self, heard: Heard, estimate: Estimate) -> tuple[BankForecast | None, str]:
+        """What will happen, or why that cannot be told."""
+        if not estimate.ready:
+            return None, estimate.notes[-1] if estimate.notes else "Nothing is known of the ship yet."
+        if self._health.blind(heard):
+            return None, "Too little has been told for too long."
+        if not 0.0 <= estimate["x"] <= self.waterway.line.length:
+            return None, f"The ship is not on {self.waterway.name}."
+        start = time.monotonic()
+        try:
+            forecast = self.forecaster(estimate, self._positions)
+        except InputError as error:
+            return None, str(error)
+        late = time.monotonic() - start
+        return (None, f"A forecast took {late:.1f} s, and was out of date.") if late > PERIOD else (forecast, "")
+
+    def _conditions(
+        self, heard: Heard, estimate: Estimate, forecast: BankForecast | None, why: str
+    ) -> dict[Situation, Condition]:
+        conditions = {SENSORS: self._health.condition(heard, estimate), LOG_LATE: self._log_condition()}
+        early = heard.t - (self._began or 0.0) < GRACE
+        conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
+        if estimate.ready:
+            beyond = beyond_data(self.model, self.waterway, estimate, heard.draft)
+            conditions[BEYOND_DATA] = self._beyond.held(heard.t, beyond)
+        if forecast:  # What is not available is not clear: without a forecast the alert stays what it was.
+            level = self._level.update(heard.t, forecast)
+            conditions[BANK] = Condition(level, _words(forecast)) if level else CALM
+        return conditions
+
+    def _log_condition(self) -> Condition:
+        return Condition(Priority.CAUTION, self.publisher.late) if self.publisher.late else CALM
+
+    def _clearance(self, estimate: Estimate) -> float:
+        """Of the corners of the hull to the banks [m], the banks as they are beside midship."""
+        if not estimate.ready:
+            return math.inf
+        now, ship = estimate.values, self.model.configuration.ship
+        here = self.waterway.room(min(max(now["x"], 0.0), self.waterway.line.length), ship.draft)
+        reach = ship.length / 2 * abs(math.sin(now["psi"])) + ship.beam / 2 * math.cos(now["psi"])
+        return float(here.width) / 2 - abs(now["y"] - float(here.middle)) - reach
+
+
+def _words(forecast: BankForecast) -> str:
+    run = forecast.likely
+    if math.isfinite(run.contact):
+        chance = "the last chance is gone" if run.gone else (
+            f"last chance in {run.last_chance:.0f} s" if math.isfinite(run.last_chance) else "a pilot can still wait"
+        )  # fmt: skip
+        return f"Bank to {run.side} in {run.contact:.0f} s: {chance}"
+    now = forecast.pilot_now
+    where = f" to {now.side or forecast.as_it_is.side}" if now.side or forecast.as_it_is.side else ""
+    return f"Bank{where}: {100 * now.probability:.0f} % with a pilot now"

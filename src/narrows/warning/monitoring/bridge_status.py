@@ -1,0 +1,88 @@
+"""What a monitor knows at a time: the ship, what will happen, the alerts; and what it does not know."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from narrows.estimation.estimate import Estimate
+from narrows.warning.alerts.alert import HOLDS, Alert, Priority
+from narrows.warning.forecasting.forecast import BankForecast
+
+NOT_AVAILABLE = "not available"
+
+
+@dataclass(frozen=True)
+class BridgeStatus:
+    """What is known at a time.
+
+    Parameters
+    ----------
+    t : float [s]
+        When.
+    estimate : Estimate
+        Of the ship.
+    forecast : BankForecast, optional
+        What will happen; none where it cannot be told.
+    alerts : tuple of Alert
+        That are not normal, the most urgent first.
+    changed : tuple of Alert
+        That changed now.
+    clearance : float [m]
+        Of the hull to the nearer bank; infinite where it is not known.
+    faults : dict of str to int
+        Messages that were left out so far, by what is wrong with them.
+    """
+
+    t: float
+    estimate: Estimate
+    forecast: BankForecast | None
+    alerts: tuple[Alert, ...]
+    changed: tuple[Alert, ...]
+    clearance: float
+    faults: dict[str, int]
+
+    @property
+    def level(self) -> Priority:
+        """Of the most urgent alert whose condition holds."""
+        return max((alert.priority for alert in self.alerts if alert.state in HOLDS), default=Priority.NONE)
+
+    @property
+    def word(self) -> str:
+        """In a word: never ``clear`` where nothing can be foretold."""
+        if self.forecast is None:
+            return NOT_AVAILABLE
+        return self.level.words if self.level else "clear"
+
+    def line(self) -> str:
+        """Say it in a line."""
+        parts = [f"{self.word:>15}"]
+        if self.estimate.ready:
+            now = self.estimate.values
+            parts.append(f"x {now['x']:6.0f} m  y {now['y']:+6.1f} m  heading {math.degrees(now['psi']):+5.1f} deg")
+            parts.append(f"clearance {self.clearance:5.1f} m")
+        if told := self.forecast:
+            run = told.likely
+            chance = "gone" if run.gone else f"{run.last_chance:.0f} s" if math.isfinite(run.last_chance) else "> 60 s"
+            parts.append(f"pilot now {100 * told.pilot_now.probability:3.0f} %  last chance {chance}")
+            needed = math.degrees(told.rudder_needed)
+            parts.append(f"held by rudder {needed:+.0f} deg" if math.isfinite(needed) else "held by no rudder")
+        return "  ".join(parts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give it by name, in SI."""
+        forecast = self.forecast.to_dict() if self.forecast else None
+        return {
+            "t": self.t, "status": self.word, "clearance": self.clearance, "state": self.estimate.values,
+            "forecast": forecast, "alerts": [told(one) for one in self.alerts], "faults": dict(self.faults),
+        }  # fmt: skip
+
+
+def told(alert: Alert) -> dict[str, Any]:
+    """Return an alert by names and words (ours).
+
+    Parameters
+    ----------
+    alert : Alert
+        The alert.
+    """
+    return {**vars(alert), "priority": alert.priority.words, "state": alert.state.value}

@@ -1,0 +1,126 @@
+"""A demonstration: a transit with a mistake at the helm beside a bank, so that anyone sees a monitor at work."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+
+from narrows.control.track_pilot import track_pilot
+from narrows.identification.bundled_ship import bundled_ship
+from narrows.model.model import Model
+from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.readers.nmea.nmea_lines import sentences
+from narrows.simulation.controllers import Autopilot, Order, VoyageState
+from narrows.simulation.voyage import simulate
+from narrows.terms.tables import table_named
+from narrows.warning.hearing.tick import Tick
+from narrows.warning.monitoring.simulated_bridge import SimulatedBridge
+from narrows.waterway import Bank, Centreline, Waterway
+
+LENGTH, WIDTH, DEPTH, SPEED, LINE = 230.0, 368.0, 16.2, 4.2, 30.0
+"""Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled."""
+RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
+"""Of the bend [m], where it begins, and between the points of the line."""
+DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
+"""Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes."""
+WRONG, MOMENT = 22.0, 3.0
+"""The rudder's angle then [deg], and the moment of the upset, in degrees of rudder."""
+TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
+BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
+
+
+@dataclass(frozen=True)
+class MistakenHelm:
+    """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        Who steers.
+    away : pair of float [s]
+        From when to when not.
+    angle : float [rad]
+        Of the rudder then.
+    """
+
+    pilot: Autopilot
+    away: tuple[float, float]
+    angle: float
+
+    def begin(self) -> Order:
+        """Return what gives the orders of one voyage."""
+
+        def order(t: float, state: VoyageState) -> float:
+            if self.away[0] <= t < self.away[1]:
+                return self.angle
+            off = [getattr(state, name) - getattr(self.pilot, name, 0.0) for name in ("y", "psi", "v", "r")]
+            return float(self.pilot.rudder - np.dot(self.pilot.gains, off))
+
+        return order
+
+
+@dataclass(frozen=True)
+class Demonstration:
+    """A ship, its canal, and a bridge that tells of a transit.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    waterway : Waterway
+        The canal.
+    bridge : SimulatedBridge
+        That tells.
+    """
+
+    model: Model
+    waterway: Waterway
+    bridge: SimulatedBridge
+
+    def ticks(self) -> Iterator[Tick]:
+        """Yield what is told, second by second."""
+        hearing = Hearing()
+        for t, told in self.bridge.seconds():
+            lines = [line.encode("ascii") for line in told]
+            heard = [hearing.told(one, t) for one in sentences(lines, hearing.faults)]
+            yield Tick(t, [Entry(t, one) for one in heard if one is not None], dict(hearing.faults))
+
+
+def demonstration(seed: int = 0) -> Demonstration:
+    """Return the demonstration: a 230 m container ship in a canal 300 m wide (ours).
+
+    Parameters
+    ----------
+    seed : int
+        Of the sensors' noise.
+    """
+    model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
+    pilot, moment = MistakenHelm(track_pilot(model, LINE, SPEED), MISTAKE, math.radians(WRONG)), _moment(model)
+    voyage = simulate(
+        model, x=300.0, y=LINE, u=SPEED, controller=pilot, waterway=way, duration=DURATION, dt=1.0,
+        N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],
+    )  # fmt: skip
+    return Demonstration(model, way, SimulatedBridge(voyage, way, BEGAN, seed))
+
+
+def demonstrated_canal() -> Waterway:
+    """Return a canal that is straight and then bends to starboard (ours)."""
+    s = np.arange(0.0, 6001.0, STEP)
+    heading = np.concatenate([[0.0], np.cumsum(np.where(s[1:] > BEND, STEP / RADIUS, 0.0))])
+    line = Centreline(np.cumsum(STEP * np.stack([np.sin(heading), np.cos(heading)], axis=1), axis=0))
+    ends, half = np.array([0.0, line.length]), np.full(2, WIDTH / 2)
+    banks = Bank("starboard", ends, half), Bank("port", ends, half)
+    return Waterway(line, *banks, (ends, np.full(2, DEPTH)), name="the canal of the demonstration", origin=ORIGIN)
+
+
+def _moment(model: Model) -> float:
+    """Of the upset [N m], by the moment of the rudder."""
+    from narrows.control.linearization import linearize
+
+    linear = linearize(model, y=0.0, u=SPEED)
+    turn = linear.states.index("r")
+    by_rudder = linear.B[turn, linear.controls.index("rudder")] / linear.G[turn, linear.disturbances.index("N")]
+    return float(by_rudder) * math.radians(MOMENT)

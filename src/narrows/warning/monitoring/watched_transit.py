@@ -1,0 +1,166 @@
+"""A transit as it was watched: what was known second by second, which alerts came, how near it went."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.results import Shown
+from narrows.warning.alerts.alert import Alert, Priority
+from narrows.warning.monitoring.bridge_status import BridgeStatus, told
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+DECISION_SUPPORT = "This is decision support, and no type-approved equipment; the watch is kept by people."
+COLUMNS = (
+    "t", "x", "y", "psi", "u", "clearance", "pilot_now", "soon", "contact", "last_chance", "rudder", "rudder_needed",
+    "rudder_margin", "level",
+)  # fmt: skip
+NEAR = 20.0
+"""Of water beside the hull [m], below which it was a near miss."""
+
+
+@dataclass(frozen=True)
+class SaidAlert:
+    """An alert when it changed.
+
+    Parameters
+    ----------
+    t : float [s]
+        Since the watch began.
+    alert : Alert
+        As it was then.
+    """
+
+    t: float
+    alert: Alert
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class WatchedTransit(Shown):
+    """What a monitor said of a transit.
+
+    Parameters
+    ----------
+    ship, waterway : str
+        Their names.
+    columns : dict of str to array (seconds,)
+        By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact and last_chance of the most
+        likely run, infinite where there is none, a last chance of 0 where it is gone too.
+    alerts : tuple of SaidAlert
+        Each time that one changed.
+    faults : dict of str to int
+        Messages that were left out, by what is wrong with them.
+    """
+
+    ship: str
+    waterway: str
+    columns: dict[str, np.ndarray]
+    alerts: tuple[SaidAlert, ...]
+    faults: dict[str, int]
+
+    @property
+    def level(self) -> Priority:
+        """Of the most urgent alert that there was."""
+        return max((said.alert.priority for said in self.alerts), default=Priority.NONE)
+
+    @property
+    def known(self) -> np.ndarray:
+        """Of each second, whether there was a forecast."""
+        return np.asarray(np.isfinite(self.columns["pilot_now"]))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What to know of it."""
+        left = [f"{count} messages {what} were left out." for what, count in self.faults.items()]
+        return (DECISION_SUPPORT, *left)
+
+    def summary(self) -> str:
+        """Say how much was foretold, the first of each kind of alert, and how near it went."""
+        seconds, near = len(self.columns["t"]), self._nearest()
+        lines = [f"{self.ship} on {self.waterway}: {seconds} seconds watched, {int(self.known.sum())} with a forecast."]
+        for priority in reversed(Priority):
+            first = next((said for said in self.alerts if priority and said.alert.priority is priority), None)
+            if first:
+                lines.append(f"First {priority.words} after {first.t:.0f} s: {first.alert.text}.".replace("..", "."))
+        if near is not None:
+            miss = ", a near miss" if self.columns["clearance"][near] < NEAR else ""
+            lines.append(
+                f"Nearest to a bank after {self.columns['t'][near]:.0f} s: {self.columns['clearance'][near]:.0f} m of "
+                f"water beside the hull{miss}."
+            )
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give what was said by name, in SI: what ``monitor --json`` prints."""
+        near, margin = self._nearest(), self.columns["rudder_margin"]
+        return {
+            "summary": self.summary(), "ship": self.ship, "waterway": self.waterway,
+            "seconds": len(self.columns["t"]), "foretold": int(self.known.sum()), "level": self.level.words,
+            "alerts": [{"t": said.t, **told(said.alert)} for said in self.alerts],
+            "least_clearance": None if near is None else float(self.columns["clearance"][near]),
+            "least_rudder_margin": float(np.nanmin(margin)) if np.isfinite(margin).any() else None,
+            "faults": self.faults, "notes": list(self.notes),
+        }  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give what was known as a table: a row a second."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns).set_index("t")
+
+    def _nearest(self) -> int | None:
+        clearance = self.columns["clearance"]
+        return int(np.nanargmin(clearance)) if np.isfinite(clearance).any() else None
+
+
+class TransitLog:
+    """Gathers what a monitor says of a transit.
+
+    Parameters
+    ----------
+    ship, waterway : str
+        Their names.
+    """
+
+    def __init__(self, ship: str, waterway: str) -> None:
+        self.ship, self.waterway = ship, waterway
+        self._rows: list[tuple[float, ...]] = []
+        self._alerts: list[SaidAlert] = []
+        self._faults: dict[str, int] = {}
+        self._began = math.nan
+
+    def add(self, status: BridgeStatus) -> None:
+        """Take what is known at a time.
+
+        Parameters
+        ----------
+        status : BridgeStatus
+            What is.
+        """
+        self._began = status.t if math.isnan(self._began) else self._began
+        t = status.t - self._began
+        self._rows.append(_row(t, status))
+        self._alerts += [SaidAlert(t, alert) for alert in status.changed]
+        self._faults = status.faults
+
+    def transit(self) -> WatchedTransit:
+        """Return the transit as it was watched so far."""
+        table = np.array(self._rows, float).reshape(-1, len(COLUMNS))
+        columns = dict(zip(COLUMNS, table.T, strict=True))
+        return WatchedTransit(self.ship, self.waterway, columns, tuple(self._alerts), dict(self._faults))
+
+
+def _row(t: float, status: BridgeStatus) -> tuple[float, ...]:
+    now, forecast = status.estimate.values, status.forecast
+    state = tuple(now[name] if status.estimate.ready else math.nan for name in ("x", "y", "psi", "u"))
+    clearance = status.clearance if status.estimate.ready else math.nan
+    if forecast is None:
+        return (t, *state, clearance, *(math.nan,) * 7, float(status.level))
+    run = forecast.likely
+    chance = 0.0 if run.gone else run.last_chance
+    rudder = forecast.rudder, forecast.rudder_needed, forecast.rudder_margin
+    chances = forecast.pilot_now.probability, forecast.as_it_is.soon
+    return (t, *state, clearance, *chances, run.contact, chance, *rudder, float(status.level))
