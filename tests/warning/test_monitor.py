@@ -1,5 +1,6 @@
 """A monitor at work: ships told by sentences, and what befalls sensors, clocks, disks and forecasts."""
 
+import json
 import math
 import socket
 from collections.abc import Callable, Iterator
@@ -8,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from transit import canal, ship
 
@@ -233,21 +235,24 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path) -> None:
-    from narrows.report.transit_report import write_transit_report
-
-    shown = demonstration()
-    assert shown.bridge.voyage.outcome.kind == "afloat"
-    one = BridgeMonitor(shown.model, shown.waterway, 30.0, members=100)
-    transit = transit_of(watched(shown.ticks(), one))
-    alarm = next(said for said in transit.alerts if said.alert.priority >= Priority.ALARM)
-    nearest = float(transit.columns["t"][np.nanargmin(transit.columns["clearance"])])
-    assert MISTAKE[0] < alarm.t < nearest - 60.0
-    assert transit.known.mean() > 0.95
-    write_transit_report(transit, tmp_path / "r.html")
+def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) -> None:
+    """An alarm, a minute before it is nearest; the table, the page and the log of alerts say the same."""
+    files = {"--report": "r.html", "-o": "t.csv", "--log": "a.db", "--recording": "b.nmea"}
+    words = [word for option, name in files.items() for word in (option, str(tmp_path / name))]
+    code, out, err = cli("monitor", "--demo", "--json", *words)
+    assert code == 1, err
+    told, table = json.loads(out), pd.read_csv(tmp_path / "t.csv")
+    alarm = next(alert for alert in told["alerts"] if alert["priority"] in ("alarm", "emergency alarm"))
+    nearest = float(table["t"][table["clearance"].idxmin()])
+    assert MISTAKE[0] < alarm["t"] < nearest - 60.0
+    assert told["foretold"] > 0.95 * told["seconds"]
+    assert told["least_clearance"] == pytest.approx(table["clearance"].min())
+    assert 0.0 < told["least_clearance"] < 20.0
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "decision support" in page
     assert "a near miss" in page
+    assert len(list(logged(tmp_path / "a.db"))) == len(told["alerts"])
+    assert len((tmp_path / "b.nmea").read_bytes().splitlines()) == 7 * told["seconds"]
 
 
 def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> None:
