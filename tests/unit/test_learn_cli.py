@@ -61,6 +61,7 @@ def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
     assert list(Draft202012Validator(SCHEMA).iter_errors(told)) == []
     moved = [c["name"] for c in told["log"]["coefficients"] if c["value"] != c["prior"]]
     assert moved == free.split(",")
+    assert f"Only {', '.join(moved)} might move" in out
 
 
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:

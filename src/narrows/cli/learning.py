@@ -198,7 +198,7 @@ def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float]
 
     delivery.write(fit.model.save)
     if delivery.report:
-        write_log_report(fit, delivery.report)
+        write_log_report(fit, delivery.report, truth)
     told = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
     delivery.tell(lambda: told, lambda: print_log_fit(fit, truth))
     return fit.tells

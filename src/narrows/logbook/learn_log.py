@@ -91,9 +91,8 @@ def learn(
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
     source = GridSource(records, assumptions, dict(motion.positions), model.configuration)
-    return log_result(
-        model, before, refined_search(problem, source), source, LogSource.of(records, _name(records), grade.name)
-    )
+    came_from = LogSource.of(records, _name(records), grade.name)
+    return log_result(model, before, refined_search(problem, source), source, came_from, free)
 
 
 def _name(log: Any) -> str:

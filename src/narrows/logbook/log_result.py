@@ -1,5 +1,6 @@
 """From a search that is done to its answer."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,9 @@ from narrows.model.model import Model
 from narrows.terms.about import TermKind
 
 
-def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridSource, log: LogSource) -> LogFit:
+def log_result(
+    model: Model, before: np.ndarray, refined: Refined, source: GridSource, log: LogSource, free: Sequence[str]
+) -> LogFit:  # fmt: skip
     """Return the answer of a search (ours).
 
     Parameters
@@ -33,6 +36,8 @@ def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridS
         The records.
     log : LogSource
         What it is known by.
+    free : sequence of str
+        Coefficients that alone might move; all where none is named.
     """
     found, prior = refined.found, replace(model, covariance=before)
     after = log_posterior(model, before, refined.problem.prior, found)
@@ -40,11 +45,22 @@ def log_result(model: Model, before: np.ndarray, refined: Refined, source: GridS
     answers = record_answers(refined, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))
     stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
+    about = (*_held(free), *source.left_out, *stopped * found.interrupted)
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
         _gusts(refined.problem.chain), refined.left, after.disagreement, after.freedom, after.probability,
-        after.widened, _inertia(model, refined), (*source.left_out, *stopped * found.interrupted), found.settled,
+        after.widened, _inertia(model, refined), about, found.settled,
     )  # fmt: skip
+
+
+def _held(free: Sequence[str]) -> tuple[str, ...]:
+    """What is said where not all coefficients might move."""
+    if not free:
+        return ()
+    return (
+        f"Only {', '.join(free)} might move; where the others err, the log disagrees with what was known, and the "
+        "intervals are the wider for it.",
+    )
 
 
 def _inertia(model: Model, refined: Refined) -> tuple[str, ...]:

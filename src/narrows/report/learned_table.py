@@ -27,6 +27,19 @@ def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[s
     ]  # fmt: skip
 
 
+def with_truth(rows: list[tuple[str, ...]], truth: Mapping[str, float] | None) -> list[tuple[str, ...]]:
+    """Return rows with the truth of a twin as their last cell (ours).
+
+    Parameters
+    ----------
+    rows : list of tuple of str
+        As ``learned_rows`` gives them.
+    truth : mapping of str to float, optional
+        By name; without it the rows are as they were.
+    """
+    return rows if truth is None else [(*row, f"{truth[row[0]]:.3g}") for row in rows]
+
+
 def _short(value: float, std: float) -> str:
     """Metric tons and more in powers of ten."""
     return f"{value:.3g}" if abs(value) >= LONG else readable(value, std)

@@ -1,5 +1,6 @@
 """What a log taught, as one self-contained page."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +9,14 @@ from narrows.files import write_whole
 from narrows.logbook import LogFit
 from narrows.logbook.standing import ON_TWINS
 from narrows.report.fit_page import figure, render
-from narrows.report.learned_table import learned_rows
+from narrows.report.learned_table import learned_rows, with_truth
 from narrows.report.log_fit_figures import forecast_figure, log_fit_figure
 
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
 """What forecasts miss: state, words, factor."""
 
 
-def write_log_report(fit: LogFit, path: str | Path) -> None:
+def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
     """Write one HTML file with what a log taught, each record beside its forecasts.
 
     Parameters
@@ -24,6 +25,8 @@ def write_log_report(fit: LogFit, path: str | Path) -> None:
         The answer.
     path : str or Path
         Where to.
+    truth : mapping of str to float, optional
+        Coefficients of a twin, to show beside.
 
     Raises
     ------
@@ -40,7 +43,8 @@ def write_log_report(fit: LogFit, path: str | Path) -> None:
         "log_fit.html.j2",
         title=f"{fit.prior.configuration.ship.name or 'A ship'}: what its own log taught",
         said=fit.summary().splitlines(),
-        learned=learned_rows(fit.coefficients),
+        learned=with_truth(learned_rows(fit.coefficients), truth),
+        twin=truth is not None,
         figure=figure(log_fit_figure(fit), caption),
         missed_heads=[words for _, words, _ in MISSED],
         records=[_row(fit, number) for number in range(len(fit.records))],

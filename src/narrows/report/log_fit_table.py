@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from narrows.logbook import LogFit
-from narrows.report.learned_table import LEARNED_HEADS, learned_rows
+from narrows.report.learned_table import LEARNED_HEADS, learned_rows, with_truth
 
 
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
@@ -25,8 +25,8 @@ def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None
     table = Table(box=None, pad_edge=False)
     for head in (*LEARNED_HEADS, "what the log says", *(("truth",) if truth else ())):
         table.add_column(head, justify="right" if head in (*LEARNED_HEADS[1:4], "truth") else "left")
-    for row in learned_rows(fit.coefficients):
-        table.add_row(*row, *((f"{truth[row[0]]:.3g}",) if truth else ()))
+    for row in with_truth(learned_rows(fit.coefficients), truth):
+        table.add_row(*row)
     console.print(table)
     for note in fit.notes:
         console.print(f"- {note}", style="dim")
