@@ -11,14 +11,14 @@ from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import check_choice
 
-KINDS = ("c",)
+KINDS = ("c", "js", "python", "latex")
 
 
 @verb("narrows export c mikkelsen2025_dtc -o dtc.h")
 def export(
-    kind: Annotated[str, typer.Argument(help="Language or format: 'c'.", show_default=False)],
+    kind: Annotated[str, typer.Argument(help="What to write: 'c', 'js', 'python' or 'latex'.", show_default=False)],
     model: ModelFile,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h of C.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h, .mjs, .py or .tex.")],
     physics: PhysicsOptions,
     water: WaterOptions,
     json: AsJson = False,
@@ -31,8 +31,11 @@ def export(
     from narrows.model.model_file import model_named
 
     check_choice("what to export", kind, KINDS)
-    write = {"c": room.write_c}[kind]
-    write(model_named(model), output, waterway=water.read(), **vars(physics))
+    if kind == "latex":
+        room.write_latex(model_named(model), output)
+    else:
+        write = {"c": room.write_c, "js": room.write_javascript, "python": room.write_python}[kind]
+        write(model_named(model), output, waterway=water.read(), **vars(physics))
     if json:
         print_json({"kind": kind, "output": str(output), "bytes": output.stat().st_size})
         return

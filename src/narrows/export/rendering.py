@@ -1,12 +1,21 @@
 """What files of all languages have alike: plain functions as their source, templates, comments that stay comments."""
 
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
+from narrows.codegen.choices import COUNTED, LENGTH
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.lines import Program
+from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.plain_source import PlainSource
 from narrows.export.exported_ship import ExportedShip
 
+WIDTH = 108
+FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED")
+"""How a voyage ends, in the order of their codes."""
 PLAIN = ("narrows.codegen.kernels.event", "narrows.waterway.room", "narrows.codegen.kernels.single")
 """Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end."""
 
@@ -19,8 +28,100 @@ def plain_functions(exported: ExportedShip) -> PlainSource:
     exported : ExportedShip
         Whose.
     """
-    absent = frozenset() if exported.waterway else frozenset({"waterway"})
+    absent = frozenset[str]() if exported.waterway else frozenset({"waterway"})
     return PlainSource(tuple(map(text_of, PLAIN)), exported.rule, absent)
+
+
+Named = Callable[[str], str]
+Field = Callable[[str, str], str]
+
+
+def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> dict[str, str]:
+    """Return where lines find each number: in the state, the inputs, the constants, the waterway (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        Whose lines.
+    of : callable
+        Writes a field of a structure.
+    call : callable
+        Writes the call of ``cos`` or ``sin``.
+    named : callable
+        What a number is called in the language.
+    """
+    portable = exported.portable
+    places = {name: of("constants", named(name)) for name in exported.constants}
+    places |= {name: f"state[{number}]" for number, name in enumerate(portable.kept)}
+    for actuator in portable.geared:
+        position = f"state[{portable.kept.index(actuator.name)}]"
+        places |= {f"{function}_{actuator.name}": call(function, position) for function in ("cos", "sin")}
+    names = zip(portable.inputs, exported.inputs, strict=True)
+    places |= {name: of("inputs", named(one.name)) for name, one in names}
+    places |= {name: of("waterway", name) for name in PLACES}
+    # Derivatives by inputs may ask for what the step does not.
+    return {**dict.fromkeys(INPUTS.values(), "0.0"), **places, LENGTH: LENGTH}
+
+
+def targets_of(name: str, exported: ExportedShip, of: Field, named: Named) -> tuple[list[str], dict[str, str]] | None:
+    """Return what the program of the constants writes to, and where it finds the parameters; None of the others (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of a program.
+    exported : ExportedShip
+        Whose.
+    of : callable
+        Writes a field of a structure.
+    named : callable
+        What a number is called in the language.
+    """
+    if name != "constants":
+        return None
+    where = {one.name: of("parameters", named(one.name)) for one in exported.parameters}
+    return [of("constants", named(constant)) for constant in exported.constants], where
+
+
+def results_of(program: Program) -> list[str]:
+    """Return what another program writes to (ours).
+
+    Parameters
+    ----------
+    program : Program
+        The program.
+    """
+    return [f"result[{number}]" for number in range(len(program.results))]
+
+
+def rate_names(exported: ExportedShip) -> tuple[str, ...]:
+    """Return what ``rates`` gives, in order (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        Whose.
+    """
+    return tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))
+
+
+def water_of(exported: ExportedShip, number: Callable[[float], str]) -> dict[str, Any] | None:
+    """Return the table of the waterway as text, its arrays with their lengths; None in a straight canal (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        Whose.
+    number : callable
+        Writes a number.
+    """
+    if exported.waterway is None:
+        return None
+    channel = exported.channel
+    arrays = {"table": channel.water.table, "track": channel.water.track, "outline": channel.water.outline}
+    text = {name: "\n    ".join(wrap(", ".join(map(number, values)), WIDTH)) for name, values in arrays.items()}
+    places = {name: number(channel.inputs[name]) for name in PLACES}
+    return {"arrays": text, "lengths": {name: len(values) for name, values in arrays.items()}, "places": places}
 
 
 def text_of(module: str) -> str:

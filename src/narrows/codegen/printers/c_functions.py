@@ -25,7 +25,6 @@ class CTranslation(Translation):
     def __init__(self, source: PlainSource, prefix: str) -> None:
         super().__init__(source)
         self.prefix = prefix
-        self.used: set[str] = set()
 
     def head(self) -> str:
         """The line that begins the function."""

@@ -25,6 +25,7 @@ class Translation(PlainExpressions):
         super().__init__(source)
         self.function: ast.FunctionDef
         self.held_numbers = 0
+        self.used: set[str] = set()
 
     def text(self, function: ast.FunctionDef) -> str:
         """Return a function in the language.

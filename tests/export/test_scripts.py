@@ -1,0 +1,140 @@
+"""The exported ES module, Python file and equations beside the package."""
+
+import importlib.util
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exported import STEERED, bent, model_of, speed_of, states
+from typer.testing import CliRunner
+
+import narrows as nw
+from narrows.cli import app
+
+TABLES = ("paper", "own", "steered")
+NODE = shutil.which("node")
+SCRIPT = """
+import * as ship from "./ship.mjs";
+import { readFileSync } from "fs";
+const { states, inputs, u, order } = JSON.parse(readFileSync("given.json"));
+const at = { ...ship.atRest, ...inputs }, constants = ship.prepare(ship.model), plain = (values) => Array.from(values);
+const water = ship.canal === undefined ? [] : [ship.canal];
+const rates = states.map((state) => plain(ship.rates(state, at, constants, ...water)));
+const slopes = ["byState", "byInput", "byCoefficient"].map((name) =>
+    states.map((state) => plain(ship[name](state, at, constants, ...water))));
+const state = ship.rest(), end = [0, 0];
+state[ship.X] = 6.0; state[ship.Y] = 0.5; state[ship.U] = u;
+const held = order === null ? ship.atRest : { ...ship.atRest, rudder_order: order };
+const fate = ship.sail(state, held, constants, ...water, 0.05, 60.0, end);
+console.log(JSON.stringify({ rates, slopes, fate, end, state: plain(state) }));
+"""
+
+
+def python_of(name: str, folder: Path, **choices: Any) -> Any:
+    nw.export.write_python(model_of(name), folder / "ship.py", **choices)
+    spec = importlib.util.spec_from_file_location(f"ship_{name.replace('+', '_')}", folder / "ship.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def expected(name: str, state: np.ndarray) -> tuple[np.ndarray, Any]:
+    x, y, cosine, sine, u, v, r, *rudder = state
+    positions = dict(zip(("rudder",), rudder, strict=False))
+    rates = nw.derivative(model_of(name), [x, y, np.arctan2(sine, cosine), u, v, r], Y=0.7, N=-0.4, **positions)
+    return rates[[0, 1, 3, 4, 5]], positions
+
+
+def reached(state: Any) -> list[float]:
+    return [state[0], state[1], np.arctan2(state[3], state[2]), *state[4:7]]
+
+
+def sailed(name: str, curved: bool) -> nw.Outcome:
+    told = {"controller": nw.ConstantRudder(0.1)} if name in STEERED else {}
+    way = bent(name) if curved else None
+    return nw.simulate(model_of(name), x=6.0, y=0.5, u=speed_of(name), dt=0.05, waterway=way, **told).outcome
+
+
+@pytest.mark.parametrize(("name", "curved"), [*((name, False) for name in TABLES), ("steered", True)])
+def test_the_python_file(tmp_path: Path, name: str, curved: bool) -> None:
+    ship = python_of(name, tmp_path, waterway=bent(name) if curved else None)
+    water = ship.CANAL if curved else None
+    constants, at = ship.prepare(ship.MODEL), states(name, 6)
+    ship.AT_REST.Y_in, ship.AT_REST.N_in = 0.7, -0.4
+    columns = ship.rates(at.T, ship.AT_REST, constants, water)
+    for number, state in enumerate(at):
+        rates = ship.rates(state, ship.AT_REST, constants, water)
+        np.testing.assert_allclose(columns[:, number], rates, rtol=1e-12, atol=1e-14)
+        if not curved:
+            np.testing.assert_allclose(rates[[0, 1, 4, 5, 6]], expected(name, state)[0], rtol=1e-12, atol=1e-12)
+    ship.AT_REST.Y_in, ship.AT_REST.N_in = 0.0, 0.0
+    if name in STEERED:
+        ship.AT_REST.rudder_order = 0.1
+    start, end, outcome = ship.rest(), np.zeros(2), sailed(name, curved)
+    start[[ship.X, ship.Y, ship.U]] = 6.0, 0.5, speed_of(name)
+    assert ship.sail(start, ship.AT_REST, constants, water, 0.05, 60.0, end) == ship.GROUNDED
+    np.testing.assert_allclose(reached(start), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
+    assert end[0] == pytest.approx(outcome.time, rel=1e-10)
+
+
+def test_the_python_file_needs_numpy_alone(tmp_path: Path) -> None:
+    nw.export.write_python(model_of("paper"), tmp_path / "ship.py")
+    check = "import sys, ship; print([name for name in ('narrows', 'sympy', 'numba', 'scipy') if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", check], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.skipif(NODE is None, reason="no node is here to run the exported module")
+@pytest.mark.parametrize(("name", "curved"), [*((name, False) for name in TABLES), ("steered", True)])
+def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
+    """Node's sine and powers are its own: a last place off here and there."""
+    way = bent(name) if curved else None
+    nw.export.write_javascript(model_of(name), tmp_path / "ship.mjs", waterway=way)
+    at, push = states(name, 6), {"Y_in": 0.7, "N_in": -0.4}
+    told = {"states": at.tolist(), "inputs": push, "u": speed_of(name), "order": 0.1 if name in STEERED else None}
+    (tmp_path / "given.json").write_text(json.dumps(told), encoding="utf-8")
+    (tmp_path / "run.mjs").write_text(SCRIPT, encoding="utf-8")
+    done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    said, ship = json.loads(done.stdout), python_of(name, tmp_path, waterway=way)
+    constants = ship.prepare(ship.MODEL)
+    ship.AT_REST.Y_in, ship.AT_REST.N_in = 0.7, -0.4
+    for number, state in enumerate(at):
+        given = (state, ship.AT_REST, constants, getattr(ship, "CANAL", None))
+        np.testing.assert_allclose(said["rates"][number], ship.rates(*given), rtol=1e-12, atol=1e-12)
+        for slopes, function in zip(said["slopes"], (ship.by_state, ship.by_input, ship.by_coefficient), strict=True):
+            np.testing.assert_allclose(slopes[number], function(*given).ravel(), rtol=1e-11, atol=1e-12)
+    outcome = sailed(name, curved)
+    assert said["fate"] == 1
+    np.testing.assert_allclose(reached(said["state"]), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
+
+
+def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
+    nw.export.write_latex(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.tex")
+    text = (tmp_path / "ship.tex").read_text(encoding="utf-8")
+    assert text.count(r"\begin{equation}") == 2
+    assert nw.latex(nw.PAPER) in text
+    assert "1.07" in text.split(r"\end{equation}")[1]
+
+
+@pytest.mark.parametrize(
+    ("kind", "file"), [("c", "ship.h"), ("js", "ship.mjs"), ("python", "ship.py"), ("latex", "s.tex")]
+)
+def test_the_verb(tmp_path: Path, kind: str, file: str) -> None:
+    done = CliRunner().invoke(app, ["export", kind, "mikkelsen2025_dtc", "-o", str(tmp_path / file)])
+    assert done.exit_code == 0
+    assert done.stdout == f"wrote {tmp_path / file}\n"
+    assert (tmp_path / file).stat().st_size > 500
+
+
+@pytest.mark.parametrize(
+    ("kind", "file"), [("fortran", "ship.f"), ("c", "ship.py"), ("js", "ship.h"), ("latex", "ship")]
+)
+def test_bad_input_is_a_sentence_and_no_file(tmp_path: Path, kind: str, file: str) -> None:
+    done = CliRunner().invoke(app, ["export", kind, "mikkelsen2025_dtc", "-o", str(tmp_path / file)])
+    assert isinstance(done.exception, nw.InputError)
+    assert list(tmp_path.iterdir()) == []
