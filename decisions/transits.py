@@ -72,13 +72,13 @@ class Kind:
     lighter: float = 1.0
     passing: bool = False
     bends: bool = False
-    twins: int = 10
+    twins: int = 8
 
 
-COUNTS = {1: 40, 5: 5}
-"""Twins by the number of transits in each fit: what a fit costs grows with them."""
 KINDS = (
-    *(Kind(f"{grade}, 1 transit", 1, grade, twins=COUNTS[1]) for grade in GRADES),
+    Kind("rtk, 1 transit", sensors="rtk"),
+    Kind("vdr, 1 transit", twins=40),
+    Kind("ais and the rudder, 1 transit", sensors="ais and the rudder"),
     Kind("no bank in the moment", truth="no c_bank"),
     Kind("bank of the form y_B", truth="distance"),
     Kind("banks 5 m from where they are charted", shifted=5.0),
@@ -86,8 +86,9 @@ KINDS = (
     Kind("draft a tenth less, and not said", lighter=0.9),
     Kind("a ship passes every ten minutes", passing=True),
     Kind("round bends of 3 km", bends=True),
-    *(Kind(f"{grade}, {count} transits", count, grade, twins=COUNTS[count]) for count in (5,) for grade in GRADES),
+    Kind("vdr, 5 transits", 5, twins=4),
 )
+"""Without the rudder (ais alone) no fit is made, and the answer says why."""
 
 
 @cache

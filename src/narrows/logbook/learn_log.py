@@ -116,11 +116,14 @@ def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
 
 def _looked_at(records: Iterable[ShipRecord]) -> tuple[set[str], float]:
     """Signals that some of the first records have, and their usual speed."""
-    some = list(islice(records, LOOKED_AT))
-    speeds = [speed for record in some if (speed := speed_of(record)) > 0]
+    signals, speeds = set[str](), list[float]()
+    for record in islice(records, LOOKED_AT):
+        signals |= {name for name in record if len(record[name])}
+        speeds.append(speed_of(record))
+    speeds = [speed for speed in speeds if speed > 0]
     if not speeds:
         raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
-    return {name for record in some for name in record if len(record[name])}, float(np.median(speeds))
+    return signals, float(np.median(speeds))
 
 
 def _known(model: Model, free: Sequence[str]) -> frozenset[str] | None:
