@@ -196,12 +196,21 @@ def row(kind: Kind, count: int | None = None, folder: Path | None = None) -> tup
     """How often intervals hold the truth, how wide they are, what is called unresolved or a disagreement."""
     every = list(kept_figures(kind, count or kind.twins, folder))
     found = [told for told in every if "off" in told]
-    compared, cells = kind.truth != "distance", [kind.words, f"{len(every)}"]
+    compared, cells, ahead = kind.truth != "distance", [kind.words, f"{len(every)}"], foreseen(kind)
     for name in BANKS:
         off = np.array([told["off"][name] for told in found])
         cells += [_share(np.abs(off) < WIDE), f"{off.mean():+.1f}"] if compared else ["-", "-"]
-        cells.append(f"{np.median([told['std'][name] for told in found]):.4f}")
+        cells += [f"{np.median([told['std'][name] for told in found]):.4f}", ahead[name]]
     return (*cells, *(_share([told[word] for told in found]) for word in ("unresolved", "disagrees")))
+
+
+def foreseen(kind: Kind) -> dict[str, str]:
+    """Standard errors by ``foresee`` of transits like these, where all is as it is taken."""
+    if kind != Kind(kind.words, kind.transits, kind.sensors, twins=kind.twins):
+        return dict.fromkeys(BANKS, "-")
+    told = {"u": SPEED, "duration": 60 * MINUTES, "within": 0.0}
+    routine = nw.foresee(ship(), None, GRADES[kind.sensors], (kind.transits,), **told).kinds[0]
+    return {name: f"{routine.std[name][0]:.4f}" for name in BANKS}
 
 
 WIDE = 1.96
@@ -213,7 +222,7 @@ def _share(cases: "np.ndarray | list[bool]") -> str:
 
 HEADS = (
     "what sails, and what the fit is not told", "twins", "b_bank covered", "off, in standard errors", "standard error",
-    "c_bank covered", "off", "standard error", "c_bank unresolved", "called a disagreement",
+    "foreseen", "c_bank covered", "off", "standard error", "foreseen", "c_bank unresolved", "called a disagreement",
 )  # fmt: skip
 
 
