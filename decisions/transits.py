@@ -72,7 +72,7 @@ class Kind:
     lighter: float = 1.0
     passing: bool = False
     bends: bool = False
-    twins: int = 8
+    twins: int = 6
 
 
 KINDS = (
@@ -80,12 +80,12 @@ KINDS = (
     Kind("vdr, 1 transit", twins=40),
     Kind("ais and the rudder, 1 transit", sensors="ais and the rudder"),
     Kind("no bank in the moment", truth="no c_bank"),
-    Kind("bank of the form y_B", truth="distance"),
+    Kind("bank of the form y_B", truth="distance", twins=10),
     Kind("banks 5 m from where they are charted", shifted=5.0),
     Kind("water 5 % less deep than charted", deeper=0.95),
-    Kind("draft a tenth less, and not said", lighter=0.9),
-    Kind("a ship passes every ten minutes", passing=True),
-    Kind("round bends of 3 km", bends=True),
+    Kind("draft a tenth less, and not said", lighter=0.9, twins=3),
+    Kind("a ship passes every ten minutes", passing=True, twins=4),
+    Kind("round bends of 3 km", bends=True, twins=3),
     Kind("vdr, 5 transits", 5, twins=4),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""

@@ -34,6 +34,13 @@ def determinant_slope(problem: LogProblem, samples: Sequence[ChainSample], scale
     Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
     81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
     """
+    try:
+        return _slope(problem, samples, scaled)
+    except np.linalg.LinAlgError:  # Windows of which nothing is known: what was known of the slope stays.
+        return problem.determinant_slope
+
+
+def _slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> np.ndarray:
     slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
     at = sum(_determinant(problem, sample, scaled) for sample in samples)
     for place in np.flatnonzero(problem.prior.moves):
