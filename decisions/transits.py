@@ -83,7 +83,7 @@ KINDS = (
     Kind("bank of the form y_B", truth="distance", twins=10),
     Kind("banks 5 m from where they are charted", shifted=5.0),
     Kind("water 5 % less deep than charted", deeper=0.95),
-    Kind("draft a tenth less, and not said", lighter=0.9, twins=3),
+    Kind("draft a tenth less, and not said", lighter=0.9),
     Kind("a ship passes every ten minutes", passing=True, twins=4),
     Kind("round bends of 3 km", bends=True, twins=3),
     Kind("vdr, 5 transits", 5, twins=4),

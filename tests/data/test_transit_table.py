@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+NOT_COVERED = {"a ship passes every ten minutes"}
+"""Which the page says is not."""
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +39,7 @@ def test_every_kind_has_its_row(script) -> None:
 
 def test_intervals_cover_as_far_as_so_few_twins_tell() -> None:
     """Within two standard errors of 95 % by the number of twins."""
-    for row in table().values():
+    for row in (row for row in table().values() if row[0] not in NOT_COVERED):
         least = 0.95 - 2 * (0.95 * 0.05 / int(row[1])) ** 0.5
         for cell in (row[2], row[6]):
             assert cell == "-" or share(cell) >= least - 0.01, row

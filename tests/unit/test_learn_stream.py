@@ -32,6 +32,7 @@ class Stream:
             del made
 
 
+@pytest.mark.slow
 def test_records_of_a_stream_are_let_go_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """At most the one at hand, the one laid out before it and the one that comes are there at once."""
     stream, bars = Stream(), list[list[int]]()
