@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -254,6 +255,25 @@ def test_udp_and_tcp_are_heard_and_a_broken_connection_is_opened_anew() -> None:
                 if counts["GPGGA"] == 2 and counts["HEHDT"] >= 3:
                     break
                 assert sum(counts.values()) < 100
+
+
+def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
+    """20 000 reports of others and a second of the ship's own, all at once: the own are all in the first two ticks."""
+    others = "\r\n".join(ais("VDM", 244000000 + k)[0] for k in range(200)) + "\r\n"
+    piece = (100 * others + "\r\n".join(told_at(30.0)) + "\r\n").encode()
+
+    @contextlib.contextmanager
+    def opened() -> Iterator[Callable[[], bytes]]:
+        pieces = iter([piece])
+        yield lambda: next(pieces, b"") or time.sleep(0.05) or b""
+
+    with Listening([Connection("burst", False, False, opened)]) as listening:
+        told, start = listening.ticks(), time.monotonic()
+        heard = Counter(entry.told.source for tick in (next(told), next(told)) for entry in tick.entries)
+        assert time.monotonic() - start < 4.0
+        lost = next(told).faults["for which there was no time"]
+    assert {"GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"} <= set(heard)
+    assert lost >= 20_000 - OTHERS - 5_000
 
 
 def test_signal_k_is_heard_over_a_websocket() -> None:

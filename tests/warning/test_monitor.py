@@ -1,8 +1,11 @@
 """A monitor at work: ships told by sentences, and what befalls sensors, clocks, disks and forecasts."""
 
+import gc
 import json
 import math
 import socket
+import time
+import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import cache
@@ -14,6 +17,7 @@ import pytest
 from transit import canal, ship
 
 import narrows as nw
+from narrows.cli.keyboard import with_keys
 from narrows.readers.nmea.nmea_clock import Entry
 from narrows.readers.nmea.nmea_hearing import Hearing
 from narrows.readers.nmea.nmea_lines import sentences, with_checksum
@@ -23,6 +27,7 @@ from narrows.warning.alerts.situations import BANK, BEYOND_DATA, NO_FORECAST, SE
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.hearing.tick import Tick
+from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_sentences import bridge_sentences
@@ -59,6 +64,15 @@ def ticks(seconds: int, fault: Fault | None = None, **where: float) -> Iterator[
         lines = fault(t, lines) if fault else lines
         told = [hearing.told(one, float(t)) for one in sentences([line.encode() for line in lines], hearing.faults)]
         yield Tick(BEGAN + t, [Entry(BEGAN + t, one) for one in told if one], dict(hearing.faults))
+
+
+@cache
+def calm_forecast() -> BankForecast:
+    return forecaster()(watched(ticks(5))[-1].estimate, {"rudder": 0.0})
+
+
+def calm(estimate: object, positions: object) -> BankForecast:
+    return calm_forecast()
 
 
 def watched(told: Iterator[Tick], one: BridgeMonitor | None = None) -> list[BridgeStatus]:
@@ -118,6 +132,55 @@ def test_a_jump_is_refused_and_said() -> None:
     said = watched(ticks(16, jump))
     assert "gnss jumps" in next(a.text for a in said[14].alerts if a.identifier == SENSORS.identifier)
     assert said[15].estimate["y"] == pytest.approx(0.0, abs=1.5)
+
+
+def test_a_slow_spoof_across_is_said() -> None:
+    """Half a metre a second: told before it has led the estimate a quarter of the way to the bank."""
+
+    def spoof(t: int, lines: Lines) -> Lines:
+        y = 0.5 * max(t - 15, 0)
+        fixes = [line for line in bridge_sentences(canal(), indicated(float(t), y=y), BEGAN + t) if "GGA" in line[:8]]
+        return [*fixes, *(line for line in lines if "GGA" not in line[:8])]
+
+    one = monitor()
+    one.forecaster = calm
+    said = watched(ticks(60, spoof), one)
+    told = [k for k, status in enumerate(said) for alert in status.alerts if "gnss drifts" in alert.text]
+    assert told
+    assert abs(said[told[0]].estimate["y"]) < 150.0 / 4
+
+
+def test_memory_does_not_grow() -> None:
+    """Less than a megabyte an hour, by what is allocated in a minute and a half once a calm watch has gone on for two."""
+    one, log = monitor(), TransitLog("A ship", "a canal")
+    one.forecaster = calm
+    sizes = []
+    tracemalloc.start()
+    for number, tick in enumerate(ticks(210)):
+        log.add(one.update(tick, tick.t))
+        if number in (119, 209):
+            gc.collect()
+            sizes.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    assert (sizes[1] - sizes[0]) / 90 * 3600 < 1e6
+
+
+def test_keys_acknowledge_and_silence() -> None:
+    one = monitor()
+    watched(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)
+    still, asked = Tick(BEGAN + 18, (), {}), []
+    typed = iter([["s"], ["x", "a"]])
+    for state in (AlertState.SILENCED, AlertState.ACKNOWLEDGED):
+        told = with_keys(_slowly(still), one, next(typed))
+        asked = [tick for tick in told if tick.commands][:1]
+        one.update(asked[0], BEGAN + 18)
+        assert one.desk[BANK].state is state
+
+
+def _slowly(tick: Tick) -> Iterator[Tick]:
+    for _ in range(20):
+        time.sleep(0.02)
+        yield tick
 
 
 def test_clocks_that_step_in_the_sentences_change_nothing() -> None:
@@ -223,7 +286,7 @@ def transit_of(said: list[BridgeStatus]) -> WatchedTransit:
     return log.transit()
 
 
-def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path) -> None:
+def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     transit = transit_of(watched(ticks(18, y=95.0, psi=0.25, rudder=0.5)))
     assert "First" in transit.summary()
     assert transit.to_dict()["least_clearance"] < 150.0
@@ -231,6 +294,11 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path) -> None:
     assert "decision support" in transit.notes[0]
     transit.save(tmp_path / "a.png")
     transit.save(tmp_path / "a.csv")
+    monkeypatch.setattr(watched_transit, "MOST_SECONDS", 4)
+    kept = TransitLog("A ship", "a canal")
+    for status in watched(ticks(7)):
+        kept.add(status)
+    assert kept.transit().columns["t"].tolist() == [3.0, 4.0, 5.0, 6.0]
     assert transit_of([]).summary() == "A ship on a canal: 0 seconds watched, 0 with a forecast."
 
 

@@ -1,6 +1,7 @@
 """``monitor``: from what a bridge tells to alerts of the banks."""
 
 import math
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import typer
 
 from narrows.cli.delivery import ReportDelivery
 from narrows.cli.grouped import verb
+from narrows.cli.keyboard import HINT, with_keys
 from narrows.cli.options import WaterwayFile
 from narrows.cli.output import named
 from narrows.errors import InputError
@@ -158,6 +160,9 @@ def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], json: bool) -> "
 
     with stage("compiling what is not compiled yet"):
         watched.prepare(USUAL_SPEED)
+    if not json and sys.stdin.isatty():
+        typer.echo(HINT)
+        ticks = with_keys(ticks, watched)
     log = TransitLog(watched.model.configuration.ship.name or "A ship", watched.waterway.name)
     with suppress(KeyboardInterrupt):
         for number, tick in enumerate(ticks):
@@ -172,7 +177,8 @@ def _say(number: int, status: "BridgeStatus") -> None:
     """What changed; and now and then how it is."""
     for alert in status.changed:
         said = f"{number:6d} s  {alert.priority.words}, {alert.state.value}: {alert.text}"
-        typer.secho(said, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
+        bell = "\a" if alert.sounds and sys.stdout.isatty() else ""
+        typer.secho(bell + said, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
     if number % SAID_EVERY == 0:
         typer.echo(f"{number:6d} s  {status.line()}")
 

@@ -1,6 +1,7 @@
 """A transit as it was watched: what was known second by second, which alerts came, how near it went."""
 
 import math
+from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,8 @@ COLUMNS = (
 )  # fmt: skip
 NEAR = 20.0
 """Of water beside the hull [m], below which it was a near miss."""
+MOST_SECONDS, MOST_ALERTS = 86_400, 10_000
+"""That are kept of a watch: a day; what was before is in the log of alerts."""
 
 
 @dataclass(frozen=True)
@@ -127,8 +130,8 @@ class TransitLog:
 
     def __init__(self, ship: str, waterway: str) -> None:
         self.ship, self.waterway = ship, waterway
-        self._rows: list[tuple[float, ...]] = []
-        self._alerts: list[SaidAlert] = []
+        self._table, self._count = np.empty((MOST_SECONDS, len(COLUMNS))), 0
+        self._alerts: deque[SaidAlert] = deque(maxlen=MOST_ALERTS)
         self._faults: dict[str, int] = {}
         self._began = math.nan
 
@@ -142,13 +145,15 @@ class TransitLog:
         """
         self._began = status.t if math.isnan(self._began) else self._began
         t = status.t - self._began
-        self._rows.append(_row(t, status))
+        self._table[self._count % MOST_SECONDS] = _row(t, status)
+        self._count += 1
         self._alerts += [SaidAlert(t, alert) for alert in status.changed]
         self._faults = status.faults
 
     def transit(self) -> WatchedTransit:
         """Return the transit as it was watched so far."""
-        table = np.array(self._rows, float).reshape(-1, len(COLUMNS))
+        first = self._count % MOST_SECONDS if self._count > MOST_SECONDS else 0
+        table = np.roll(self._table[: self._count], -first, axis=0)
         columns = dict(zip(COLUMNS, table.T, strict=True))
         return WatchedTransit(self.ship, self.waterway, columns, tuple(self._alerts), dict(self._faults))
 
