@@ -18,7 +18,7 @@ from pages import markdown, publish
 from scipy.signal import savgol_filter
 
 import narrows as nw
-from narrows.logbook.log_prior import covariance_before
+from narrows.logbook.learning.log_prior import covariance_before
 from narrows.ship.actuator import Actuator
 
 FOLDER = Path(__file__).parents[2] / "shared" / "data" / "kvlcc2_free_running"

@@ -10,8 +10,8 @@ import narrows as nw
 from engine_models import steered
 from narrows.logbook import GRADES
 from narrows.logbook.gaussian_update import NormalPrior
-from narrows.logbook.planned_transit import Excursion, PlannedTransit
-from narrows.logbook.transit_filter import FELT, START, TransitSystem, Unknowns
+from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
+from narrows.logbook.transits.transit_filter import FELT, START, TransitSystem, Unknowns
 from pictures import assert_readable
 
 BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0)

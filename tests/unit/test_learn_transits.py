@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.logbook.learning_demo import SPEED, large_container_ship, transits_of
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import grid_of
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
-from narrows.logbook.transit_twins import TransitTwin, drawn_truth, recorded
+from narrows.logbook.transits.learning_demo import SPEED, large_container_ship, transits_of
+from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, recorded
 from narrows.waterway import Bank, Centreline
 
 pytestmark = pytest.mark.slow

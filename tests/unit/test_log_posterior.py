@@ -5,8 +5,8 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.log_posterior import log_posterior
-from narrows.logbook.log_prior import coefficient_prior
+from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_prior import coefficient_prior
 from narrows.logbook.shooting.log_problem import CoefficientPrior
 from narrows.logbook.shooting.log_search import Found, RecordTold
 

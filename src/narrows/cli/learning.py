@@ -184,7 +184,7 @@ def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
     """Learn from twins; return whether they tell."""
     from narrows.logbook import learn as learned
     from narrows.logbook import sensor_grade
-    from narrows.logbook.learning_demo import demonstrated_log
+    from narrows.logbook.transits.learning_demo import demonstrated_log
 
     twins = demonstrated_log(sensor_grade(logged.sensors))
     fit = learned(twins.prior, twins.log, sensors=logged.sensors)

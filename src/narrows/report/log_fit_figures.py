@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from narrows.logbook import LogFit
-from narrows.logbook.forecasts import Forecast
 from narrows.logbook.learned_coefficient import WIDE, LearnedCoefficient
-from narrows.logbook.record_answers import RecordAnswer
+from narrows.logbook.learning.forecasts import Forecast
+from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
 
 MOST_ROWS = 24

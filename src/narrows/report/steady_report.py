@@ -5,7 +5,7 @@ from pathlib import Path
 from narrows.files import write_whole
 from narrows.logbook import EnvelopeChange, SteadyFit
 from narrows.logbook.standing import ON_TWINS
-from narrows.logbook.steady_fit import SHARED
+from narrows.logbook.steady_legs.steady_fit import SHARED
 from narrows.report.fit_page import figure, render
 from narrows.report.learned_table import learned_rows
 from narrows.report.steady_figures import steady_figure

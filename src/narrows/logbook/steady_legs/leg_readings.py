@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.logbook.gaussian_update import Blocks
-from narrows.logbook.steady_balance import BALANCED, LATENT, SteadyBalance
-from narrows.logbook.steady_conditions import UNKNOWN
-from narrows.logbook.steady_readings import SteadyReadings
+from narrows.logbook.steady_legs.steady_balance import BALANCED, LATENT, SteadyBalance
+from narrows.logbook.steady_legs.steady_conditions import UNKNOWN
+from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 
 ZEROS = {"rudder": 2, "drift": 3, "heading": 4, "y": 5}
 """Which of ``UNKNOWN`` adds to a reading."""

@@ -11,8 +11,8 @@ from narrows.errors import InputError
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.signals import Signal
-from narrows.logbook.transit_conditions import TransitConditions, wandering
-from narrows.logbook.transit_pilot import TransitPilot
+from narrows.logbook.transits.transit_conditions import TransitConditions, wandering
+from narrows.logbook.transits.transit_pilot import TransitPilot
 from narrows.model.model import Model
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.voyage import Voyage, simulate

@@ -7,12 +7,12 @@ import numpy as np
 
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError, check_count, shown
-from narrows.logbook.learn_steady import check_covariance
-from narrows.logbook.pair_design import pair_design
-from narrows.logbook.steady_candidates import Candidates, candidates, usual_offsets, usual_speeds
-from narrows.logbook.steady_conditions import SteadyConditions
-from narrows.logbook.steady_plan import PlannedLeg, SteadyPlan
-from narrows.logbook.steady_readings import ReadingErrors
+from narrows.logbook.steady_legs.learn_steady import check_covariance
+from narrows.logbook.steady_legs.pair_design import pair_design
+from narrows.logbook.steady_legs.steady_candidates import Candidates, candidates, usual_offsets, usual_speeds
+from narrows.logbook.steady_legs.steady_conditions import SteadyConditions
+from narrows.logbook.steady_legs.steady_plan import PlannedLeg, SteadyPlan
+from narrows.logbook.steady_legs.steady_readings import ReadingErrors
 from narrows.logbook.targets import learnable
 from narrows.model.model import Model
 from narrows.safety.answer import SURE_SHARE

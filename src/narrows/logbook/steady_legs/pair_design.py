@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.logbook.leg_readings import LegReadings
-from narrows.logbook.steady_balance import SteadyBalance, felt_on
-from narrows.logbook.steady_candidates import Candidates
-from narrows.logbook.steady_conditions import SteadyConditions
-from narrows.logbook.steady_readings import ReadingErrors, SteadyReadings
-from narrows.logbook.steady_update import steady_prior
+from narrows.logbook.steady_legs.leg_readings import LegReadings
+from narrows.logbook.steady_legs.steady_balance import SteadyBalance, felt_on
+from narrows.logbook.steady_legs.steady_candidates import Candidates
+from narrows.logbook.steady_legs.steady_conditions import SteadyConditions
+from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyReadings
+from narrows.logbook.steady_legs.steady_update import steady_prior
 from narrows.model.model import Model
 
 

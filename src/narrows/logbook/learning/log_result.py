@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from narrows.logbook.grid_source import GridSource
 from narrows.logbook.learned_coefficient import learned_coefficients
 from narrows.logbook.learned_model import learned_model
-from narrows.logbook.log_fit import Gusts, LogFit
-from narrows.logbook.log_posterior import log_posterior
-from narrows.logbook.log_source import LogSource
-from narrows.logbook.record_answers import record_answers
-from narrows.logbook.refined_search import Refined
+from narrows.logbook.learning.grid_source import GridSource
+from narrows.logbook.learning.log_fit import Gusts, LogFit
+from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_source import LogSource
+from narrows.logbook.learning.record_answers import record_answers
+from narrows.logbook.learning.refined_search import Refined
 from narrows.logbook.shooting.push_chain import SWAY, YAW, WindowChain
 from narrows.model.data_range import Range
 from narrows.model.model import Model

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.log_assumptions import LogAssumptions
+from narrows.logbook.learning.log_assumptions import LogAssumptions
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.shooting.record_grid import READ, RecordGrid, grid_of

@@ -6,7 +6,7 @@ from narrows.errors import InputError
 from narrows.identification.bundled_ship import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.transit_twins import TransitTwin, drawn_truth, recorded
+from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, recorded
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.constants import KNOT

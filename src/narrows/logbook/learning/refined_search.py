@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.grid_source import GridSource
+from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_chain
 from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.first_guess import first_guess

@@ -8,15 +8,15 @@ import numpy as np
 
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
-from narrows.logbook.foresight import ForeseenTransit, Foresight
 from narrows.logbook.gaussian_update import NormalPrior
-from narrows.logbook.learn_steady import check_covariance
-from narrows.logbook.planned_transit import Excursion, PlannedTransit
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
-from narrows.logbook.steady_candidates import usual_offsets, usual_speeds
+from narrows.logbook.steady_legs.learn_steady import check_covariance
+from narrows.logbook.steady_legs.steady_candidates import usual_offsets, usual_speeds
 from narrows.logbook.targets import learnable
-from narrows.logbook.transit_conditions import TransitConditions
-from narrows.logbook.transit_filter import Unknowns
+from narrows.logbook.transits.foresight import ForeseenTransit, Foresight
+from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
+from narrows.logbook.transits.transit_conditions import TransitConditions
+from narrows.logbook.transits.transit_filter import Unknowns
 from narrows.model.model import Model
 from narrows.safety.envelope import safe_envelope
 from narrows.simulation.inputs import check_waterway, finite_numbers

@@ -7,10 +7,10 @@ import numpy as np
 
 from narrows.control.self_propulsion import self_propulsion
 from narrows.errors import InputError
-from narrows.logbook.steady_balance import felt_on
-from narrows.logbook.transit_conditions import TransitConditions, wandering
-from narrows.logbook.transit_filter import TransitSystem
-from narrows.logbook.transit_pilot import TransitPilot
+from narrows.logbook.steady_legs.steady_balance import felt_on
+from narrows.logbook.transits.transit_conditions import TransitConditions, wandering
+from narrows.logbook.transits.transit_filter import TransitSystem
+from narrows.logbook.transits.transit_pilot import TransitPilot
 from narrows.model.model import Model
 from narrows.simulation.voyage import Voyage, simulate
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
-from narrows.logbook.grid_source import GridSource, speed_of
-from narrows.logbook.log_assumptions import BASIN, LogAssumptions
-from narrows.logbook.log_fit import LogFit
-from narrows.logbook.log_prior import Spread, coefficient_prior, covariance_before, push_inertia
-from narrows.logbook.log_result import log_result
-from narrows.logbook.log_source import LogSource
+from narrows.logbook.learning.grid_source import GridSource, speed_of
+from narrows.logbook.learning.log_assumptions import BASIN, LogAssumptions
+from narrows.logbook.learning.log_fit import LogFit
+from narrows.logbook.learning.log_prior import Spread, coefficient_prior, covariance_before, push_inertia
+from narrows.logbook.learning.log_result import log_result
+from narrows.logbook.learning.log_source import LogSource
+from narrows.logbook.learning.refined_search import refined_search
 from narrows.logbook.reading.read_log import stream_log
-from narrows.logbook.refined_search import refined_search
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord

@@ -8,9 +8,9 @@ import numpy as np
 
 from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, coefficient_frame, pairs
 from narrows.logbook.standing import ON_TWINS
-from narrows.logbook.steady_checks import SteadyChecks
-from narrows.logbook.steady_conditions import UNKNOWN, SteadyConditions
-from narrows.logbook.steady_readings import SteadyReadings
+from narrows.logbook.steady_legs.steady_checks import SteadyChecks
+from narrows.logbook.steady_legs.steady_conditions import UNKNOWN, SteadyConditions
+from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 from narrows.model.model import Model
 from narrows.results import Shown
 

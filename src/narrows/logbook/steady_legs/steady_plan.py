@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.logbook.standing import ON_TWINS
-from narrows.logbook.steady_conditions import SteadyConditions
-from narrows.logbook.steady_readings import ReadingErrors
+from narrows.logbook.steady_legs.steady_conditions import SteadyConditions
+from narrows.logbook.steady_legs.steady_readings import ReadingErrors
 from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
 from narrows.results import Shown

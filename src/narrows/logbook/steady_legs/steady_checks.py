@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from narrows.logbook.steady_readings import SteadyReadings
-from narrows.logbook.steady_update import SteadyUpdate
+from narrows.logbook.steady_legs.steady_readings import SteadyReadings
+from narrows.logbook.steady_legs.steady_update import SteadyUpdate
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 

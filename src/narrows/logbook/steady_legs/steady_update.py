@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.logbook.gaussian_update import NormalPrior, Posterior, updated
-from narrows.logbook.leg_readings import LegReadings
-from narrows.logbook.steady_balance import SteadyBalance, felt_on
-from narrows.logbook.steady_conditions import UNKNOWN, SteadyConditions
-from narrows.logbook.steady_readings import SteadyReadings
+from narrows.logbook.steady_legs.leg_readings import LegReadings
+from narrows.logbook.steady_legs.steady_balance import SteadyBalance, felt_on
+from narrows.logbook.steady_legs.steady_conditions import UNKNOWN, SteadyConditions
+from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 from narrows.model.model import Model
 
 ROUNDS, SETTLED = 50, 1e-6

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from narrows.logbook.forecasts import STATES_JUDGED, Forecast, forecast, missed
-from narrows.logbook.log_posterior import scaled_covariance
-from narrows.logbook.refined_search import Refined
+from narrows.logbook.learning.forecasts import STATES_JUDGED, Forecast, forecast, missed
+from narrows.logbook.learning.log_posterior import scaled_covariance
+from narrows.logbook.learning.refined_search import Refined
 from narrows.logbook.shooting.log_search import RecordTold
 from narrows.logbook.shooting.record_grid import RecordGrid
 

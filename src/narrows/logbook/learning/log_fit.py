@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, coefficient_frame, pairs
-from narrows.logbook.record_answers import RecordAnswer
+from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.logbook.shooting.noise_left import NoiseLeft
 from narrows.logbook.standing import ON_TWINS
 from narrows.model.model import Model

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.logbook.planned_transit import Excursion
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.standing import ON_TWINS
-from narrows.logbook.transit_conditions import TransitConditions
+from narrows.logbook.transits.planned_transit import Excursion
+from narrows.logbook.transits.transit_conditions import TransitConditions
 from narrows.model.model import Model
 from narrows.quantities.constants import KNOT
 from narrows.results import Shown
