@@ -79,7 +79,7 @@ def main() -> None:
     rows = [
         ("one run of the model", single_run(model, count), "as the rudder is, 120 s"),
         ("curved predictor", curved(model, count), "NumPy"),
-        ("nine futures in a bend", bent, f"{members} members, banks as polygons"),
+        ("nine futures in a bend", bent, f"{members} members, banks: polygons"),
     ]
     if not small:
         rows.append(("nine futures, straight canal", forecasting(model, None, members, count), f"{members} members"))
