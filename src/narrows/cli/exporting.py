@@ -11,14 +11,17 @@ from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import check_choice
 
-KINDS = ("c", "js", "python", "latex")
+SOURCES_ALONE = "no compiler is here: the FMU has its sources alone, which importers may compile"
+KINDS = ("c", "js", "python", "latex", "fmu")
 
 
 @verb("narrows export c mikkelsen2025_dtc -o dtc.h")
 def export(
-    kind: Annotated[str, typer.Argument(help="What to write: 'c', 'js', 'python' or 'latex'.", show_default=False)],
+    kind: Annotated[
+        str, typer.Argument(help="What to write: 'c', 'js', 'python', 'latex' or 'fmu'.", show_default=False)
+    ],
     model: ModelFile,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h, .mjs, .py or .tex.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h, .mjs, .py, .tex or .fmu.")],
     physics: PhysicsOptions,
     water: WaterOptions,
     json: AsJson = False,
@@ -28,15 +31,23 @@ def export(
     MODEL is a model file, or the name of a published model.
     """
     from narrows import export as room
+    from narrows.export.native_builds import lacks_zig
     from narrows.model.model_file import model_named
 
     check_choice("what to export", kind, KINDS)
+    platforms: tuple[str, ...] = ()
     if kind == "latex":
         room.write_latex(model_named(model), output)
+    elif kind == "fmu":
+        platforms = room.write_fmu(model_named(model), output, waterway=water.read(), **vars(physics))
     else:
         write = {"c": room.write_c, "js": room.write_javascript, "python": room.write_python}[kind]
         write(model_named(model), output, waterway=water.read(), **vars(physics))
     if json:
-        print_json({"kind": kind, "output": str(output), "bytes": output.stat().st_size})
+        print_json({"kind": kind, "output": str(output), "platforms": platforms})
         return
+    if kind == "fmu":
+        typer.echo(f"libraries for {', '.join(platforms)}" if platforms else SOURCES_ALONE)
+        if reason := lacks_zig():
+            typer.echo(reason)
     say_written([output])

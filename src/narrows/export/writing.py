@@ -4,9 +4,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from narrows.codegen.free_motion import Surge
+from narrows.codegen.shapes import OPEN
+from narrows.errors import InputError
 from narrows.files import form_of, write_whole
 from narrows.model.model import Model
-from narrows.simulation.inputs import Contact
+from narrows.simulation.inputs import Contact, finite_numbers
 from narrows.simulation.ship import Points, SimulatedShip
 
 if TYPE_CHECKING:
@@ -141,6 +143,67 @@ def write_latex(model: Model, path: str | Path) -> None:
 
     form_of(path, (".tex",))
     write_whole(path, latex_text(model))
+
+
+def write_fmu(
+    model: Model, path: str | Path, *, u: float | None = None, dt: float | None = None,
+    waterway: "Waterway | None" = None, surge: Surge = "held", surge_inertia: float | None = None,
+    coriolis: bool = False, contact: Contact | Points = "corners",
+) -> tuple[str, ...]:  # fmt: skip
+    """Write a model as an FMU of FMI 2.0, co-simulation and model exchange.
+
+    What ``write_c`` writes, compiled. With ziglang (the extra ``fmu``) for Linux on x86-64 and aarch64, Windows and
+    macOS; else for this machine alone, by its own compiler; and where there is none with its sources alone,
+    as the standard allows.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    path : str or Path
+        Where to, as in ``ship.fmu``.
+    u : float [m/s], optional
+        Surge velocity at the start, which an importer may change; what suits the ship unless given.
+    dt : float [s], optional
+        Longest step of co-simulation; what suits the ship unless given.
+    waterway : Waterway, optional
+        Where it sails instead of the model's own canal; its table goes into the file, and a caller may give another.
+    surge : str
+        ``held``: the speed stays; ``free``: it is integrated.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+    coriolis : bool
+        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
+    contact : str or points [m]
+        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
+        ``none`` in open water.
+
+    Returns
+    -------
+    tuple of str
+        The platforms that it has a library for.
+
+    Raises
+    ------
+    InputError
+        As ``write_c``; where the contact is ``none``, or a compiler fails.
+    """
+    from narrows.export.exported_ship import ExportedShip
+    from narrows.export.fmu_archive import fmu_bytes
+    from narrows.export.native_builds import builds_here
+    from narrows.simulation.usual import usual_voyage
+
+    form_of(path, (".fmu",))
+    if contact == OPEN:
+        raise InputError("an FMU tells the clearance from the banks, and contact 'none' has none; choose 'corners'")
+    ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), usual_voyage(model, u)
+    speed, step = usual.speed if u is None else u, usual.dt if dt is None else dt
+    finite_numbers(u=speed, dt=step)
+    if not step > 0:
+        raise InputError(f"dt = {step:g} s is no step; give a time over 0")
+    builds = builds_here()
+    write_whole(path, fmu_bytes(ExportedShip(ship, waterway), float(speed), float(step), builds))
+    return tuple(dict.fromkeys(build.folder for build in builds))
 
 
 def _exported(model: Model, path: str | Path, waterway: "Waterway | None", *choices: Any) -> "ExportedShip":

@@ -1,0 +1,129 @@
+"""The variables of an FMU, and the description that tells an importer of them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from narrows.codegen.linearisation import LINEARISED
+from narrows.export.exported_ship import ExportedNumber, ExportedShip
+from narrows.export.rendering import commented, rendered
+from narrows.quantities.dimensions import dimension_of
+from narrows.quantities.names import MOTION
+
+HEADING = "heading, positive clockwise seen from above"
+CLEARANCES = {"clearance_starboard": "starboard", "clearance_port": "port"}
+PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
+
+
+@dataclass(frozen=True)
+class FmuVariable:
+    """A variable; its reference is its place in the array of ``fmi/instance.h``.
+
+    Parameters
+    ----------
+    name : str
+        In the FMU.
+    reference : int
+        Its place.
+    causality, variability, initial : str
+        As the standard has them; no initial where it forbids one.
+    unit, meaning : str
+        In SI, and in words.
+    start : float, optional
+        Its value at the start, where that may be set.
+    derivative : int
+        Index of the variable that it is the rate of; 0 of none.
+    truth : bool
+        Whether it is true or false.
+    """
+
+    name: str
+    reference: int
+    causality: str
+    variability: str
+    initial: str
+    unit: str
+    meaning: str
+    start: float | None = None
+    derivative: int = 0
+    truth: bool = False
+
+
+def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVariable, ...]:
+    """Return the variables of an FMU, by the order of their references (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        The ship.
+    speed : float [m/s]
+        That it starts with.
+    dt : float [s]
+        Longest step of co-simulation.
+    """
+    return tuple(_variables(exported, speed, dt))
+
+
+def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuVariable]:
+    yield FmuVariable("time", 0, "independent", "continuous", "", "s", "time")
+    units = {name: MOTION[name].unit if name in MOTION else "rad" for name in LINEARISED}
+    for place, (name, unit) in enumerate(units.items(), 1):
+        meaning = MOTION[name].meaning if name in MOTION else HEADING
+        start = speed if name == "u" else 0.0
+        yield FmuVariable(name, place, "output", "continuous", "exact", unit, meaning, start)
+    for place, (name, unit) in enumerate(units.items(), 7):
+        of = ("local", "continuous", "calculated", PER_SECOND[unit], f"rate of {name}")
+        # The index of a variable is its place in the list, from 1.
+        yield FmuVariable(f"der({name})", place, *of, derivative=place - 5)
+    for place, (name, side) in enumerate(CLEARANCES.items(), 13):
+        yield FmuVariable(name, place, "output", "continuous", "calculated", "m", f"room to {side} of the hull")
+    stuck = "whether the hull has touched a bank; from then on the ship lies still"
+    yield FmuVariable("aground", 15, "output", "discrete", "calculated", "1", stuck, truth=True)
+    yield FmuVariable("step", 16, "parameter", "fixed", "exact", "s", "longest step of co-simulation", dt)
+    positions, first = exported.state[7:], 17 + len(exported.state) - 7
+    for place, one in enumerate(positions, 17):
+        yield FmuVariable(one.name, place, "output", "continuous", "calculated", one.unit, one.meaning)
+    for place, one in enumerate(exported.inputs, first):
+        yield _number(one, one.name, place, "input", "continuous", "")
+    for place, one in enumerate(exported.parameters, first + len(exported.inputs)):
+        yield _number(one, f"parameters.{one.name}", place, "parameter", "tunable", "exact")
+
+
+def _number(one: ExportedNumber, name: str, place: int, causality: str, variability: str, initial: str) -> FmuVariable:
+    return FmuVariable(name, place, causality, variability, initial, one.unit, one.meaning, one.value)
+
+
+def unit_powers(unit: str) -> dict[str, int]:
+    """Return a unit as powers of base units, ``kg m/s2`` as kg 1, m 1, s -2 (ours).
+
+    Parameters
+    ----------
+    unit : str
+        In SI.
+    """
+    dimension = dimension_of(unit)
+    powers = {"kg": dimension.mass, "m": dimension.length, "s": dimension.time, "rad": int(unit.startswith("rad"))}
+    return {base: power for base, power in powers.items() if power}
+
+
+def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str) -> str:
+    """Return the description of an FMU (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        The ship.
+    variables : tuple of FmuVariable
+        In order.
+    token : str
+        What names this very model.
+    """
+    outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
+    rates = [index for index, one in enumerate(variables, 1) if one.derivative]
+    first = [index for index, one in enumerate(variables, 1) if one.initial == "calculated"]
+    return rendered(
+        "fmi2.xml.j2", exported, variables=variables, token=token, version=version("narrows"), number=repr,
+        name=commented(exported.ship.model.configuration.ship.name), about=commented(" ".join(exported.about())),
+        units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in variables)},
+        structure={"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": first},
+    )  # fmt: skip

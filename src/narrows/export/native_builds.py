@@ -1,0 +1,122 @@
+"""Compilers that are here, and the binaries that they make of the sources of an FMU."""
+
+import platform
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from narrows.errors import InputError, needs
+
+FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
+ZIG = (
+    ("x86_64-linux-gnu.2.17", "linux64", ".so"),
+    ("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
+    ("x86_64-windows-gnu", "win64", ".dll"),
+    ("x86_64-macos.11.0", "darwin64", ".dylib"),
+    ("aarch64-macos.11.0", "darwin64", ".dylib"),
+)
+"""What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU, its suffix."""
+PAGE = 1 << 14
+FAT, PROCESSOR, ALIGNMENT = 0xCAFEBABE, slice(4, 12), 14
+LOCAL = {("Linux", "x86_64"): "linux64", ("Linux", "aarch64"): "aarch64-linux"}
+
+
+@dataclass(frozen=True)
+class NativeBuild:
+    """A compiler for one platform.
+
+    Parameters
+    ----------
+    folder : str
+        Of the platform in an FMU.
+    command : tuple of str
+        That compiles and links.
+    suffix : str
+        Of what it makes.
+    """
+
+    folder: str
+    command: tuple[str, ...]
+    suffix: str
+
+    def compiled(self, source: Path) -> bytes:
+        """Return the library of a source.
+
+        Parameters
+        ----------
+        source : Path
+            A C file, beside what it includes.
+
+        Raises
+        ------
+        InputError
+            Where the compiler fails.
+        """
+        target = source.with_name(f"{self.folder}{self.suffix}")
+        libraries = () if self.suffix == ".dll" else ("-lm",)
+        try:
+            done = subprocess.run(
+                [*self.command, *FLAGS, str(source), "-o", str(target), *libraries], capture_output=True, text=True
+            )
+        except OSError as error:
+            raise InputError(f"{self.command[0]} cannot be run ({error.strerror}); mend the compiler") from None
+        if done.returncode or not target.exists():
+            line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
+            raise InputError(f"the compiler for {self.folder} fails ({line.strip()[:200]}); nothing was written")
+        return target.read_bytes()
+
+
+def lacks_zig() -> str:
+    """Return what to do for libraries for all platforms, where their compiler is not here; nothing where it is (ours)."""
+    try:
+        with needs("fmu", "an FMU for Linux, Windows and macOS at once"):
+            import ziglang  # noqa: F401
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def builds_here() -> tuple[NativeBuild, ...]:
+    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own (ours)."""
+    if not lacks_zig():
+        zig = (sys.executable, "-m", "ziglang", "cc", "-s", "-target")
+        return tuple(NativeBuild(folder, (*zig, target), suffix) for target, folder, suffix in ZIG)
+    compiler, folder = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
+    return (NativeBuild(folder, (compiler, "-s"), ".so"),) if compiler and folder else ()
+
+
+def libraries_of_source(source: Path, builds: tuple[NativeBuild, ...]) -> Mapping[str, bytes]:
+    """Return the library of a source for each platform, by its place in an FMU (ours).
+
+    Parameters
+    ----------
+    source : Path
+        A C file.
+    builds : tuple of NativeBuild
+        The compilers.
+    """
+    made: dict[str, list[bytes]] = {}
+    for build in builds:
+        made.setdefault(f"binaries/{build.folder}/ship{build.suffix}", []).append(build.compiled(source))
+    return {place: own[0] if len(own) == 1 else universal(own) for place, own in made.items()}
+
+
+def universal(libraries: Sequence[bytes]) -> bytes:
+    """Return one library for macOS of those for its processors: a table of them, then each on pages of its own (ours).
+
+    Parameters
+    ----------
+    libraries : sequence of bytes
+        Mach-O files, which say their processor.
+    """
+    entries, body = b"", b""
+    for library in libraries:
+        processor, kind = struct.unpack("<2I", library[PROCESSOR])
+        entries += struct.pack(">5I", processor, kind, PAGE + len(body), len(library), ALIGNMENT)
+        body += library + bytes(-len(library) % PAGE)
+    head = struct.pack(">2I", FAT, len(libraries)) + entries
+    return head + bytes(PAGE - len(head)) + body

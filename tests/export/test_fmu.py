@@ -1,0 +1,165 @@
+"""FMUs beside the package's own voyages, by FMPy: validated, sailed in both kinds, differentiated, put back."""
+
+import shutil
+import struct
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from compiled import needs_compiler
+from exported import bent, model_of, speed_of
+from typer.testing import CliRunner
+
+import narrows as nw
+from narrows.cli import app
+from narrows.export.native_builds import NativeBuild, universal
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+pytestmark = needs_compiler
+POSE = ("x", "y", "psi", "u", "v", "r")
+START = {"x": 6.0, "y": 0.4, "psi": 0.02, "u": 1.0}
+DT = 0.05
+
+
+@pytest.fixture(scope="module")
+def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("fmu") / "paper.fmu"
+    nw.export.write_fmu(model_of("paper"), path, dt=DT)
+    return path
+
+
+@pytest.fixture(scope="module")
+def steered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("fmu") / "steered.fmu"
+    nw.export.write_fmu(model_of("steered"), path, dt=DT, waterway=bent("steered"))
+    return path
+
+
+def sailed(path: Path, kind: str, **more: Any) -> np.ndarray:
+    return fmpy.simulate_fmu(
+        str(path),
+        fmi_type=kind,
+        stop_time=20.0,
+        output_interval=DT,
+        output=[*POSE, "aground", "clearance_port"],
+        **more,
+    )
+
+
+@pytest.mark.parametrize("name", ["paper", "steered"])
+def test_the_standard_is_kept(name: str, request: pytest.FixtureRequest) -> None:
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(request.getfixturevalue(name))) == []
+
+
+def test_co_simulation_is_the_voyage_to_its_contact(paper: Path) -> None:
+    voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=DT)
+    rows = sailed(paper, "CoSimulation", start_values=START)
+    assert voyage.grounded
+    many = len(voyage.t) - 1
+    for name in POSE:
+        np.testing.assert_allclose(rows[name][:many], getattr(voyage, name)[:many], rtol=1e-12, atol=1e-12)
+    assert rows["aground"][-1] == 1
+    np.testing.assert_allclose(
+        [rows[name][-1] for name in POSE[:3]], [voyage.outcome.state[n] for n in POSE[:3]], atol=1e-9
+    )
+    assert rows["x"][-1] == rows["x"][-2], "a grounded ship lies still"
+
+
+def test_a_rudder_is_turned_by_its_gear_in_a_waterway(steered: Path) -> None:
+    told = {**START, "u": speed_of("steered")}
+    voyage = nw.simulate(
+        model_of("steered"), **told, duration=20.0, dt=DT, waterway=bent("steered"), controller=nw.ConstantRudder(0.1)
+    )
+    rows = sailed(steered, "CoSimulation", start_values={**told, "rudder_order": 0.1})
+    many = len(voyage.t) - 1
+    for name in POSE:
+        np.testing.assert_allclose(rows[name][:many], getattr(voyage, name)[:many], rtol=1e-10, atol=1e-10)
+
+
+def test_model_exchange_is_the_voyage_by_another_integrator(paper: Path) -> None:
+    voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=0.005, at=np.arange(1, 10, 1.0).tolist())
+    rows = sailed(paper, "ModelExchange", start_values=START, relative_tolerance=1e-10)
+    for name in POSE:
+        ours = np.interp(np.arange(1, 10, 1.0), rows["time"], rows[name])
+        np.testing.assert_allclose(ours, getattr(voyage, name)[1:10], rtol=1e-6, atol=1e-6)
+    assert rows["aground"][-1] == 1
+
+
+def test_derivatives_and_state(paper: Path) -> None:
+    description = fmpy.read_model_description(str(paper))
+    place = {one.name: one.valueReference for one in description.modelVariables}
+    folder = fmpy.extract(str(paper))
+    ship = fmpy.fmi2.FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier="ship", instanceName="one")
+    try:
+        ship.instantiate()
+        ship.setupExperiment(startTime=0.0)
+        ship.enterInitializationMode()
+        at = {"y": 0.5, "psi": 0.05, "u": 1.0, "v": 0.03, "r": -0.01}
+        ship.setReal([place[name] for name in at], list(at.values()))
+        ship.exitInitializationMode()
+        unknown = [place["der(v)"], place["der(r)"]]
+        exact = ship.getDirectionalDerivative(unknown, [place["y"]], [1.0])
+        rates = {by: nw.derivative(model_of("paper"), {**at, "y": 0.5 + by}) for by in (-1e-6, 1e-6)}
+        np.testing.assert_allclose(exact, (rates[1e-6] - rates[-1e-6])[[4, 5]] / 2e-6, rtol=1e-6)
+        before, kept = ship.getReal([place["y"]]), ship.getFMUState()
+        ship.doStep(currentCommunicationPoint=0.0, communicationStepSize=1.0)
+        assert ship.getReal([place["y"]]) != before
+        ship.setFMUState(ship.deSerializeFMUstate(ship.serializeFMUstate(kept)))
+        assert ship.getReal([place["y"]]) == before
+        ship.freeFMUState(kept)
+        ship.terminate()
+    finally:
+        ship.freeInstance()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_a_start_in_the_bank_is_refused(paper: Path) -> None:
+    with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
+        sailed(paper, "CoSimulation", start_values={"y": 3.4, "u": 1.0})
+
+
+def test_written_again_its_sources_are_the_same(paper: Path, tmp_path: Path) -> None:
+    nw.export.write_fmu(model_of("paper"), tmp_path / "again.fmu", dt=DT)
+    with zipfile.ZipFile(paper) as one, zipfile.ZipFile(tmp_path / "again.fmu") as other:
+        names = [name for name in one.namelist() if not name.startswith("binaries")]
+        assert {name: one.read(name) for name in names} == {name: other.read(name) for name in names}
+    assert paper.stat().st_size < 150_000
+
+
+def test_without_a_compiler_its_sources_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("narrows.export.native_builds.builds_here", lambda: ())
+    done = CliRunner().invoke(app, ["export", "fmu", "mikkelsen2025_dtc", "-o", str(tmp_path / "ship.fmu")])
+    assert done.exit_code == 0
+    assert "sources alone" in done.stdout
+    with zipfile.ZipFile(tmp_path / "ship.fmu") as packed:
+        assert {"modelDescription.xml", "sources/fmi2.c", "sources/ship.h"} <= set(packed.namelist())
+
+
+def test_a_compiler_that_fails_is_a_sentence_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = NativeBuild("linux64", ("false",), ".so")
+    monkeypatch.setattr("narrows.export.native_builds.builds_here", lambda: (broken,))
+    with pytest.raises(nw.InputError, match="compiler for linux64 fails"):
+        nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu")
+    with pytest.raises(nw.InputError, match="contact 'none'"):
+        nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu", contact="none")
+    with pytest.raises(nw.InputError, match="no step"):
+        nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu", dt=0.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_libraries_of_macos_in_one() -> None:
+    """The table of Apple's fat binaries: big-endian places of what lies behind, on pages."""
+    parts = [
+        struct.pack("<3I", 0xFEEDFACF, kind, 3) + bytes(own) for kind, own in ((0x01000007, 9), (0x0100000C, 40000))
+    ]
+    whole = universal(parts)
+    assert struct.unpack(">2I", whole[:8]) == (0xCAFEBABE, 2)
+    for number, part in enumerate(parts):
+        kind, _, place, size, _ = struct.unpack(">5I", whole[8 + 20 * number : 28 + 20 * number])
+        assert kind == struct.unpack("<I", part[4:8])[0]
+        assert whole[place : place + size] == part
+        assert place % (1 << 14) == 0
