@@ -71,7 +71,7 @@ class NativeBuild:
 
 
 def lacks_zig() -> str:
-    """Return what to do for libraries for all platforms, where their compiler is not here; nothing where it is (ours)."""
+    """Return what to do for libraries for all platforms where their compiler is not here, else nothing (ours)."""
     try:
         with needs("fmu", "an FMU for Linux, Windows and macOS at once"):
             import ziglang  # noqa: F401
