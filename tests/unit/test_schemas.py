@@ -82,6 +82,7 @@ WORDS = {
     "identify": "{table} --ship {ship} --condition C0101A02",
     "explain": "mikkelsen2025_dtc {table} --ship {ship} --condition C0101A02 --compare speed,paper+distance_depth",
     "plan": "{ship} --runs 2 --targets b_bank,a_udot",
+    "export": "c mikkelsen2025_dtc -o {out}.h",
     "scale": "mikkelsen2025_dtc --length 355",
     "simulate": "mikkelsen2025_dtc --y 0.5",
     "map": "mikkelsen2025_dtc --y -1,0,1 --speed 0.8,1",

@@ -43,11 +43,14 @@ def export(
     else:
         write = {"c": room.write_c, "js": room.write_javascript, "python": room.write_python}[kind]
         write(model_named(model), output, waterway=water.read(), **vars(physics))
-    if json:
-        print_json({"kind": kind, "output": str(output), "platforms": platforms})
-        return
+    notes: list[str] = []
     if kind == "fmu":
-        typer.echo(f"libraries for {', '.join(platforms)}" if platforms else SOURCES_ALONE)
-        if reason := lacks_zig():
-            typer.echo(reason)
+        notes = [f"libraries for {', '.join(platforms)}" if platforms else SOURCES_ALONE]
+        notes += filter(None, [lacks_zig()])
+    if json:
+        summary = f"wrote {output}"
+        print_json({"summary": summary, "kind": kind, "output": str(output), "platforms": platforms, "notes": notes})
+        return
+    for note in notes:
+        typer.echo(note)
     say_written([output])
