@@ -19,8 +19,10 @@ CALLS = """
 #include "ship.h"
 #ifdef WATER
 #define CANAL , &ship_canal
+#define OF_BANKS &ship_canal
 #else
 #define CANAL
+#define OF_BANKS &k
 #endif
 static ship_constants k;
 static ship_inputs in;
@@ -40,6 +42,7 @@ void by_state(const double *z, double *out) { ship_by_state(z, &in, &k CANAL, ou
 void by_input(const double *z, double *out) { ship_by_input(z, &in, &k CANAL, out); }
 void by_coefficient(const double *z, double *out) { ship_by_coefficient(z, &in, &k CANAL, out); }
 void step(const double *z, double h, double *out) { ship_step(z, out, h, &in, &k CANAL); }
+void clearance(const double *z, double *out) { ship_clearance(z, out, OF_BANKS); }
 int sail(double *z, double h, double time, double *end) { return ship_sail(z, &in, &k CANAL, h, time, end); }
 """
 

@@ -16,6 +16,7 @@ import narrows as nw
 from narrows.simulation.departure import POSE, departure
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
+from narrows.waterway.room import exact_room
 
 pytestmark = needs_compiler
 PUSH = {"Y": 0.7, "N": -0.4}
@@ -73,6 +74,10 @@ def test_rates_and_derivatives_are_those_of_python(ships: Any, name: str) -> Non
             "N_in": -0.4,
             **positions,
         }
+        hull = model.configuration.ship
+        reach = hull.length / 2 * abs(sine) + hull.beam / 2 * cosine
+        half = model.configuration.canal.width / 2
+        close(ship.called("clearance", state, 2), [half - y - reach, half + y - reach], 1e-12)
         by_state, by_input = linear.state(at), linear.controls(at)
         close(ship.called("by_state", state, 36), by_state.ravel(), 1e-12)
         close(ship.called("by_input", state, by_input.size), by_input.ravel(), 1e-12)
@@ -94,6 +99,10 @@ def test_steps_and_derivatives_in_a_waterway(ships: Any, name: str) -> None:
         march, begun = departure(simulated, steering, start, bent(name), False)
         after, room, lean = march.stepped(begun, 0.05)
         close(ship.called("step", begun, len(begun) + 2, 0.05), [*after, room, lean], 1e-12)
+        starboard, port = ship.called("clearance", begun, 2)
+        water, step = march.channel.water, 1 / march.inputs["cells_a_metre"]
+        nearer, leaning = exact_room(water.track.tolist(), step, *begun[:4], water.outline.tolist())
+        close([min(starboard, port), port - starboard], [nearer, leaning], 1e-12)
         by_state = ship.called("by_state", begun, 36).reshape(6, 6)
         close(by_state, np.stack([slope(ship, begun, column) for column in range(6)], axis=1), 2e-6)
 
@@ -113,8 +122,7 @@ def slope(ship: CompiledShip, state: Any, column: int, h: float = 1e-6) -> np.nd
     return (rates(h) - rates(-h)) / (2 * h)
 
 
-@pytest.mark.parametrize("curved", [False, True], ids=["straight", "waterway"])
-@pytest.mark.parametrize("name", ["paper", "steered", "mmg+delta"])
+@pytest.mark.parametrize(("name", "curved"), [("paper", False), ("steered", True), ("mmg+delta", False)])
 def test_voyages_end_where_those_of_python_do(ships: Any, name: str, curved: bool) -> None:
     voyages_agree(ships(name, curved), name, bent(name) if curved else None, "corners")
 

@@ -48,11 +48,10 @@ def sailed(path: Path, kind: str, **more: Any) -> np.ndarray:
     )
 
 
-@pytest.mark.parametrize("name", ["paper", "steered"])
-def test_the_standard_is_kept(name: str, request: pytest.FixtureRequest) -> None:
+def test_the_standard_is_kept(steered: Path) -> None:
     from fmpy.validation import validate_fmu
 
-    assert validate_fmu(str(request.getfixturevalue(name))) == []
+    assert validate_fmu(str(steered)) == []
 
 
 def test_co_simulation_is_the_voyage_to_its_contact(paper: Path) -> None:

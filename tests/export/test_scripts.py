@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 import narrows as nw
 from narrows.cli import app
 
-TABLES = ("paper", "own", "steered")
+CASES = [("own", False), ("steered", True)]
 NODE = shutil.which("node")
 SCRIPT = """
 import * as ship from "./ship.mjs";
@@ -60,7 +60,7 @@ def sailed(name: str, curved: bool) -> nw.Outcome:
     return nw.simulate(model_of(name), x=6.0, y=0.5, u=speed_of(name), dt=0.05, waterway=way, **told).outcome
 
 
-@pytest.mark.parametrize(("name", "curved"), [*((name, False) for name in TABLES), ("steered", True)])
+@pytest.mark.parametrize(("name", "curved"), CASES)
 def test_the_python_file(tmp_path: Path, name: str, curved: bool) -> None:
     ship = python_of(name, tmp_path, waterway=bent(name) if curved else None)
     water = ship.CANAL if curved else None
@@ -90,7 +90,7 @@ def test_the_python_file_needs_numpy_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(NODE is None, reason="no node is here to run the exported module")
-@pytest.mark.parametrize(("name", "curved"), [*((name, False) for name in TABLES), ("steered", True)])
+@pytest.mark.parametrize(("name", "curved"), CASES)
 def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
     """Node's sine and powers are its own: a last place off here and there."""
     way = bent(name) if curved else None
