@@ -48,13 +48,23 @@ def sailed(path: Path, kind: str, **more: Any) -> np.ndarray:
     )
 
 
-def test_the_standard_is_kept(steered: Path) -> None:
+@pytest.fixture(scope="module")
+def third(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("fmu") / "third.fmu"
+    nw.export.write_fmu(model_of("paper"), path, dt=DT, fmi=3)
+    return path
+
+
+@pytest.mark.parametrize("name", ["steered", "third"])
+def test_the_standard_is_kept(name: str, request: pytest.FixtureRequest) -> None:
     from fmpy.validation import validate_fmu
 
-    assert validate_fmu(str(steered)) == []
+    assert validate_fmu(str(request.getfixturevalue(name))) == []
 
 
-def test_co_simulation_is_the_voyage_to_its_contact(paper: Path) -> None:
+@pytest.mark.parametrize("name", ["paper", "third"])
+def test_co_simulation_is_the_voyage_to_its_contact(name: str, request: pytest.FixtureRequest) -> None:
+    paper = request.getfixturevalue(name)
     voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=DT)
     rows = sailed(paper, "CoSimulation", start_values=START)
     assert voyage.grounded
@@ -79,7 +89,9 @@ def test_a_rudder_is_turned_by_its_gear_in_a_waterway(steered: Path) -> None:
         np.testing.assert_allclose(rows[name][:many], getattr(voyage, name)[:many], rtol=1e-10, atol=1e-10)
 
 
-def test_model_exchange_is_the_voyage_by_another_integrator(paper: Path) -> None:
+@pytest.mark.parametrize("name", ["paper", "third"])
+def test_model_exchange_is_the_voyage_by_another_integrator(name: str, request: pytest.FixtureRequest) -> None:
+    paper = request.getfixturevalue(name)
     voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=0.005, at=np.arange(1, 10, 1.0).tolist())
     rows = sailed(paper, "ModelExchange", start_values=START, relative_tolerance=1e-10)
     for name in POSE:
@@ -130,7 +142,7 @@ def test_written_again_its_sources_are_the_same(paper: Path, tmp_path: Path) -> 
 
 
 def test_without_a_compiler_its_sources_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("narrows.export.native_builds.builds_here", lambda: ())
+    monkeypatch.setattr("narrows.export.native_builds.builds_here", lambda fmi: ())
     done = CliRunner().invoke(app, ["export", "fmu", "mikkelsen2025_dtc", "-o", str(tmp_path / "ship.fmu")])
     assert done.exit_code == 0
     assert "sources alone" in done.stdout
@@ -140,7 +152,7 @@ def test_without_a_compiler_its_sources_are_there(tmp_path: Path, monkeypatch: p
 
 def test_a_compiler_that_fails_is_a_sentence_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     broken = NativeBuild("linux64", ("false",), ".so")
-    monkeypatch.setattr("narrows.export.native_builds.builds_here", lambda: (broken,))
+    monkeypatch.setattr("narrows.export.native_builds.builds_here", lambda fmi: (broken,))
     with pytest.raises(nw.InputError, match="compiler for linux64 fails"):
         nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu")
     with pytest.raises(nw.InputError, match="contact 'none'"):

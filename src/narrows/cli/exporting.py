@@ -24,6 +24,7 @@ def export(
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h, .mjs, .py, .tex or .fmu.")],
     physics: PhysicsOptions,
     water: WaterOptions,
+    fmi: Annotated[int, typer.Option(help="Of an FMU, the version of the standard: 2 or 3.")] = 2,
     json: AsJson = False,
 ) -> None:
     """Write a model as a file of another language, printed from the lines that voyages are sailed by.
@@ -39,7 +40,7 @@ def export(
     if kind == "latex":
         room.write_latex(model_named(model), output)
     elif kind == "fmu":
-        platforms = room.write_fmu(model_named(model), output, waterway=water.read(), **vars(physics))
+        platforms = room.write_fmu(model_named(model), output, fmi=fmi, waterway=water.read(), **vars(physics))
     else:
         write = {"c": room.write_c, "js": room.write_javascript, "python": room.write_python}[kind]
         write(model_named(model), output, waterway=water.read(), **vars(physics))

@@ -17,12 +17,22 @@ from narrows.export.rendering import rendered
 
 SAME_TIME = (2000, 1, 1, 0, 0, 0)
 """Every file in an FMU bears one time, so that written again it is the same."""
-HEADERS = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
-INTERFACE = ("instance.h", "fmi2.c")
+SOURCES = {
+    2: ("instance.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: (
+        "instance.h",
+        "fmi3.c",
+        "fmi3Functions.h",
+        "fmi3FunctionTypes.h",
+        "fmi3PlatformTypes.h",
+        "buildDescription.xml",
+    ),
+}
+"""Of either standard: what stands beside the header of the ship."""
 
 
-def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[NativeBuild, ...]) -> bytes:
-    """Return an FMU of FMI 2.0 (ours).
+def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2) -> bytes:
+    """Return an FMU (ours).
 
     Parameters
     ----------
@@ -34,17 +44,19 @@ def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[Nat
         Longest step of co-simulation.
     builds : tuple of NativeBuild
         What compiles it; sources alone where there are none.
+    fmi : int
+        Of the standard, 2 or 3.
     """
     header, variables = c_text(exported), variables_of(exported, speed, dt)
-    token = hashlib.sha256(f"{header} {speed!r} {dt!r}".encode()).hexdigest()[:32]
+    token = hashlib.sha256(f"{header} {speed!r} {dt!r} {fmi}".encode()).hexdigest()[:32]
     sources = {"ship.h": header, "choices.h": _choices(exported, token, speed, dt)}
-    sources |= {name: (files("narrows.export") / "fmi" / name).read_text("utf-8") for name in (*HEADERS, *INTERFACE)}
-    parts = {"modelDescription.xml": description_text(exported, variables, token).encode()}
+    sources |= {name: (files("narrows.export") / "fmi" / name).read_text("utf-8") for name in SOURCES[fmi]}
+    parts = {"modelDescription.xml": description_text(exported, variables, token, fmi).encode()}
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
-        parts |= libraries_of_source(Path(folder, "fmi2.c"), builds)
+        parts |= libraries_of_source(Path(folder, f"fmi{fmi}.c"), builds)
     return _packed(parts)
 
 

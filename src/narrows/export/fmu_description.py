@@ -106,7 +106,7 @@ def unit_powers(unit: str) -> dict[str, int]:
     return {base: power for base, power in powers.items() if power}
 
 
-def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str) -> str:
+def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str, fmi: int) -> str:
     """Return the description of an FMU (ours).
 
     Parameters
@@ -117,12 +117,14 @@ def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...],
         In order.
     token : str
         What names this very model.
+    fmi : int
+        Of the standard, 2 or 3.
     """
     outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
     rates = [index for index, one in enumerate(variables, 1) if one.derivative]
     first = [index for index, one in enumerate(variables, 1) if one.initial == "calculated"]
     return rendered(
-        "fmi2.xml.j2", exported, variables=variables, token=token, version=version("narrows"), number=repr,
+        f"fmi{fmi}.xml.j2", exported, variables=variables, token=token, version=version("narrows"), number=repr,
         name=commented(exported.ship.model.configuration.ship.name), about=commented(" ".join(exported.about())),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in variables)},
         structure={"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": first},

@@ -13,16 +13,17 @@ from narrows.errors import InputError, needs
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
 ZIG = (
-    ("x86_64-linux-gnu.2.17", "linux64", ".so"),
-    ("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
-    ("x86_64-windows-gnu", "win64", ".dll"),
-    ("x86_64-macos.11.0", "darwin64", ".dylib"),
-    ("aarch64-macos.11.0", "darwin64", ".dylib"),
+    ("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
+    ("aarch64-linux-gnu.2.17", {2: "aarch64-linux", 3: "aarch64-linux"}, ".so"),
+    ("x86_64-windows-gnu", {2: "win64", 3: "x86_64-windows"}, ".dll"),
+    ("x86_64-macos.11.0", {2: "darwin64", 3: "x86_64-darwin"}, ".dylib"),
+    ("aarch64-macos.11.0", {2: "darwin64", 3: "aarch64-darwin"}, ".dylib"),
 )
-"""What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU, its suffix."""
+"""What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU of either
+standard, its suffix."""
 PAGE = 1 << 14
 FAT, PROCESSOR, ALIGNMENT = 0xCAFEBABE, slice(4, 12), 14
-LOCAL = {("Linux", "x86_64"): "linux64", ("Linux", "aarch64"): "aarch64-linux"}
+LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
 
 
 @dataclass(frozen=True)
@@ -80,13 +81,19 @@ def lacks_zig() -> str:
     return ""
 
 
-def builds_here() -> tuple[NativeBuild, ...]:
-    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own (ours)."""
+def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
+    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own (ours).
+
+    Parameters
+    ----------
+    fmi : int
+        Of the standard, 2 or 3.
+    """
     if not lacks_zig():
         zig = (sys.executable, "-m", "ziglang", "cc", "-s", "-target")
-        return tuple(NativeBuild(folder, (*zig, target), suffix) for target, folder, suffix in ZIG)
-    compiler, folder = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
-    return (NativeBuild(folder, (compiler, "-s"), ".so"),) if compiler and folder else ()
+        return tuple(NativeBuild(folders[fmi], (*zig, target), suffix) for target, folders, suffix in ZIG)
+    compiler, folders = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
+    return (NativeBuild(folders[fmi], (compiler, "-s"), ".so"),) if compiler and folders else ()
 
 
 def libraries_of_source(source: Path, builds: tuple[NativeBuild, ...]) -> Mapping[str, bytes]:

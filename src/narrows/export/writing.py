@@ -146,11 +146,11 @@ def write_latex(model: Model, path: str | Path) -> None:
 
 
 def write_fmu(
-    model: Model, path: str | Path, *, u: float | None = None, dt: float | None = None,
+    model: Model, path: str | Path, *, fmi: int = 2, u: float | None = None, dt: float | None = None,
     waterway: "Waterway | None" = None, surge: Surge = "held", surge_inertia: float | None = None,
     coriolis: bool = False, contact: Contact | Points = "corners",
 ) -> tuple[str, ...]:  # fmt: skip
-    """Write a model as an FMU of FMI 2.0, co-simulation and model exchange.
+    """Write a model as an FMU of FMI 2.0 or 3.0, co-simulation and model exchange.
 
     What ``write_c`` writes, compiled. With ziglang (the extra ``fmu``) for Linux on x86-64 and aarch64, Windows and
     macOS; else for this machine alone, by its own compiler; and where there is none with its sources alone,
@@ -162,6 +162,8 @@ def write_fmu(
         The ship in its canal.
     path : str or Path
         Where to, as in ``ship.fmu``.
+    fmi : int
+        Of the standard: 2 or 3.
     u : float [m/s], optional
         Surge velocity at the start, which an importer may change; what suits the ship unless given.
     dt : float [s], optional
@@ -194,6 +196,8 @@ def write_fmu(
     from narrows.simulation.usual import usual_voyage
 
     form_of(path, (".fmu",))
+    if fmi not in (2, 3):
+        raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
     if contact == OPEN:
         raise InputError("an FMU tells the clearance from the banks, and contact 'none' has none; choose 'corners'")
     ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), usual_voyage(model, u)
@@ -201,8 +205,8 @@ def write_fmu(
     finite_numbers(u=speed, dt=step)
     if not step > 0:
         raise InputError(f"dt = {step:g} s is no step; give a time over 0")
-    builds = builds_here()
-    write_whole(path, fmu_bytes(ExportedShip(ship, waterway), float(speed), float(step), builds))
+    builds = builds_here(fmi)
+    write_whole(path, fmu_bytes(ExportedShip(ship, waterway), float(speed), float(step), builds, fmi))
     return tuple(dict.fromkeys(build.folder for build in builds))
 
 

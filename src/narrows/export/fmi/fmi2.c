@@ -74,13 +74,7 @@ EXPORT S fmi2SetInteger(C c, const fmi2ValueReference r[], size_t n, const fmi2I
 EXPORT S fmi2SetBoolean(C c, const fmi2ValueReference r[], size_t n, const fmi2Boolean v[]) { return (void)c, (void)r, (void)v, none(n); }
 EXPORT S fmi2SetString(C c, const fmi2ValueReference r[], size_t n, const fmi2String v[]) { return (void)c, (void)r, (void)v, none(n); }
 
-/* All of a ship is numbers, so its state is a copy of them; to whom it speaks stays. */
-static void restore(Instance *m, const Instance *from) {
-    void *whom = m->whom;
-    void (*speak)(void *, const char *, double) = m->tell;
-    memcpy(m, from, sizeof *m);
-    m->whom = whom, m->tell = speak;
-}
+/* All of a ship is numbers, so its state is a copy of them. */
 EXPORT S fmi2GetFMUstate(C c, fmi2FMUstate *s) {
     if (!*s) *s = malloc(sizeof(Instance));
     if (!*s) return fmi2Error;

@@ -122,3 +122,11 @@ static double slope(Instance *m, unsigned unknown, unsigned known) {
     ship_by_input(m->state, &inputs, &m->constants CANAL, by_input);
     return by_input[CONTROLS * (unknown - DER_X) + column];
 }
+
+/* Take over another's numbers; to whom it speaks stays. */
+static void restore(Instance *m, const Instance *from) {
+    void *whom = m->whom;
+    void (*speak)(void *, const char *, double) = m->tell;
+    memcpy(m, from, sizeof *m);
+    m->whom = whom, m->tell = speak;
+}
