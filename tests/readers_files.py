@@ -8,6 +8,9 @@ import numpy as np
 
 import narrows as nw
 from narrows.captive.measured import measured_files
+from narrows.logbook import sensor_grade
+from narrows.logbook.transits.learning_demo import transits_of
+from narrows.logbook.transits.transit_twins import TransitTwin
 from narrows.terms.tables import table_named
 from narrows.waterway.projection import unprojected
 from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point
@@ -27,8 +30,11 @@ def write(folder: Path) -> None:
     terms = table_named("speed+helm")
     model = nw.identify(nw.read_captive(table, ship, TURNED).by_condition()[DEPTH], terms).model
     nw.save_model(model, folder / "model.toml")
-    nw.save_model(nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model, folder / "full.toml")
+    full = nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model
+    nw.save_model(full, folder / "full.toml")
     (folder / "held.csv").write_text(HELD)
+    twin = TransitTwin(full, 4.5, 900.0)
+    transits_of(full, sensor_grade("vdr"), 1, 1, twin).to_csv(folder / "bridge.csv")
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})

@@ -170,7 +170,7 @@ class LogFit(Shown):
     @property
     def _foretold(self) -> str:
         before, after = self.missed("psi")
-        if not np.isfinite([before, after]).all():
+        if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
         words = f"Forecasts over 3.5 ship lengths miss the heading by {np.degrees(after):.2g} deg"
         return f"{words} on records that were left out, {np.degrees(before):.2g} deg before."

@@ -73,7 +73,9 @@ def _answer(refined: Refined, grid: RecordGrid, told: RecordTold, drawn: bool) -
     without = scaled_covariance(prior, found.information - told.information)
     moved = np.where(prior.moves, without @ (told.pull * prior.moves), 0.0)
     gone = np.clip(1 - whole / np.diag(without), 0.0, 1.0)
-    both = tuple(forecast(problem, at, grid, told.own) for at in (np.zeros(len(moved)), found.scaled - moved))
+    before_it = np.zeros(len(moved))  # which is what is known without the only record, too
+    without_it = found.scaled - moved if len(found.told) > 1 else before_it
+    both = tuple(forecast(problem, at, grid, told.own) for at in (before_it, without_it))
     before, after = (missed(each) for each in both)
     return RecordAnswer(
         grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid),
