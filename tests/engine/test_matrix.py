@@ -15,7 +15,7 @@ from reference import End
 
 CELLS = list(matrix())
 CASES = CELLS if os.environ.get("NARROWS_WHOLE_MATRIX") else CELLS[::13]
-"""Every cell takes most of an hour: one in thirteen runs with the other tests, all where NARROWS_WHOLE_MATRIX is set."""
+"""Every cell takes most of an hour: one in thirteen runs with the others, all where NARROWS_WHOLE_MATRIX is set."""
 TRACKS = list(dict.fromkeys((case.ship, case.course, case.surge, case.controller) for case in CASES))
 ENDS = ("y_end", "psi_end", "u_end", "v_end", "r_end")
 MIRRORED = ("y", "psi", "v", "r", "rudder", "Y", "N")
