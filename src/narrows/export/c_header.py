@@ -1,21 +1,11 @@
 """A model as one C99 header without dependencies."""
 
-from collections.abc import Mapping
+from functools import partial
 
-from narrows.codegen.choices import COLUMNS, ROW
 from narrows.codegen.printers.c import CArithmetic, c_body, c_name
 from narrows.codegen.printers.c_functions import CTranslation
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.rendering import (
-    FATES,
-    places_in,
-    plain_functions,
-    rate_names,
-    rendered,
-    results_of,
-    targets_of,
-    water_of,
-)
+from narrows.export.rendering import bodies_of, rendered, translated, water_of
 
 
 def c_text(exported: ExportedShip) -> str:
@@ -26,15 +16,11 @@ def c_text(exported: ExportedShip) -> str:
     exported : ExportedShip
         The ship, its choices and its waterway.
     """
-    source = plain_functions(exported)
-    translation = CTranslation(source, exported.prefix)
-    plain = [translation.text(one) for one in source.needed(*(("clearance",) * exported.exact), "sail")]
-    stated = {*FATES, *(name.upper() for name in exported.portable.kept)}
-    numbers = {name: source.constants[name] for name in sorted(translation.used - stated)}
-    columns = [" ".join(name.split("_")) for name in COLUMNS]
+    body = partial(c_body, printer=CArithmetic(exported.prefix))
+    bodies = bodies_of(exported, "{}->{}".format, "{}({})".format, c_name, body)
     return rendered(
-        "model.h.j2", exported, f=_bodies(exported), plain=plain, numbers=numbers, row=ROW, columns=columns,
-        water=water_of(exported, c_number), number=c_number, c_name=c_name, rates=rate_names(exported), fates=FATES,
+        "model.h.j2", exported, f=bodies, water=water_of(exported, c_number), number=c_number, c_name=c_name,
+        **translated(exported, partial(CTranslation, prefix=exported.prefix)),
     )  # fmt: skip
 
 
@@ -48,13 +34,3 @@ def c_number(value: float) -> str:
     """
     text = repr(float(value))
     return {"inf": "INFINITY", "-inf": "-INFINITY", "nan": "NAN"}.get(text, text)
-
-
-def _bodies(exported: ExportedShip) -> Mapping[str, str]:
-    printer, of = CArithmetic(exported.prefix), "{}->{}".format
-    places = places_in(exported, of, "{}({})".format, c_name)
-    bodies = {}
-    for name, program in exported.programs.items():
-        targets, where = targets_of(name, exported, of, c_name) or (results_of(program), places)
-        bodies[name] = "\n    ".join(c_body(program, targets, where, printer))
-    return bodies

@@ -1,20 +1,8 @@
 """A model as one ES module without dependencies, its types as JSDoc."""
 
-from collections.abc import Mapping
-
-from narrows.codegen.choices import COLUMNS, ROW
 from narrows.codegen.printers.javascript import JavaScriptTranslation, javascript_body, javascript_name
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.rendering import (
-    FATES,
-    places_in,
-    plain_functions,
-    rate_names,
-    rendered,
-    results_of,
-    targets_of,
-    water_of,
-)
+from narrows.export.rendering import bodies_of, rendered, translated, water_of
 
 
 def javascript_text(exported: ExportedShip) -> str:
@@ -25,16 +13,10 @@ def javascript_text(exported: ExportedShip) -> str:
     exported : ExportedShip
         The ship, its choices and its waterway.
     """
-    source = plain_functions(exported)
-    translation = JavaScriptTranslation(source)
-    plain = [translation.text(one) for one in source.needed(*(("clearance",) * exported.exact), "sail")]
-    stated = {*FATES, *(name.upper() for name in exported.portable.kept)}
-    numbers = {name: source.constants[name] for name in sorted(translation.used - stated)}
-    columns = [" ".join(name.split("_")) for name in COLUMNS]
+    bodies = bodies_of(exported, "{}.{}".format, "Math.{}({})".format, javascript_name, javascript_body)
     return rendered(
-        "model.js.j2", exported, f=_bodies(exported), plain=plain, numbers=numbers, row=ROW, columns=columns,
-        water=water_of(exported, javascript_number), number=javascript_number, name=javascript_name,
-        rates=rate_names(exported), fates=FATES,
+        "model.js.j2", exported, f=bodies, water=water_of(exported, javascript_number), number=javascript_number,
+        name=javascript_name, **translated(exported, JavaScriptTranslation),
     )  # fmt: skip
 
 
@@ -48,13 +30,3 @@ def javascript_number(value: float) -> str:
     """
     text = repr(float(value))
     return {"inf": "Infinity", "-inf": "-Infinity", "nan": "NaN"}.get(text, text)
-
-
-def _bodies(exported: ExportedShip) -> Mapping[str, str]:
-    of = "{}.{}".format
-    places = places_in(exported, of, "Math.{}({})".format, javascript_name)
-    bodies = {}
-    for name, program in exported.programs.items():
-        targets, where = targets_of(name, exported, of, javascript_name) or (results_of(program), places)
-        bodies[name] = "\n    ".join(javascript_body(program, targets, where))
-    return bodies

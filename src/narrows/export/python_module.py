@@ -4,21 +4,12 @@ import ast
 from collections.abc import Mapping
 from keyword import iskeyword
 
-from narrows.codegen.choices import ROW
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Program
 from narrows.codegen.printers.plain_source import PlainSource
-from narrows.codegen.printers.python import Arithmetic
+from narrows.codegen.printers.python import Arithmetic, statements
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.rendering import (
-    places_in,
-    plain_functions,
-    rate_names,
-    rendered,
-    results_of,
-    targets_of,
-    water_of,
-)
+from narrows.export.rendering import bodies_of, last_functions, plain_functions, rendered, water_of
 
 TAKEN = frozenset({"state", "inputs", "constants", "parameters", "waterway", "result", "np", "abs", "sine", "cosine"})
 
@@ -26,13 +17,10 @@ TAKEN = frozenset({"state", "inputs", "constants", "parameters", "waterway", "re
 class PortableArithmetic(Arithmetic):
     """Expressions of a file that stands alone: the table of a waterway is a part of it."""
 
+    TABLE = "waterway"
+
     def _print_Symbol(self, value: Expr) -> str:
         return python_name(value.name)
-
-    def _print_Function(self, value: Expr) -> str:
-        if str(value.func) == "entry":
-            return f"entry(waterway, {int(value.args[0])}, {self._print(value.args[1])})"
-        return str(super()._print_Function(value))
 
 
 def python_name(name: str) -> str:
@@ -55,11 +43,12 @@ def python_text(exported: ExportedShip) -> str:
         The ship, its choices and its waterway.
     """
     source = plain_functions(exported)
-    functions = source.needed(*(("clearance",) * exported.exact), "sail")
+    functions = last_functions(exported, source)
+    bodies = bodies_of(exported, "{}.{}".format, "np.{}({})".format, python_name, _body)
     return rendered(
-        "model.py.j2", exported, f=_bodies(exported), plain=[ast.unparse(one) for one in functions],
-        numbers=_constants_of(functions, source), row=ROW, water=water_of(exported, python_number),
-        number=python_number, name=python_name, rates=rate_names(exported),
+        "model.py.j2", exported, f=bodies, plain=[ast.unparse(one) for one in functions],
+        numbers=_constants_of(functions, source), water=water_of(exported, python_number),
+        number=python_number, name=python_name,
     )  # fmt: skip
 
 
@@ -80,19 +69,6 @@ def python_number(value: float) -> str:
     return repr(float(value))
 
 
-def _bodies(exported: ExportedShip) -> Mapping[str, str]:
-    of = "{}.{}".format
-    places = places_in(exported, of, "np.{}({})".format, python_name)
-    bodies = {}
-    for name, program in exported.programs.items():
-        targets, where = targets_of(name, exported, of, python_name) or (results_of(program), places)
-        bodies[name] = "\n    ".join(_body(program, targets, where))
-    return bodies
-
-
 def _body(program: Program, targets: list[str], places: Mapping[str, str]) -> list[str]:
-    printer = PortableArithmetic()
-    asked = [name for name in program.asked if name != places[name]]
-    lines = [f"{python_name(name)} = {places[name]}" for name in asked]
-    lines += [f"{printer.doprint(name)} = {printer.doprint(value)}" for name, value in program.assignments]
-    return lines + [f"{at} = {printer.doprint(value)}" for at, value in zip(targets, program.results, strict=True)]
+    lines = [f"{python_name(name)} = {places[name]}" for name in program.asked if name != places[name]]
+    return lines + statements(program, targets, PortableArithmetic())

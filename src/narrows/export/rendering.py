@@ -1,16 +1,18 @@
 """What files of all languages have alike: plain functions as their source, templates, comments that stay comments."""
 
+import ast
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from narrows.codegen.choices import COUNTED, LENGTH
+from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, ROW
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.lines import Program
 from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.plain_source import PlainSource
+from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
 
 WIDTH = 108
@@ -34,6 +36,7 @@ def plain_functions(exported: ExportedShip) -> PlainSource:
 
 Named = Callable[[str], str]
 Field = Callable[[str, str], str]
+Body = Callable[[Program, list[str], dict[str, str]], list[str]]
 
 
 def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> dict[str, str]:
@@ -63,35 +66,59 @@ def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> d
     return {**dict.fromkeys(INPUTS.values(), "0.0"), **places, LENGTH: LENGTH}
 
 
-def targets_of(name: str, exported: ExportedShip, of: Field, named: Named) -> tuple[list[str], dict[str, str]] | None:
-    """Return what the program of the constants writes to, and where it finds the parameters; None of the others (ours).
+def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body: Body) -> dict[str, str]:
+    """Return the body of each function of the lines (ours).
 
     Parameters
     ----------
-    name : str
-        Of a program.
     exported : ExportedShip
         Whose.
-    of : callable
-        Writes a field of a structure.
-    named : callable
-        What a number is called in the language.
+    of, call, named : callable
+        As of ``places_in``.
+    body : callable
+        Writes a program as statements: of it, what its results are assigned to, and where it finds its numbers.
     """
-    if name != "constants":
-        return None
-    where = {one.name: of("parameters", named(one.name)) for one in exported.parameters}
-    return [of("constants", named(constant)) for constant in exported.constants], where
+    places = places_in(exported, of, call, named)
+    bodies = {}
+    for name, program in exported.programs.items():
+        targets, where = [f"result[{number}]" for number in range(len(program.results))], places
+        if name == "constants":
+            targets = [of("constants", named(constant)) for constant in exported.constants]
+            where = {one.name: of("parameters", named(one.name)) for one in exported.parameters}
+        bodies[name] = "\n    ".join(body(program, targets, where))
+    return bodies
 
 
-def results_of(program: Program) -> list[str]:
-    """Return what another program writes to (ours).
+def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation]) -> dict[str, Any]:
+    """Return the plain functions in another language, with the constants and names that stand before them (ours).
 
     Parameters
     ----------
-    program : Program
-        The program.
+    exported : ExportedShip
+        Whose.
+    language : callable
+        Makes the translation of their source.
     """
-    return [f"result[{number}]" for number in range(len(program.results))]
+    source = plain_functions(exported)
+    translation = language(source)
+    plain = [translation.text(one) for one in last_functions(exported, source)]
+    stated = {*FATES, *(name.upper() for name in exported.portable.kept)}
+    numbers = {name: source.constants[name] for name in sorted(translation.used - stated)}
+    columns = [" ".join(name.split("_")) for name in COLUMNS]
+    return {"plain": plain, "numbers": numbers, "columns": columns, "fates": FATES}
+
+
+def last_functions(exported: ExportedShip, source: PlainSource) -> list[ast.FunctionDef]:
+    """Return the plain functions that a file ends with: the clearance where the hull is known, and the voyage (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        Whose.
+    source : PlainSource
+        As ``plain_functions`` gives it.
+    """
+    return source.needed(*(("clearance",) * exported.exact), "sail")
 
 
 def rate_names(exported: ExportedShip) -> tuple[str, ...]:
@@ -168,7 +195,8 @@ def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
     environment = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["commented"] = commented
     environment.filters["set_in"] = _set_in
-    text = environment.get_template(template).render(ship=exported, prefix=exported.prefix, **told)
+    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rate_names(exported)}
+    text = environment.get_template(template).render(**alike, **told)
     return text.rstrip() + "\n"
 
 

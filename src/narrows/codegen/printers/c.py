@@ -5,7 +5,7 @@ from textwrap import wrap
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Program
-from narrows.codegen.printers.python import Arithmetic
+from narrows.codegen.printers.python import Arithmetic, statements
 
 WIDTH, TIED = 108, "\0=\0"
 LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
@@ -41,12 +41,14 @@ class CArithmetic(Arithmetic):
         Of the names of functions.
     """
 
+    TABLE = "waterway"
+
     def __init__(self, prefix: str) -> None:
         super().__init__()
         self.prefix = prefix
 
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function.
+        """Write the call of a function of <math.h>, or of the file.
 
         Parameters
         ----------
@@ -55,16 +57,10 @@ class CArithmetic(Arithmetic):
         *arguments : str
             Their texts.
         """
-        return f"{LIBRARY.get(name, f'{self.prefix}_{name}')}({', '.join(arguments)})"
+        return super().called(LIBRARY.get(name, f"{self.prefix}_{name}"), *arguments)
 
     def _print_Symbol(self, value: Expr) -> str:
         return c_name(value.name)
-
-    def _print_Function(self, value: Expr) -> str:
-        name, arguments = str(value.func), [self._print(one) for one in value.args]
-        if name == "entry":
-            return f"{self.prefix}_entry(waterway, {int(value.args[0])}, {arguments[1]})"
-        return self.called(name, *arguments)
 
 
 def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic) -> list[str]:
@@ -84,8 +80,4 @@ def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], 
     unpacked = ", ".join(f"{c_name(name)} = {places[name]}" for name in program.asked if name != places[name])
     whole = f"const double {unpacked};".replace(" = ", TIED)  # No line breaks within a declaration.
     lines = [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if unpacked else []
-    for name, value in program.assignments:
-        lines.append(f"const double {printer.doprint(name)} = {printer.doprint(value)};")
-    for target, value in zip(targets, program.results, strict=True):
-        lines.append(f"{target} = {printer.doprint(value)};")
-    return lines
+    return lines + statements(program, targets, printer, "const double {} = {};", "{} = {};")

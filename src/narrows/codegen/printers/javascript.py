@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Program
-from narrows.codegen.printers.python import Arithmetic
+from narrows.codegen.printers.python import Arithmetic, statements
 from narrows.codegen.printers.translation import Translation
 
 LIBRARY = {name: f"Math.{name}" for name in ("abs", "exp", "log", "sqrt", "floor", "hypot", "cos", "sin", "min", "max")}
@@ -34,8 +34,10 @@ def javascript_name(name: str) -> str:
 class JavaScriptArithmetic(Arithmetic):
     """Expressions in JavaScript."""
 
+    TABLE = "waterway"
+
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function.
+        """Write the call of a function of ``Math``, or of the file.
 
         Parameters
         ----------
@@ -44,16 +46,10 @@ class JavaScriptArithmetic(Arithmetic):
         *arguments : str
             Their texts.
         """
-        return f"{LIBRARY.get(name, name)}({', '.join(arguments)})"
+        return super().called(LIBRARY.get(name, name), *arguments)
 
     def _print_Symbol(self, value: Expr) -> str:
         return javascript_name(value.name)
-
-    def _print_Function(self, value: Expr) -> str:
-        name, arguments = str(value.func), [self._print(one) for one in value.args]
-        if name == "entry":
-            return f"entry(waterway, {int(value.args[0])}, {arguments[1]})"
-        return self.called(name, *arguments)
 
 
 def javascript_body(program: Program, targets: Sequence[str], places: Mapping[str, str]) -> list[str]:
@@ -68,12 +64,9 @@ def javascript_body(program: Program, targets: Sequence[str], places: Mapping[st
     places : mapping of str to str
         Where each number that the program asks for is found.
     """
-    printer = JavaScriptArithmetic()
     asked = [name for name in program.asked if name != places[name]]
     lines = [f"const {javascript_name(name)} = {places[name]};" for name in asked]
-    lines += [f"const {printer.doprint(name)} = {printer.doprint(value)};" for name, value in program.assignments]
-    results = zip(targets, program.results, strict=True)
-    return lines + [f"{target} = {printer.doprint(value)};" for target, value in results]
+    return lines + statements(program, targets, JavaScriptArithmetic(), "const {} = {};", "{} = {};")
 
 
 class JavaScriptTranslation(Translation):

@@ -7,7 +7,7 @@ import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Assignment
+from narrows.codegen.lines import Assignment, Program
 
 LONGEST_PRODUCT = 4
 DIGITS = 20
@@ -21,6 +21,9 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     number : callable
         Wraps the text of a number.
     """
+
+    TABLE = "table"
+    """What the table of a waterway is called."""
 
     def __init__(self, number: Callable[[str], str] = "{}".format) -> None:
         super().__init__({"fully_qualified_modules": False})
@@ -74,11 +77,32 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     def _print_Function(self, value: Expr) -> str:
         name = str(value.func)
         if name == "entry":
-            return f"entry(table, {int(value.args[0])}, {self._print(value.args[1])})"
+            return self.called(name, self.TABLE, str(int(value.args[0])), self._print(value.args[1]))
         return self.called(name, *map(self._print, value.args))
 
 
 plain = Arithmetic()
+
+
+def statements(
+    program: Program, targets: Sequence[str], printer: Arithmetic, declared: str = "{} = {}", assigned: str = "{} = {}"
+) -> list[str]:
+    """Print the lines of a program, and what its results are assigned to (ours).
+
+    Parameters
+    ----------
+    program : Program
+        The lines.
+    targets : sequence of str
+        What each result is assigned to.
+    printer : Arithmetic
+        Writes expressions.
+    declared, assigned : str
+        A statement that makes a name, and one that writes to a target.
+    """
+    lines = [declared.format(*map(printer.doprint, line)) for line in program.assignments]
+    results = zip(targets, program.results, strict=True)
+    return lines + [assigned.format(target, printer.doprint(value)) for target, value in results]
 
 
 def function_text(
