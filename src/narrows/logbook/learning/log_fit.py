@@ -2,19 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, coefficient_frame, pairs
+from narrows.logbook.learned_answer import LearnedAnswer
+from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, pairs
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.logbook.shooting.noise_left import NoiseLeft
 from narrows.logbook.standing import ON_TWINS
 from narrows.model.model import Model
-from narrows.results import Shown
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 IN_OPEN_WATER = "Identification in open water is held to measured manoeuvres."
 """What stands beside the label of this room where no bank is felt."""
@@ -47,7 +44,7 @@ class Gusts:
 
 
 @dataclass(frozen=True, repr=False)
-class LogFit(Shown):
+class LogFit(LearnedAnswer):
     """What a log taught.
 
     Parameters
@@ -102,21 +99,6 @@ class LogFit(Shown):
         hours = sum(record.duration for record in self.records) / 3600
         lasting = f"{hours:.3g} h" if hours >= 1 else f"{60 * hours:.3g} min"
         return f"{len(self.records)} {'record' if len(self.records) == 1 else 'records'}, {lasting}"
-
-    @property
-    def std(self) -> dict[str, float]:
-        """Standard error of each coefficient."""
-        return {name: coefficient.std for name, coefficient in self.coefficients.items()}
-
-    @property
-    def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 % interval of each coefficient."""
-        return {name: coefficient.interval for name, coefficient in self.coefficients.items()}
-
-    @property
-    def verdicts(self) -> dict[str, str]:
-        """What was learned of each coefficient, in a word or two."""
-        return {name: coefficient.verdict for name, coefficient in self.coefficients.items()}
 
     @property
     def tells(self) -> bool:
@@ -217,7 +199,3 @@ class LogFit(Shown):
             "settled": self.settled,
             "notes": list(self.notes),
         }  # fmt: skip
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, before and after."""
-        return coefficient_frame(self.coefficients)

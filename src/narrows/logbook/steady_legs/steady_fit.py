@@ -2,20 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, coefficient_frame, pairs
+from narrows.logbook.learned_answer import LearnedAnswer
+from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, pairs
 from narrows.logbook.standing import ON_TWINS
 from narrows.logbook.steady_legs.steady_checks import SteadyChecks
 from narrows.logbook.steady_legs.steady_conditions import UNKNOWN, SteadyConditions
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 from narrows.model.model import Model
-from narrows.results import Shown
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SHARED = {
     "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
@@ -26,7 +23,7 @@ SHARED = {
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyFit(Shown):
+class SteadyFit(LearnedAnswer):
     """What steady legs taught.
 
     Parameters
@@ -61,21 +58,6 @@ class SteadyFit(Shown):
 
     def __repr__(self) -> str:
         return f"<SteadyFit of {self.readings.summary()}>"
-
-    @property
-    def std(self) -> dict[str, float]:
-        """Standard error of each coefficient."""
-        return {name: coefficient.std for name, coefficient in self.coefficients.items()}
-
-    @property
-    def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 % interval of each coefficient."""
-        return {name: coefficient.interval for name, coefficient in self.coefficients.items()}
-
-    @property
-    def verdicts(self) -> dict[str, str]:
-        """What was learned of each coefficient, in a word or two."""
-        return {name: coefficient.verdict for name, coefficient in self.coefficients.items()}
 
     @property
     def tells(self) -> bool:
@@ -128,10 +110,6 @@ class SteadyFit(Shown):
             "source": {"table": self.readings.source, "sha256": self.readings.sha256},
             "notes": list(self.notes),
         }  # fmt: skip
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, before and after."""
-        return coefficient_frame(self.coefficients)
 
     def leg_rows(self) -> list[dict[str, Any]]:
         """Give a row a leg: what was read, where the ship most likely was, and how well the leg fits the others."""
