@@ -1,0 +1,1 @@
+"""What pages in a browser share: the drawing of a canal, and the palettes."""

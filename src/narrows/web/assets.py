@@ -1,0 +1,28 @@
+"""Scripts and styles as text: to be served as they are, or set into a page that stands by itself."""
+
+import re
+from importlib.resources import files
+
+EXPORT = re.compile(r"^export (?=(?:async )?function|const|let|class)", re.MULTILINE)
+
+
+def asset(name: str) -> str:
+    """Return a script or a style as it is (ours).
+
+    Parameters
+    ----------
+    name : str
+        As in ``canal.js``, ``palette.css``.
+    """
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def inlined(name: str) -> str:
+    """Return a script as it stands in another one: without ``export`` (ours).
+
+    Parameters
+    ----------
+    name : str
+        Of a script that imports nothing.
+    """
+    return EXPORT.sub("", asset(name))
