@@ -4,7 +4,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: check demo test test-fast lint docs site-check bench package newest lock clean
+.PHONY: check demo test test-fast test-whole lint docs site-check bench package newest lock clean
 
 demo: .venv/base
 	$(BIN)/narrows demo --out out
@@ -15,6 +15,10 @@ test: .venv/dev
 # Without the tests that take some seconds.
 test-fast: .venv/dev
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+
+# With every cell of the matrix of voyages, which takes most of an hour more.
+test-whole: .venv/dev
+	NARROWS_WHOLE_MATRIX=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: .venv/dev
 	$(BIN)/ruff check .

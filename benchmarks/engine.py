@@ -126,8 +126,8 @@ def shown(title: str, unit: str, rows: dict[str, list[float]]) -> None:
     Console().print(table)
 
 
-def vessel_steps(vessels: int, kcs: nw.Model) -> None:
-    """What a step of a vessel costs."""
+def vessel_steps(vessels: int, kcs: nw.Model, small: bool) -> None:
+    """What a step of a vessel costs; in small without the rows that compile a kernel for nothing else."""
     dtc, mmg = (PAPER, 1.0, 0.02), (KVLCC2, 1.179, 0.2)
     far = replace(KVLCC2, configuration=replace(KVLCC2.configuration, canal=nw.Canal(14.0)))
     full, bends = (kcs, 4.5, 2.0), bent(kcs)
@@ -135,15 +135,18 @@ def vessel_steps(vessels: int, kcs: nw.Model) -> None:
         "before: straight canal, no rudder": former(vessels),
         "straight canal, no rudder": prepared(*dtc, vessels),
         "the same, single precision": prepared(*dtc, vessels, precision="float32"),
-        "the same, constants of each vessel's own": prepared(*dtc, vessels, b_v=np.full(vessels, 100.0)),
         "rudder, gear and pilot, straight": prepared(*full, vessels, controller=pilot(kcs, 4.5)),
-        "zigzag, straight": prepared(*full, vessels, controller=nw.Zigzag(0.1, 0.1)),
         "rudder, gear and pilot, in a waterway": prepared(*full, vessels, controller=pilot(kcs, 4.5), waterway=bends),
-        "MMG, straight": prepared(*mmg, vessels, surge="free"),
-        "MMG, pilot, in a waterway": prepared(
-            far, 1.179, 0.2, vessels, surge="free", controller=pilot(KVLCC2, 1.179), waterway=bent(far)
-        ),
     }
+    if not small:
+        runs |= {
+            "straight, constants of each vessel's own": prepared(*dtc, vessels, b_v=np.full(vessels, 100.0)),
+            "zigzag, straight": prepared(*full, vessels, controller=nw.Zigzag(0.1, 0.1)),
+            "MMG, straight": prepared(*mmg, vessels, surge="free"),
+            "MMG, pilot, in a waterway": prepared(
+                far, 1.179, 0.2, vessels, surge="free", controller=pilot(KVLCC2, 1.179), waterway=bent(far)
+            ),
+        }
     cost = interleaved(runs)
     for name, run in runs.items():
         if isinstance(run, PreparedRun) and run.codes.any():
@@ -267,7 +270,7 @@ def main() -> None:
     """Measure and print."""
     vessels, small = sizes(__doc__, usual=2048, small=128)
     kcs = container_ship()
-    vessel_steps(vessels, kcs)
+    vessel_steps(vessels, kcs, small)
     calls(kcs)
     voyages(kcs)
     jacobians(kcs)

@@ -51,7 +51,7 @@ def _text(system: "System") -> str:
     unit = {drift: [sympy.Integer(1), sympy.Integer(0)], angle: [sympy.Integer(0), sympy.Integer(1)]}
     more, slopes = with_tangents(lines, unit, 2)
     out = [rates["v"], rates["r"], *slopes(rates["v"]), *slopes(rates["r"])]
-    program, printer = more.needed_for(out), Arithmetic("real({})".format)
+    program, printer = more.needed_for(out), Arithmetic(column="{:.1f}".format)
     inputs = tuple(name for name in program.inputs if name not in ("drift", "angle"))
     body = [f"{name} = inputs[{number}]" for number, name in enumerate(inputs)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in program.assignments]

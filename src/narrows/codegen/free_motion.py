@@ -194,8 +194,8 @@ def _columns(
     """Each function of the state, and what multiplies it in each force."""
     import sympy
 
-    still = {symbol(name): 0 for name in ACCELERATIONS.values()}
-    parts = [(force, names[name], sympy.sympify(r).subs(still)) for name, (force, r) in regressors.items()]
+    still = {symbol(name): sympy.Integer(0) for name in ACCELERATIONS.values()}
+    parts = [(force, names[name], sympy.sympify(r).xreplace(still)) for name, (force, r) in regressors.items()]
     if coriolis:
         mass, u, v, r = (symbol(name) for name in ("mass", "u", "v", "r"))
         parts += [("X", mass, v * r), ("Y", -mass, u * r)]

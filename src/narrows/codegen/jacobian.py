@@ -81,7 +81,7 @@ def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, 
         Particulars of the water that change from point to point.
     """
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
-    (lines, results), printer = _linear(rates, actuators), Arithmetic("real({})".format)
+    (lines, results), printer = _linear(rates, actuators), Arithmetic(column="{:.1f}".format)
     body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
     body += [f"{name} = constants[{index}]" for index, name in enumerate(rates.constants.names)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]

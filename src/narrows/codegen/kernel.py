@@ -5,7 +5,7 @@ from pathlib import Path
 
 from narrows.codegen.choices import ROW, Choices
 from narrows.codegen.free_motion import STATE
-from narrows.codegen.kernels.elementary import HEADER, elementary_text
+from narrows.codegen.kernels.elementary import HEADER, NUMBER, elementary_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import Lanes
 from narrows.codegen.printers.python import Arithmetic
@@ -35,7 +35,7 @@ def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) ->
     version : str
         Of narrows.
     """
-    printer = Arithmetic("real({})".format)
+    printer = Arithmetic(NUMBER[precision], column="{:.1f}".format)
     body = "\n\n".join([_room_text(lanes, choices, printer), lanes.text(printer, choices.leaves)])
     exact = choices.waterway and choices.contact not in (MIDSHIP, OPEN)
     room = _module_text("narrows.waterway.room", "called") if exact else ABSENT
@@ -68,13 +68,14 @@ def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
         "LANES": lanes.count,
         "FIELDS": lanes.size,
         "KEPT": len(lanes.kept),
-        "OLD": fields["old x"],
         "CELL_ENTRIES": ROW,
     }
     numbers["FIRST_VESSEL_INPUT"] = fields[vessel_inputs[0]] if vessel_inputs else 0
     numbers |= {"EXACT": exact, "WATERWAY": choices.waterway, "LEAVES": choices.leaves}
     names = {"KEPT_NAMES": lanes.kept, "VESSEL_INPUTS": vessel_inputs, "SHARED": shared}
-    return "\n".join(f"{name} = {value!r}" for name, value in (numbers | names).items())
+    passed = {"FIRST": 0, "NOW": 0, "OLD": fields["old x"]}  # For each literal Numba compiles a function anew.
+    lines = [f"{name} = {value!r}" for name, value in (numbers | names).items()]
+    return "\n".join([*lines, *(f"{name} = np.int64({value})" for name, value in passed.items())])
 
 
 def _room_text(lanes: Lanes, choices: Choices, printer: Arithmetic) -> str:

@@ -114,7 +114,7 @@ def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], versi
     version : str
         Of narrows.
     """
-    tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic("real({})".format)
+    tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
     body = tangent.text(printer)
     numbers = {"KEPT": len(kept), "MOVING": len(moving), "DIRECTIONS": DIRECTIONS, "CELL_ENTRIES": ROW}
     numbers["LENGTH"] = tangent.inputs.index(LENGTH)

@@ -48,11 +48,13 @@ def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.nd
     step, (bend, change) = table.step, _sharpest(table)
     sag = step**2 / 8 * np.stack([bend, change])
     least = np.full(len(table.s), np.inf)
+    ends = ((len(least),) * 2, (0, 0))
+    columns = np.ascontiguousarray(np.pad(table.nodes, ends, mode="edge")[:, [0, 1, 2, 3, column, column + 1]].T)
     for direction in (-1, 1):
-        (before, out_before, *_), left, offset = _seen(table, column, sign, 0), np.ones(len(least), bool), 0
+        (before, out_before, *_), left, offset = _seen(columns, sign, 0), np.ones(len(least), bool), 0
         while left.any():
             offset += direction
-            ahead, out, line, turned = _seen(table, column, sign, offset)
+            ahead, out, line, turned = _seen(columns, sign, offset)
             off = np.maximum(np.abs(out), np.abs(out_before)) * bend
             window = radius + step * (1 + off + bend * bend * step * (radius + 2 * step))
             lowest = _lowest(before, out_before, ahead, out, window) - sag[0] * (1 + off) - sag[1] * window
@@ -70,18 +72,17 @@ def _sharpest(table: WaterwayTable) -> tuple[np.ndarray, np.ndarray]:
     return np.max([bend[:-2], bend[1:-1], bend[2:]], axis=0), np.maximum(change[:-1], change[1:])
 
 
-def _seen(table: WaterwayTable, column: int, sign: int, offset: int) -> tuple[np.ndarray, ...]:
+def _seen(columns: np.ndarray, sign: int, offset: int) -> tuple[np.ndarray, ...]:
     """Return the bank so many nodes on, ahead of and out from each node, how far ahead the line is, its direction."""
-    nodes = table.nodes
-    here = np.arange(1, len(nodes) - 1)
-    there = nodes[np.clip(here + offset, 0, len(nodes) - 1)]
-    c, si = nodes[here, 2], nodes[here, 3]
-    bank, line = (there[:, k : k + 2] - nodes[here, :2] for k in (column, 0))
+    count = (columns.shape[1] - 2) // 3  # Beyond either end are as many, and the one that the table has there.
+    x, y, c, si, *_ = columns[:, count + 1 : 2 * count + 1]
+    line_x, line_y, line_c, line_si, bank_x, bank_y = columns[:, count + 1 + offset : 2 * count + 1 + offset]
+    dx, dy = bank_x - x, bank_y - y
     return (
-        bank[:, 0] * c + bank[:, 1] * si,
-        sign * (bank[:, 1] * c - bank[:, 0] * si),
-        line[:, 0] * c + line[:, 1] * si,
-        there[:, 2] * c + there[:, 3] * si,
+        dx * c + dy * si,
+        sign * (dy * c - dx * si),
+        (line_x - x) * c + (line_y - y) * si,
+        line_c * c + line_si * si,
     )
 
 

@@ -77,7 +77,7 @@ def edge_room(
 
 
 def side_room(
-    track: Sequence[float], column: int, sign: float, cell: int,
+    track: Sequence[float], sign: float, cell: int,
     x: float, y: float, c: float, si: float, outline: Sequence[float],
 ) -> float:  # fmt: skip
     """Return the least room athwart between a hull and one bank [m].
@@ -86,8 +86,6 @@ def side_room(
     ----------
     track : array (n * ROW,)
         Nodes.
-    column : int
-        Of the bank.
     sign : float
         1 for starboard, -1 for port.
     cell : int
@@ -99,6 +97,7 @@ def side_room(
     outline : array (2 * points,) [m]
         As in ``edge_room``.
     """
+    column = STARBOARD_BANK if sign > 0.0 else PORT_BANK
     stern, bow, breadth, across, least = 0.0, 0.0, 0.0, 0.0, inf
     aft, fore = 0.0, 0.0
     for point in range(0, len(outline), 2):
@@ -160,6 +159,6 @@ def exact_room(
     x, y, c, si, cell = line_pose(track, step, s)
     x, y = x - n * si, y + n * c
     c, si = c * cos_psi - si * sin_psi, si * cos_psi + c * sin_psi
-    starboard = side_room(track, STARBOARD_BANK, 1.0, cell, x, y, c, si, outline)
-    port = side_room(track, PORT_BANK, -1.0, cell, x, y, c, si, outline)
+    starboard = side_room(track, 1.0, cell, x, y, c, si, outline)
+    port = side_room(track, -1.0, cell, x, y, c, si, outline)
     return min(starboard, port), port - starboard

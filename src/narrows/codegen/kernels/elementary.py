@@ -1,5 +1,6 @@
 """Elementary functions for lanes: no branch, no call of the C library, so that loops over lanes vectorise."""
 
+import re
 from functools import lru_cache
 from math import factorial, radians
 
@@ -9,6 +10,10 @@ SINE_TERMS = 11
 """Of the series of sine and cosine: to the last place up to a quarter turn, and no rudder turns further."""
 ANGLE_TERMS = 12
 """Of the polynomial for arctan t/t up to an eighth of half a turn."""
+
+NUMBER = {"float64": "{}".format, "float32": "real({})".format}
+"""How a number is written in each precision: a literal is a double, and a call of ``real`` is dear to compile."""
+CAST = re.compile(r"real\(([0-9.e+-]+)\)")
 
 HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
 from math import cos, hypot, inf, nan, sin, sqrt
@@ -59,7 +64,7 @@ def power(base, exponent):
 
 @jit
 def entry(table, column, cell):
-    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + column)]
+    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + np.int64(column))]
 """
 ANGLE = """
 @jit
@@ -94,7 +99,8 @@ def elementary_text(body: str, precision: str) -> str:
         parts += [_series("sine", 1), _series("cosine", 0)]
     if "angle(" in body:
         parts.append(_angle_text())
-    return "\n\n\n".join(parts) + "\n"
+    text = "\n\n\n".join(parts) + "\n"
+    return CAST.sub(r"\1", text) if precision == "float64" else text
 
 
 def _series(name: str, first: int) -> str:

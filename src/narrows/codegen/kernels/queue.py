@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 
     Function = TypeVar("Function", bound=Callable[..., Any])
     Array = np.ndarray[Any, Any]
-    LANES = FIELDS = KEPT = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = FIRST_VESSEL_INPUT = 0
+    LANES = FIELDS = KEPT = FIRST = NOW = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = (
+        FIRST_VESSEL_INPUT
+    ) = 0
     X = Y = COS = SIN = U = V = R = AT_LEAST_COS = AT_X_LAST = AT_X_FIRST = AT_MOST_SPEED = AT_MOST_RATE = 0
     AT_CELLS_A_METRE = 0
     EXACT = WATERWAY = False
@@ -107,7 +109,7 @@ def attend(
     sane = is_sane(block, lane, room, shared, limits[NEAR])
     if EXACT and sane and (room <= 0.0 or book[lane, TRIES] > 0.0):
         # The lanes' own room is a lower bound: ask the banks.
-        room, block[LEAN * LANES + lane] = true_room(block, lane, 0, track, outline, shared)
+        room, block[LEAN * LANES + lane] = true_room(block, lane, NOW, track, outline, shared)
     if sane and cleared(room, before, LEAVES) > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
         return RUNNING
     if EXACT and (book[lane, TRIES] > 0.0 or not (sane and room > 0.0)):
@@ -140,7 +142,7 @@ def load_lane(
         block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[vessel, field]
     room, lean = room_of(block, lane, table, shared)
     if EXACT and room <= 0.0:
-        room, lean = true_room(block, lane, 0, track, outline, shared)
+        room, lean = true_room(block, lane, NOW, track, outline, shared)
     block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
     begin(book[lane], times[vessel, 0], times[vessel, 1], times[vessel, 2])
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
@@ -187,7 +189,7 @@ def sail(
     active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
     for lane in range(LANES):
         who[lane] = -1
-        load_lane(block, lane, book, 0, start, times, vessel_inputs, table, shared, track, outline, limits)
+        load_lane(block, lane, book, FIRST, start, times, vessel_inputs, table, shared, track, outline, limits)
         idle_lane(block, lane)
         block[FLAG * LANES + lane] = 1.0
     flagged = True

@@ -2,9 +2,10 @@
 
 That every field lies at a constant offset of ONE array is how LLVM proves that nothing aliases. Each round of the
 program is a loop of its own (one long loop is a longer chain than a processor looks ahead) and no loop branches on
-data.
+data. A name has one assignment, in whatever round: for each that has more Numba goes over the whole function once more.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -118,8 +119,9 @@ class Lanes:
         head = [f"{name} = shared[{number}]" for number, name in enumerate(self.shared_inputs)]
         body = [*head, "all_well = True"]
         for number, part in enumerate(self.parts):
-            body.append(f"for lane in range({self.count}):")
-            body += [f"    {line}" for line in self._round(number, part, printer, leaves)]
+            lines = [f"for lane in range({self.count}):"]
+            lines += [f"    {line}" for line in self._round(number, part, printer, leaves)]
+            body += _of_round(number, lines)
         return "\n    ".join(["@jit\ndef step(block, table, shared):", *body, "return not all_well"]) + "\n"
 
     def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic, leaves: float) -> Iterator[str]:
@@ -152,11 +154,19 @@ class Lanes:
         yield f"{self.entry('left')} = left"
         zero, one = printer.number("0.0"), printer.number("1.0")
         must = f"{printer.number(repr(leaves))} * room_before" if leaves else zero
-        yield f"well = (left > {zero}) & ({out['room']} > {must})"
-        for name, most in SPEED_LIMITS.items():
-            yield f"well = well & (abs({out[name]}) < {most})"
+        sane = " & ".join(f"(abs({out[name]}) < {most})" for name, most in SPEED_LIMITS.items())
+        yield f"well = (left > {zero}) & ({out['room']} > {must}) & {sane}"
         yield f"{self.entry('flag')} = {zero} if well else {one}"
         yield "all_well = all_well & well"
+
+
+def _of_round(number: int, lines: Sequence[str]) -> list[str]:
+    """Lines with names of their own for what other rounds assign too: what they look up, and the lane."""
+    looked_up = {"lane", *re.findall(r"^ +(\w+) = block", "\n".join(lines), re.MULTILINE)}
+    return [
+        re.sub(r"\b[A-Za-z_]\w*", lambda name: f"{name[0]}_in_{number}" if name[0] in looked_up else name[0], line)
+        for line in lines
+    ]
 
 
 def _names(value: Expr) -> set[str]:

@@ -20,14 +20,16 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     ----------
     number : callable
         Wraps the text of a number.
+    column : callable
+        Writes the column of an entry; what Numba compiles takes a float, for it compiles a function anew for each int.
     """
 
     TABLE = "table"
     """What the table of a waterway is called."""
 
-    def __init__(self, number: Callable[[str], str] = "{}".format) -> None:
+    def __init__(self, number: Callable[[str], str] = "{}".format, column: Callable[[int], str] = str) -> None:
         super().__init__({"fully_qualified_modules": False})
-        self.number = number
+        self.number, self.column = number, column
 
     def called(self, name: str, *arguments: str) -> str:
         """Write the call of a function.
@@ -77,7 +79,7 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     def _print_Function(self, value: Expr) -> str:
         name = str(value.func)
         if name == "entry":
-            return self.called(name, self.TABLE, str(int(value.args[0])), self._print(value.args[1]))
+            return self.called(name, self.TABLE, self.column(int(value.args[0])), self._print(value.args[1]))
         return self.called(name, *map(self._print, value.args))
 
 
