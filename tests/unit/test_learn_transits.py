@@ -100,6 +100,34 @@ def test_no_bank_is_called_unresolved_and_not_small() -> None:
     assert "unresolved, for 0 is among it" in found.summary()
 
 
+def passed(marked: bool) -> nw.LogFit:
+    """A transit on which a ship passes after five minutes."""
+    truth, transit = twin()[0], TransitTwin(twin()[0], SPEED, 60 * MINUTES, passes=(300.0, 900.0))
+    (record,) = transits_of(truth, VDR, 1, 3, transit)
+    t = np.arange(0.0, 60 * MINUTES, 10.0)
+    near = np.minimum(abs(t - 300.0), abs(t - 900.0)) < ship().configuration.ship.length / SPEED
+    return nw.learn(ship(), record.with_signals(meeting=nw.Signal(t, 1.0 * near)) if marked else record)
+
+
+def test_a_ship_that_passes_is_no_gust_where_the_log_marks_it() -> None:
+    found = passed(marked=True)
+    assert not found.pushed
+    assert abs(found.coefficients["c_bank"].value - twin()[0]["c_bank"]) < 3.5 * found.std["c_bank"]
+
+
+def test_a_ship_that_passes_unmarked_is_said() -> None:
+    found = passed(marked=False)
+    assert found.pushed
+    assert "mark these times in the log (`meeting`)" in found.summary()
+
+
+def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:
+    t, once = np.arange(0.0, 100.0), np.array([0.0, 35.0, 52.0])
+    signals = {name: nw.Signal(t, 0.0 * t) for name in ("y", "rudder")}
+    record = nw.ShipRecord("met", {**signals, "meeting": nw.Signal(once, np.array([0.0, 1.0, 0.0]))})
+    assert grid_of(record, 1.0, 10.0, {"rudder": 0.0}).meetings.nonzero()[0].tolist() == [3, 4, 5]
+
+
 def test_a_log_without_the_rudder_cannot_tell_and_says_why() -> None:
     voyage = TransitTwin(learned()[0], SPEED, 600.0).sailed(1)
     with pytest.raises(nw.InputError, match="holds no rudder: what the bank did and what the helm did"):

@@ -8,6 +8,7 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.quantities.names import Quantity
 
+MEETING = "meeting"
 SIGNALS = {
     "x": Quantity("m", "antenna or reference point along the waterway, or along the axis that psi is measured from"),
     "y": Quantity("m", "antenna or reference point to starboard of the centreline, or of that axis"),
@@ -21,6 +22,7 @@ SIGNALS = {
     "course": Quantity("rad", "course over ground, measured as psi is"),
     "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
     "revolutions": Quantity("1/s", "propeller revolutions n"),
+    MEETING: Quantity("1", "1 while another ship passes, else 0: what it pushes is no gust"),
     "wind_speed": Quantity("m/s", "speed of the wind over ground"),
     "wind_direction": Quantity("rad", "where the wind comes from, measured as psi is"),
 }

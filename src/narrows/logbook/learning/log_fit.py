@@ -17,6 +17,8 @@ IN_OPEN_WATER = "Identification in open water is held to measured manoeuvres."
 """What stands beside the label of this room where no bank is felt."""
 UNLIKELY = 1e-3
 """Probability under which log and prior are said to disagree."""
+STRONG = 4.0
+"""Times the usual gusts, from which pushes are said to be none: of twins in gusts alone one in fifty comes so far."""
 FAR = 3.0
 """Standard deviations before, from which a coefficient is named."""
 
@@ -35,12 +37,15 @@ class Gusts:
         How long they stay.
     correlation : float [1]
         Between the two.
+    strength : float [1]
+        Over what gusts are taken to be before a log tells, in sway or in yaw, whichever is more.
     """
 
     sway: float
     yaw: float
     memory: float
     correlation: float
+    strength: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -112,6 +117,11 @@ class LogFit(LearnedAnswer):
         return self.probability < UNLIKELY
 
     @property
+    def pushed(self) -> bool:
+        """Whether pushes acted that are too strong for gusts, as where ships pass that the log does not tell of."""
+        return self.gusts is not None and self.gusts.strength > STRONG
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What disagrees, what is known only as a pair, what was taken for granted or left out, what holds the rest."""
         together = [
@@ -124,7 +134,7 @@ class LogFit(LearnedAnswer):
         )
         search = ("The search did not come to rest; take the numbers with care.",) * (not self.settled)
         open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
-        return (*search, *self._disagreement, *together, inertia, *self.about, *open_water, ON_TWINS)
+        return (*search, *self._disagreement, *self._pushed, *together, inertia, *self.about, *open_water, ON_TWINS)
 
     @property
     def _disagreement(self) -> tuple[str, ...]:
@@ -138,6 +148,16 @@ class LogFit(LearnedAnswer):
             f"is taken for {self.widened:.1f} times less sure.",
         )
 
+    @property
+    def _pushed(self) -> tuple[str, ...]:
+        if self.gusts is None or not self.pushed:
+            return ()
+        return (
+            f"Pushes come out {self.gusts.strength:.0f} times as strong as gusts usually are, as where other ships "
+            "pass: mark these times in the log (`meeting`), for intervals do not hold where such pushes are taken for "
+            "gusts.",
+        )
+
     def summary(self) -> str:
         """Say what was learned, what still comes from the prior, and how much better the model foretells."""
         bank = [c for c in self.coefficients.values() if c.from_bank and c.prior_std > 0]
@@ -147,7 +167,8 @@ class LogFit(LearnedAnswer):
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
         rest = f" From the prior still: {', '.join(open_still)}." if open_still else ""
-        return "\n".join(filter(None, (first + rest, *self._disagreement, self._foretold, self._gusty, ON_TWINS)))
+        caveats = (*self._disagreement, *self._pushed)
+        return "\n".join(filter(None, (first + rest, *caveats, self._foretold, self._gusty, ON_TWINS)))
 
     @property
     def _foretold(self) -> str:

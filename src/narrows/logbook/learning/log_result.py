@@ -13,7 +13,7 @@ from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_source import LogSource
 from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.learning.refined_search import Refined
-from narrows.logbook.shooting.push_chain import SWAY, YAW, WindowChain
+from narrows.logbook.shooting.push_chain import SWAY, YAW
 from narrows.model.data_range import Range
 from narrows.model.model import Model
 from narrows.terms.about import TermKind
@@ -48,7 +48,7 @@ def log_result(
     about = (*_held(free), *source.left_out, *stopped * found.interrupted)
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
-        _gusts(refined.problem.chain), refined.left, after.disagreement, after.freedom, after.probability,
+        _gusts(refined), refined.left, after.disagreement, after.freedom, after.probability,
         after.widened, _inertia(model, refined), about, found.settled,
     )  # fmt: skip
 
@@ -78,8 +78,12 @@ def _ranges(refined: Refined) -> tuple[Range, Range]:
     return (float(offsets.min()), float(offsets.max())), (float(speeds.min()), float(speeds.max()))
 
 
-def _gusts(chain: WindowChain) -> Gusts | None:
+def _gusts(refined: Refined) -> Gusts | None:
+    chain = refined.problem.chain
     if SWAY not in chain.names:
         return None
     sway, yaw = chain.names.index(SWAY), chain.names.index(YAW)
-    return Gusts(float(chain.std[sway]), float(chain.std[yaw]), float(chain.memory[sway]), float(chain.correlation))
+    strength = float((chain.std / refined.usual.std)[[sway, yaw]].max())
+    return Gusts(
+        float(chain.std[sway]), float(chain.std[yaw]), float(chain.memory[sway]), float(chain.correlation), strength
+    )

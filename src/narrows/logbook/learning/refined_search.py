@@ -18,7 +18,7 @@ from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage
 
-ROUNDS, SETTLED = 7, 0.1
+ROUNDS, SETTLED = 7, 0.2
 """Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
 SHARE = 0.7
 """Of a change of how wide windows are left, that is taken: less is left where it was taken."""
@@ -48,12 +48,15 @@ class Refined:
         Where each record stands.
     left : mapping of str to NoiseLeft
         What the model leaves of each signal.
+    usual : WindowChain
+        Gusts as they are taken to be before a log tells.
     """
 
     problem: LogProblem
     found: Found
     states: tuple[RecordState, ...]
     left: dict[str, NoiseLeft]
+    usual: WindowChain
 
 
 def refined_search(problem: LogProblem, source: GridSource) -> Refined:
@@ -80,16 +83,16 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     for number in range(ROUNDS):
         found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH)
         if found.interrupted:
-            return Refined(problem, found, tuple(states), noise_left(source, found))
+            return Refined(problem, found, tuple(states), noise_left(source, found), usual)
         try:
             after = _reestimated(problem, source, states, found, least, usual if number < OF_GUSTS else None)
         except KeyboardInterrupt:
-            return Refined(problem, replace(found, interrupted=True), tuple(states), noise_left(source, found))
+            return Refined(problem, replace(found, interrupted=True), tuple(states), noise_left(source, found), usual)
         problem, scaled, moved = after, found.scaled, _moved(problem, after, found)
         if moved < SETTLED:
             break
     found = _searched(problem, scaled, source, states, sampled, ENOUGH)
-    return Refined(problem, found, tuple(states), noise_left(source, found))
+    return Refined(problem, found, tuple(states), noise_left(source, found), usual)
 
 
 def _far(problem: LogProblem, found: Found, turn: np.ndarray) -> float:

@@ -29,28 +29,38 @@ def determinant_slope(problem: LogProblem, samples: Sequence[ChainSample], scale
     scaled : array (p,) [1]
         The coefficients there.
 
+    Returns
+    -------
+    array (p,)
+        As it was known before where the windows or their motion have no finite one.
+
     References
     ----------
     Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
     81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
     """
     try:
-        return _slope(problem, samples, scaled)
-    except np.linalg.LinAlgError:  # Windows of which nothing is known: what was known of the slope stays.
+        slope = _slope(problem, samples, scaled)
+    except np.linalg.LinAlgError:  # Windows of which nothing is known.
         return problem.determinant_slope
+    return slope if np.isfinite(slope).all() else problem.determinant_slope
 
 
 def _slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> np.ndarray:
     slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
-    at = sum(_determinant(problem, sample, scaled) for sample in samples)
+    at = _determinant(problem, samples, scaled)
     for place in np.flatnonzero(problem.prior.moves):
         beside = scaled + STEP * (np.arange(len(scaled)) == place)
-        slope[place] = sum(_determinant(problem, sample, beside) for sample in samples) - at
+        slope[place] = _determinant(problem, samples, beside) - at
     return slope / (2 * STEP * max(windows, 1))
 
 
-def _determinant(problem: LogProblem, sample: ChainSample, scaled: np.ndarray) -> float:
-    """The logarithm of that of all that a record has of its own, where it stood."""
-    own = sample.told.own
-    found = window_equations(problem, problem.at(scaled), scaled, sample.grid, own).without_coefficients(problem)
-    return banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros)).determinant
+def _determinant(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> float:
+    """The logarithm of that of all that records have of their own, where they stood."""
+    motion, whole = problem.at(scaled), 0.0
+    for sample in samples:
+        own = sample.told.own
+        found = window_equations(problem, motion, scaled, sample.grid, own, coefficients=False)
+        left = banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros))
+        whole += left.determinant
+    return whole

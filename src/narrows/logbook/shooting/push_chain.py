@@ -82,6 +82,17 @@ class WindowChain:
         t = step * np.arange(steps)
         return np.asarray(about @ np.exp(-np.abs(t[:, None] - t) / memory) @ about)
 
+    def stronger(self, factor: float) -> "WindowChain":
+        """Return the chain with stronger pushes.
+
+        Parameters
+        ----------
+        factor : float [1]
+            Over those that it has.
+        """
+        factors = [factor if name in ("X", SWAY, YAW) else 1.0 for name in self.names]
+        return WindowChain(self.names, np.array(factors) * self.std, self.memory, self.correlation)
+
     def with_pushes(self, std: dict[str, float], memory: float, correlation: float) -> "WindowChain":
         """Return the chain with other pushes.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.signals import TURNING, Signal
+from narrows.logbook.signals import MEETING, TURNING, Signal
 
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
 """Signals that the motion is held to."""
@@ -62,6 +62,8 @@ class RecordGrid:
         Of the actuators at the nodes.
     readings : mapping of str to Readings
         By signal; of whole windows alone.
+    meetings : array (windows,) of bool
+        Whether another ship passes.
     """
 
     record: ShipRecord
@@ -70,6 +72,7 @@ class RecordGrid:
     whole: np.ndarray
     positions: Mapping[str, np.ndarray]
     readings: Mapping[str, Readings]
+    meetings: np.ndarray
 
     def __len__(self) -> int:
         """How many windows."""
@@ -142,7 +145,7 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
     for signal in moved.values():
         whole &= _is_whole(signal, times[first], max(GAP * signal.step, step))
     readings = {name: _readings(name, signal, times, first, whole) for name, signal in read.items()}
-    return RecordGrid(record, times, first, whole, positions, readings)
+    return RecordGrid(record, times, first, whole, positions, readings, _meetings(record, times[first]))
 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
@@ -169,6 +172,16 @@ def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
         low, high = np.searchsorted(edges, (signal.t[i], signal.t[i + 1]))
         whole[max(low - 1, 0) : high] = False
     return whole
+
+
+def _meetings(record: ShipRecord, edges: np.ndarray) -> np.ndarray:
+    """Whether the record says of any time of a window that another ship passes; what it says holds until the next."""
+    if MEETING not in record or not len(record[MEETING]):
+        return np.zeros(len(edges) - 1, bool)
+    signal = record[MEETING]
+    met, begun = signal.values > 0.5, np.searchsorted(signal.t, edges[:-1], side="right") - 1
+    inside = np.searchsorted(edges, signal.t[met], side="right") - 1
+    return ((begun >= 0) & met[begun]) | np.isin(np.arange(len(edges) - 1), inside)
 
 
 def _readings(name: str, signal: Signal, times: np.ndarray, first: np.ndarray, whole: np.ndarray) -> Readings:

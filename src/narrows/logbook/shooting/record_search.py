@@ -64,9 +64,9 @@ def record_best(
         Between its windows.
     """
 
-    def at(there: RecordUnknowns) -> tuple[WindowEquations, BorderedBand]:
+    def at(there: RecordUnknowns, coefficients: bool) -> tuple[WindowEquations, BorderedBand]:
         with np.errstate(all="ignore"):  # A motion that runs away is noticed by its cost, or by its equations.
-            found = window_equations(problem, motion, scaled, grid, there)
+            found = window_equations(problem, motion, scaled, grid, there, coefficients=coefficients)
             return found, banded(problem, grid, there, found, links)
 
     try:
@@ -75,28 +75,38 @@ def record_best(
         return None
 
 
-def _best(at: Callable[[RecordUnknowns], tuple[WindowEquations, BorderedBand]], own: RecordUnknowns) -> RecordBest:
-    found, band = at(own)
+Equations = Callable[[RecordUnknowns, bool], tuple[WindowEquations, BorderedBand]]
+"""Of a record where it stands, the coefficients among their unknowns or not: those are dear, and asked for once."""
+
+
+def _best(at: Equations, own: RecordUnknowns) -> RecordBest:
+    _, band = at(own, False)
     if not np.isfinite(band.cost):
         raise np.linalg.LinAlgError("the motion goes to infinity")
     for _ in range(STEPS):
-        inner = band.eliminated()
-        left = inner.without(len(own.zeros))
-        gain = band.cost - left.cost
-        if gain < SETTLED:
-            return RecordBest(own, found, band, left)
-        zeros = np.linalg.solve(inner.corner[: len(own.zeros), : len(own.zeros)], inner.right[: len(own.zeros)])
-        windows, share = inner.windows(zeros), 1.0
-        for _ in range(SHRINKS):
-            there = own.moved(windows, zeros, share)
-            after = at(there)
-            if after[1].cost < band.cost:
-                break
-            share = _shrunk(share, gain, after[1].cost - band.cost)
-        else:
+        moved = _moved(at, own, band)
+        if moved is None:
             break
-        own, (found, band) = there, after
+        own, band = moved
+    found, band = at(own, True)
     return RecordBest(own, found, band, band.eliminated().without(len(own.zeros)))
+
+
+def _moved(at: Equations, own: RecordUnknowns, band: BorderedBand) -> tuple[RecordUnknowns, BorderedBand] | None:
+    """A step on, or the share of it that helps; None where nothing is to be gained."""
+    inner = band.eliminated()
+    gain = band.cost - inner.without(len(own.zeros)).cost
+    if gain < SETTLED:
+        return None
+    zeros = np.linalg.solve(inner.corner, inner.right)
+    windows, share = inner.windows(zeros), 1.0
+    for _ in range(SHRINKS):
+        there = own.moved(windows, zeros, share)
+        _, after = at(there, False)
+        if after.cost < band.cost:
+            return there, after
+        share = _shrunk(share, gain, after.cost - band.cost)
+    return None
 
 
 def _shrunk(share: float, gain: float, rise: float) -> float:

@@ -96,8 +96,9 @@ class WindowEquations:
 
 
 def window_equations(
-    problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns
-) -> WindowEquations:
+    problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns, *,
+    coefficients: bool = True,
+) -> WindowEquations:  # fmt: skip
     """Return the equations of a record about its unknowns (ours).
 
     Parameters
@@ -112,13 +113,17 @@ def window_equations(
         The record.
     own : RecordUnknowns
         Where the search stands.
+    coefficients : bool
+        Whether the coefficients are among the unknowns, after those of the record.
     """
     pushes, errors = Pushes.of(problem, scaled, own), _errors(problem, own)
     states, slopes = motion.sailed(
         own.starts, pushes.forces, grid.first, grid.times, grid.positions, pushes.rudder, pushes.current
     )
-    along = slopes @ pushes.columns(motion.directions)
-    along[:, :, 6 + own.chain.shape[1] + len(own.zeros) :] += pushes.by_inertia(motion, slopes, grid.rows)
+    columns, of_record = pushes.columns(motion.directions), problem.local + len(problem.zeros)
+    along = slopes @ (columns if coefficients else columns[:, :of_record])
+    if coefficients:
+        along[:, :, of_record:] += pushes.by_inertia(motion, slopes, grid.rows)
     gathered = [_of_signal(problem, grid, name, states, along, errors) for name in grid.readings]
     rows = np.concatenate([part[0] for part in gathered])[grid.order]
     left = np.concatenate([part[1] for part in gathered])[grid.order]

@@ -22,6 +22,8 @@ SPEED_WALK = 2e-3
 """How far a held speed walks in a second, over itself."""
 LOOSE = 1e-8
 """Weight of a link out of a window in which the actuators are not known."""
+IN_MEETINGS = 30.0
+"""How much stronger pushes are than gusts while another ship passes."""
 MOST_WINDOWS = 64
 """Whose slopes are averaged."""
 
@@ -146,7 +148,7 @@ def _linked(
     kept = chain.kept(grid.window)
     slopes[:, range(6, m), range(6, m)] += kept
     gap = np.concatenate([own.starts[1:] - found.ends[:-1], own.chain[1:] - kept * own.chain[:-1]], axis=1)
-    weight = np.linalg.inv(links.covariance(chain)) * np.where(grid.whole[:-1], 1.0, LOOSE)[:, None, None]
+    weight = _weights(problem, grid, links)
     weighed, pull = weight @ slopes, np.einsum("kij,kj->ki", weight, gap)
     turned = np.swapaxes(slopes, 1, 2)
     squares, pulled = turned @ weighed, np.einsum("kai,ki->ka", turned, pull)
@@ -157,7 +159,8 @@ def _linked(
     border[1:] -= weighed[:, :, m:]
     right[:-1] += pulled[:, :m]
     right[1:] -= pull
-    known = np.linalg.inv(chain.covariance) if chain.names else np.zeros((0, 0))
+    first = chain.stronger(IN_MEETINGS) if grid.meetings[0] else chain
+    known = np.linalg.inv(first.covariance) if chain.names else np.zeros((0, 0))
     diagonal[0, 6:, 6:] += known
     right[0, 6:] -= known @ own.chain[0]
     return BorderedBand(
@@ -165,6 +168,22 @@ def _linked(
         alone.right_border + pulled[:, m:].sum(axis=0),
         alone.cost + float(np.sum(gap * pull)) + float(own.chain[0] @ known @ own.chain[0]),
     )  # fmt: skip
+
+
+def _met(grid: RecordGrid) -> np.ndarray:
+    """Whether a link leads into or out of a window in which another ship passes, (windows - 1,)."""
+    return np.asarray(grid.meetings[1:] | grid.meetings[:-1])
+
+
+def _weights(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> np.ndarray:
+    """Of what links miss, (windows - 1, m, m)."""
+    usual, met = (np.linalg.inv(links.covariance(chain)) for chain in _chains(problem))
+    loose = np.where(grid.whole[:-1], 1.0, LOOSE)
+    return np.asarray(np.where(_met(grid)[:, None, None], met, usual) * loose[:, None, None])
+
+
+def _chains(problem: LogProblem) -> tuple[WindowChain, WindowChain]:
+    return problem.chain, problem.chain.stronger(IN_MEETINGS)
 
 
 def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> float:
@@ -179,6 +198,7 @@ def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) 
     links : WindowLinks
         Between its windows.
     """
-    one = float(np.linalg.slogdet(links.covariance(problem.chain))[1])
-    start = float(np.linalg.slogdet(problem.chain.covariance)[1]) if problem.chain.names else 0.0
-    return (len(grid) - 1) * one + start
+    usual, met = (float(np.linalg.slogdet(links.covariance(chain))[1]) for chain in _chains(problem))
+    first = _chains(problem)[int(grid.meetings[0])]
+    start = float(np.linalg.slogdet(first.covariance)[1]) if problem.chain.names else 0.0
+    return float(np.where(_met(grid), met, usual).sum()) + start
