@@ -57,10 +57,10 @@ def _slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarr
 
 def _determinant(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> float:
     """The logarithm of that of all that records have of their own, where they stood."""
-    motion, whole = problem.at(scaled), 0.0
+    motion, whole = problem.at(scaled).of_records, 0.0
     for sample in samples:
         own = sample.told.own
-        found = window_equations(problem, motion, scaled, sample.grid, own, coefficients=False)
+        found = window_equations(problem, motion, scaled, sample.grid, own)
         left = banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros))
         whole += left.determinant
     return whole

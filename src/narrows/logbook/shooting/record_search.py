@@ -66,7 +66,7 @@ def record_best(
 
     def at(there: RecordUnknowns, coefficients: bool) -> tuple[WindowEquations, BorderedBand]:
         with np.errstate(all="ignore"):  # A motion that runs away is noticed by its cost, or by its equations.
-            found = window_equations(problem, motion, scaled, grid, there, coefficients=coefficients)
+            found = window_equations(problem, motion if coefficients else motion.of_records, scaled, grid, there)
             return found, banded(problem, grid, there, found, links)
 
     try:

@@ -54,6 +54,11 @@ class RecordedMotion:
         helm = RecordedHelm(dict(self.positions))
         return TangentMarch.of(self.model, self.directions, {**self.choices, **self.positions, "controller": helm})
 
+    @cached_property
+    def of_records(self) -> "RecordedMotion":
+        """The same motion, not differentiated by coefficients: for what records have of their own alone."""
+        return replace(self, coefficients=())
+
     def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
         """Return the motion with other coefficients.
 

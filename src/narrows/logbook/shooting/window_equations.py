@@ -96,9 +96,8 @@ class WindowEquations:
 
 
 def window_equations(
-    problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns, *,
-    coefficients: bool = True,
-) -> WindowEquations:  # fmt: skip
+    problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns
+) -> WindowEquations:
     """Return the equations of a record about its unknowns (ours).
 
     Parameters
@@ -106,24 +105,21 @@ def window_equations(
     problem : LogProblem
         What is solved for.
     motion : RecordedMotion
-        At the coefficients.
+        At the coefficients; these are among the unknowns where it is differentiated by them.
     scaled : array (p,) [1]
         The coefficients in units of their standard deviations before.
     grid : RecordGrid
         The record.
     own : RecordUnknowns
         Where the search stands.
-    coefficients : bool
-        Whether the coefficients are among the unknowns, after those of the record.
     """
     pushes, errors = Pushes.of(problem, scaled, own), _errors(problem, own)
     states, slopes = motion.sailed(
         own.starts, pushes.forces, grid.first, grid.times, grid.positions, pushes.rudder, pushes.current
     )
-    columns, of_record = pushes.columns(motion.directions), problem.local + len(problem.zeros)
-    along = slopes @ (columns if coefficients else columns[:, :of_record])
-    if coefficients:
-        along[:, :, of_record:] += pushes.by_inertia(motion, slopes, grid.rows)
+    along = slopes @ pushes.columns(motion)
+    if motion.coefficients:
+        along[:, :, problem.local + len(problem.zeros) :] += pushes.by_inertia(motion, slopes, grid.rows)
     gathered = [_of_signal(problem, grid, name, states, along, errors) for name in grid.readings]
     rows = np.concatenate([part[0] for part in gathered])[grid.order]
     left = np.concatenate([part[1] for part in gathered])[grid.order]
@@ -201,19 +197,20 @@ class Pushes:
         """X, Y [N] and N [N m] of each window, (windows, 3)."""
         return np.asarray(self.rates * self.inertia)
 
-    def columns(self, directions: tuple[str, ...]) -> np.ndarray:
+    def columns(self, motion: RecordedMotion) -> np.ndarray:
         """Return what of each direction of the motion goes into each unknown, (directions, d).
 
         Parameters
         ----------
-        directions : tuple of str
-            Of the motion.
+        motion : RecordedMotion
+            The coefficients are among the unknowns where it is differentiated by them.
         """
+        directions = motion.directions
         size = dict(zip(PUSHES, self.inertia.tolist(), strict=True))
         size |= {STEADY(name): value for name, value in size.items()}
         names = (*self.problem.chain.names, *self.problem.zeros)
         moved = {STEADY(name): name for name in PUSHES} | {CURRENT_X: CURRENT}
-        groups = self.problem.prior.groups
+        groups = self.problem.prior.groups if motion.coefficients else ()
         matrix = np.zeros((len(directions), 6 + len(names) + len(groups)))
         matrix[:6, :6] = np.eye(6)
         for place, name in enumerate(names, start=6):
@@ -221,7 +218,7 @@ class Pushes:
             if direction in directions:
                 matrix[directions.index(direction), place] = size.get(name, 1.0)
         for place, (group, scale) in enumerate(
-            zip(groups, self.problem.prior.scale, strict=True), start=6 + len(names)
+            zip(groups, self.problem.prior.scale, strict=False), start=6 + len(names)
         ):
             for member in group:
                 matrix[directions.index(member), place] = scale

@@ -75,7 +75,7 @@ class WindowLinks:
             own.starts[part], pushes.forces[part], first, grid.times, grid.positions, pushes.rudder[part]
         )
         mean = slopes.reshape(count, -1, *slopes.shape[1:])[:, : steps + 1].mean(axis=0)
-        columns = pushes.columns(motion.directions)[:, 6 : 6 + len(problem.chain.names)]
+        columns = pushes.columns(motion)[:, 6 : 6 + len(problem.chain.names)]
         responses = np.diff(mean @ columns, axis=0)[::-1].transpose(2, 0, 1)
         return cls(responses, _least(problem, grid, own), grid.step, grid.window)
 
