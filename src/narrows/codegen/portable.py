@@ -25,7 +25,8 @@ PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
 class Portable:
     """The engine's lines of one ship, for a caller who gives orders, forces and a waterway.
 
-    Actuators that are angles have a gear, which follows an order; the others are as the caller says.
+    Actuators that are angles have a gear, which follows an order, a caller's or of a law; the others are as the caller
+    says.
 
     Parameters
     ----------
@@ -39,6 +40,10 @@ class Portable:
         ``corners``, ``midship``, ``none``, or the number of points of an outline.
     waterway : bool
         Whether the section of the water changes.
+    law : Law, optional
+        What gives the orders instead of a caller.
+    told : tuple of str
+        The numbers of the law, which a caller gives.
     """
 
     motion: FreeMotion
@@ -46,6 +51,8 @@ class Portable:
     actuators: tuple[Actuated, ...]
     contact: str | int
     waterway: bool
+    law: Law | None = None
+    told: tuple[str, ...] = ()
 
     @property
     def geared(self) -> tuple[Actuated, ...]:
@@ -55,7 +62,7 @@ class Portable:
     @cached_property
     def choices(self) -> Choices:
         """What a step holds."""
-        return Choices(self.contact, self.waterway, _followed(self.geared), "always")
+        return Choices(self.contact, self.waterway, self.law or _followed(self.geared), "always")
 
     @property
     def kept(self) -> tuple[str, ...]:
@@ -99,7 +106,7 @@ class Portable:
     def inputs(self) -> tuple[str, ...]:
         """What a caller may change from step to step, by the names of the lines: what the step asks for of it."""
         orders = [ORDERED(one.name) if one.angle else one.name for one in self.actuators]
-        known = (*INPUTS.values(), *orders, *(("current",) if self.waterway else ()))
+        known = (*INPUTS.values(), *orders, *self.told, *(("current",) if self.waterway else ()))
         return tuple(name for name in known if name in self.programs["step"].asked)
 
     @property

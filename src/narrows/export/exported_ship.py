@@ -22,6 +22,7 @@ from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
 from narrows.simulation.march import NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -32,6 +33,7 @@ FORCES_FROM_OUTSIDE = {
     INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
 }
 CURRENT = Quantity("m/s", "current along the line of the waterway")
+OF_LAW = Quantity("SI", "of the law that steers")
 
 
 @dataclass(frozen=True)
@@ -68,18 +70,23 @@ class ExportedShip:
         Whose table goes into the file; the section of the water then changes along the way.
     prefix : str
         Of the names in the file.
+    steering : Steering, optional
+        What gives the orders instead of a caller.
     """
 
     ship: SimulatedShip
     waterway: "Waterway | None" = None
     prefix: str = USUAL_PREFIX
+    steering: Steering | None = None
 
     @cached_property
     def portable(self) -> Portable:
         """The programs."""
         shape = self.ship.shape if isinstance(self.ship.shape, str) else len(self.ship.shape)
         motion = self.ship.system().rates.motion
-        return Portable(motion, self.ship.model.terms.names, self.ship.actuators, shape, self.waterway is not None)
+        law, told = (self.steering.law, tuple(self.steering.parameters)) if self.steering else (None, ())
+        names = self.ship.model.terms.names
+        return Portable(motion, names, self.ship.actuators, shape, self.waterway is not None, law, told)
 
     @property
     def programs(self) -> Mapping[str, Program]:
@@ -156,6 +163,8 @@ class ExportedShip:
             return ExportedNumber(name, 0.0, *FORCES_FROM_OUTSIDE[name])
         if name == "current" and self.waterway is not None:
             return ExportedNumber(name, float(self.waterway.current), *CURRENT)
+        if self.steering and name in self.steering.parameters:
+            return ExportedNumber(name, float(self.steering.parameters[name]), *OF_LAW)
         for one in self.ship.model.terms.actuators:
             if name == ORDERED(one.name):
                 return ExportedNumber(f"{one.name}_order", 0.0, one.unit, f"ordered {one.meaning}")
@@ -168,7 +177,8 @@ class ExportedShip:
         """What goes from step to step, at rest on the line."""
         known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
-        return tuple(ExportedNumber(name, float(name == "cos_psi"), *known[name]) for name in self.portable.kept)
+        kept = ((name, known.get(name, OF_LAW)) for name in self.portable.kept)
+        return tuple(ExportedNumber(name, float(name == "cos_psi"), *quantity) for name, quantity in kept)
 
     @property
     def controls(self) -> tuple[str, ...]:

@@ -5,18 +5,20 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.export.rendering import bodies_of, rendered, translated, water_of
 
 
-def javascript_text(exported: ExportedShip) -> str:
+def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
     """Return the module of a ship (ours).
 
     Parameters
     ----------
     exported : ExportedShip
         The ship, its choices and its waterway.
+    derivatives : bool
+        Whether they go into the module.
     """
     bodies = bodies_of(exported, "{}.{}".format, "Math.{}({})".format, javascript_name, javascript_body)
     return rendered(
         "model.js.j2", exported, f=bodies, water=water_of(exported, javascript_number), number=javascript_number,
-        name=javascript_name, **translated(exported, JavaScriptTranslation),
+        name=javascript_name, derivatives=derivatives, **translated(exported, JavaScriptTranslation),
     )  # fmt: skip
 
 

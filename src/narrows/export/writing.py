@@ -210,6 +210,55 @@ def write_fmu(
     return tuple(dict.fromkeys(build.folder for build in builds))
 
 
+def write_page(
+    model: Model, path: str | Path, *, title: str = "", u: float | None = None, surge: Surge = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: Contact | Points = "corners",
+) -> tuple[str, ...]:  # fmt: skip
+    """Write a model as one HTML page that sails fleets of it in a browser, without a network or a library.
+
+    A fan of thousands of ships in the canal, where they ground, a map of starts and speeds, which way the banks turn
+    the bow, sliders for what the terms ask for, and a helm to switch on where there is a rudder. With ziglang (the
+    extra ``fmu``) it sails by WebAssembly, one worker a core; without it by the JavaScript of ``write_javascript``.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    path : str or Path
+        Where to, as in ``ship.html``.
+    title : str
+        Of the page; the ship's name unless given.
+    u : float [m/s], optional
+        Speed that it begins with, which whoever plays may change; what suits the ship unless given.
+    surge : str
+        ``held``: the speed stays; ``free``: it is integrated.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+    coriolis : bool
+        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
+    contact : str or points [m]
+        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard).
+
+    Returns
+    -------
+    tuple of str
+        What to say of it: how it sails where that is not by WebAssembly, and why there is no helm.
+
+    Raises
+    ------
+    InputError
+        As ``write_c``; where the contact is ``none``, or the compiler fails.
+    """
+    from narrows.export.page.assembly import assembled
+
+    form_of(path, (".html",))
+    if contact == OPEN:
+        raise InputError("a page shows a canal, and contact 'none' has no banks; choose 'corners'")
+    text, notes = assembled(SimulatedShip(model, surge, surge_inertia, coriolis, contact), title, u)
+    write_whole(path, text)
+    return notes
+
+
 def _exported(model: Model, path: str | Path, waterway: "Waterway | None", *choices: Any) -> "ExportedShip":
     from narrows.export.exported_ship import ExportedShip, prefix_of
 

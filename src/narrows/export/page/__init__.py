@@ -1,0 +1,1 @@
+"""A model as one page: it sails fleets of itself in a browser."""

@@ -1,0 +1,198 @@
+"""The sliders of a page: what the model's terms ask for, with ranges that suit the ship and what its data covered."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from narrows.export.exported_ship import ExportedShip
+from narrows.model.data_range import SLACK, Range
+from narrows.model.model import SETTLED, Model
+
+VOYAGE, CANAL, UNKNOWN, COEFFICIENTS = "The voyage", "The canal", "What is not known", "Coefficients"
+ASSUMED = 0.05
+"""Standard deviation of a coefficient, of its size, where the model has no covariance."""
+WIDE, USUAL_WIDTHS = 3.0, (0.5, 2.0)
+"""Standard deviations that a slider of a coefficient goes either way; widths of canals, of the model's own."""
+START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
+"""Standard deviation of the start, of the length, and of the heading [degrees]."""
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A number that whoever plays may change.
+
+    Parameters
+    ----------
+    name, label, unit, group : str
+        In the address, in words, of the value as it is shown, and where it stands.
+    low, high, step, value : float
+        Its range, how fine it is, and where it stands at first.
+    tested : pair of float, optional
+        What the data covered.
+    beyond : str
+        What to say beside a value beyond that.
+    told : str, optional
+        What to call it among what is beyond the data.
+    switch : bool
+        Whether it is on or off.
+    """
+
+    name: str
+    label: str
+    unit: str
+    group: str
+    low: float
+    high: float
+    step: float
+    value: float
+    tested: Range | None = None
+    beyond: str = "beyond the data"
+    told: str | None = None
+    switch: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give what there is to tell by name, with the digits of a value."""
+        digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
+        told = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
+        if self.tested is None:
+            del told["beyond"]
+        return told | {"digits": digits}
+
+
+def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:
+    """Return the sliders of a page, in order (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        Its ship.
+    speed : float [m/s]
+        That a voyage begins with at first.
+    steered : bool
+        Whether there is a helm to switch on.
+    """
+    model = exported.ship.model
+    names = {parameter.name for parameter in exported.parameters}
+    return [
+        *_voyage(exported, speed, steered), *_canal(model, "depth" in names), *_unknown(model),
+        *(coefficient for term in model.terms.names if term in names for coefficient in [_coefficient(model, term)]),
+    ]  # fmt: skip
+
+
+def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Slider]:
+    model = exported.ship.model
+    ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
+    most, inputs = (canal.width - ship.beam) / 2, {one.name: one.value for one in exported.inputs}
+    if steered:
+        yield Slider("helm", "helm: hold the middle", "", VOYAGE, 0, 1, 1, 0, switch=True)
+    fine = _fine(speed / 100)
+    yield Slider(
+        "u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed, covered(known.speed)
+    )
+    fine = _fine(most / 200)
+    yield Slider("y", "start, to starboard", "m", VOYAGE, _to(-most, fine), _to(most, fine), fine,
+                 _to(most / 9, fine), both_ways(known.abs_y))  # fmt: skip
+    yield Slider(
+        "psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0, both_ways(known.abs_psi, math.degrees(1.0))
+    )
+    if "rudder" in exported.portable.kept:
+        limit = math.floor(math.degrees(model.configuration.gear.limit))
+        yield Slider("rudder", "rudder, to starboard", "°", VOYAGE, -limit, limit, 0.5, 0)
+    if "revolutions" in inputs:
+        n = inputs["revolutions"]
+        yield Slider("revolutions", "revolutions", "1/s", VOYAGE, 0, _to(2 * n, _fine(n / 100)), _fine(n / 100), n)
+    yield Slider("current", "current, from astern", "m/s", VOYAGE, _to(-0.25 * speed, _fine(speed / 100)),
+                 _to(0.5 * speed, _fine(speed / 100)), _fine(speed / 100), 0)  # fmt: skip
+
+
+def _canal(model: Model, deep: bool) -> Iterator[Slider]:
+    ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
+    fine = _fine(canal.width / 200)
+    low, high = max(USUAL_WIDTHS[0] * canal.width, 1.6 * ship.beam), USUAL_WIDTHS[1] * canal.width
+    yield Slider("width", "width", "m", CANAL, _to(low, fine), _to(high, fine), fine, canal.width,
+                 covered(known.width_to_beam, ship.beam), told="the width of the canal")  # fmt: skip
+    if deep and canal.depth:
+        fine, deepest = _fine(ship.draft / 100), max(4 * ship.draft, canal.depth)
+        yield Slider("depth", "depth", "m", CANAL, _to(1.1 * ship.draft, fine), _to(deepest, fine), fine, canal.depth,
+                     covered(known.depth_to_draft, ship.draft), told="the depth of the canal")  # fmt: skip
+
+
+def _unknown(model: Model) -> Iterator[Slider]:
+    fine = _fine(model.configuration.ship.length / 800)
+    spread = START_SPREAD * model.configuration.ship.length
+    yield Slider("sd_y", "start, ± one deviation", "m", UNKNOWN, 0, _to(6 * spread, fine), fine, _to(spread, fine))
+    yield Slider("sd_psi", "heading, ± one deviation", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
+    yield Slider("doubt", "coefficients, of their deviation", "×", UNKNOWN, 0, 3, 0.05, 1)
+    yield Slider("ships", "ships", "", UNKNOWN, 500, 10_000, 500, 3000)
+
+
+def deviation(model: Model, name: str) -> float:
+    """Return the standard deviation of a coefficient, the assumed one where its tests do not say (ours).
+
+    Parameters
+    ----------
+    model : Model
+        Whose.
+    name : str
+        Of the coefficient.
+    """
+    if model.covariance is None:
+        return ASSUMED * abs(model.coefficients[name])
+    place = model.terms.names.index(name)
+    return float(np.sqrt(model.covariance[place, place]))
+
+
+def _coefficient(model: Model, name: str) -> Slider:
+    value, bound = model.coefficients[name], model.terms[name].bound
+    size = WIDE * deviation(model, name) or abs(value) or 1.0
+    size = max(size, abs(value) if model.covariance is None else 0.0)
+    low, high = max(value - size, bound[0]), min(value + size, bound[1])
+    verdict = model.verdicts.get(name, SETTLED)
+    unit = model.terms[name].dimension.unit
+    inside = None if model.covariance is None else (value - 2 * size / WIDE, value + 2 * size / WIDE)
+    label = name if verdict == SETTLED else f"{name}, {verdict}"
+    return Slider(name, label, "" if unit == "1" else unit, COEFFICIENTS, low, high, _fine(size / 100), value,
+                  inside, "beyond its interval", f"{name} beyond its interval")  # fmt: skip
+
+
+def covered(known: Range | None, scale: float = 1.0) -> Range | None:
+    """Return what counts as covered by the data, by the one rule of ``DataRange.outside`` (ours).
+
+    Parameters
+    ----------
+    known : pair of float, optional
+        What the data covered.
+    scale : float
+        Of the value that is shown.
+    """
+    if known is None:
+        return None
+    slack = SLACK * max(map(abs, known))
+    return scale * (known[0] - slack), scale * (known[1] + slack)
+
+
+def both_ways(known: Range | None, scale: float = 1.0) -> Range | None:
+    """Return what counts as covered of a number whose size the data tell (ours).
+
+    Parameters
+    ----------
+    known : pair of float, optional
+        What the data covered of its size.
+    scale : float
+        Of the value that is shown.
+    """
+    reach = covered(known, scale)
+    return None if reach is None else (-reach[1], reach[1])
+
+
+def _fine(size: float) -> float:
+    """A step of 1, 2 or 5 times a power of ten, no larger."""
+    power = 10.0 ** math.floor(math.log10(size))
+    return float(f"{max(step for step in (1, 2, 5) if step * power <= size * (1 + 1e-9)) * power:.3g}")
+
+
+def _to(value: float, fine: float) -> float:
+    return float(f"{round(value / fine) * fine:.10g}")

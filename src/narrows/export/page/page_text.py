@@ -1,0 +1,99 @@
+"""The one file of a page: markup, styles, numbers, the exported model, scripts, and WebAssembly as text."""
+
+import base64
+import json
+import re
+import zlib
+from importlib.metadata import version
+
+from narrows.export.exported_ship import ExportedShip
+from narrows.export.javascript_module import javascript_text
+from narrows.export.page.page_data import page_data
+from narrows.export.page.script_bundle import bundled, smaller
+
+BARE_DEFLATE = -15
+FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
+"""What both the page and its workers run."""
+DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
+"""Which the page's numbers say already."""
+UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
+"""Fields of a structure unpacked one after another."""
+MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
+
+
+def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:
+    """Return the page of a ship (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        The ship, called ``ship``.
+    speed : float [m/s]
+        That a voyage begins with at first.
+    title : str
+        Of the page.
+    helm : str
+        Why nothing steers, where there is no helm.
+    wasm : bytes, optional
+        What sails fleets; plain JavaScript does where there is none.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    from narrows.web.assets import asset
+
+    data = json.dumps(page_data(exported, speed, title) | {"wasm": packed(wasm) if wasm else ""}, separators=(",", ":"))
+    template = Environment(loader=PackageLoader("narrows.export.page", "."), undefined=StrictUndefined)
+    known: set[str] = set()
+    given = {"model.js": model_script(exported)}
+    return template.get_template("page.html.j2").render(
+        title=title, foot=_foot(exported), helm=helm, data=data.replace("<", "\\u003c"),
+        style=smaller(asset("palette.css") + own_style()),
+        shared="".join(bundled(name, given, known) for name in FIRST),
+        worker=bundled("worker.js", given, set(known)), script=bundled("page.js", given, known),
+    )  # fmt: skip
+
+
+def own_style() -> str:
+    """Return the style of the page itself (ours)."""
+    from importlib.resources import files
+
+    return (files("narrows.export.page") / "page.css").read_text("utf-8")
+
+
+def model_script(exported: ExportedShip) -> str:
+    """Return the exported model as a module that gives what a page asks for (ours).
+
+    Parameters
+    ----------
+    exported : ExportedShip
+        The ship.
+    """
+    text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
+    text = UNPACKED.sub(_destructured, DEFAULTS.sub("", text))
+    return MODEL.format(text)
+
+
+def _destructured(match: re.Match[str]) -> str:
+    names = re.findall(r"^const (\w+)", match[0], re.MULTILINE)
+    return f"const {{ {', '.join(names)} }} = {match[2]};\n"
+
+
+def packed(wasm: bytes) -> str:
+    """Return bytes as text: deflated, base 64 (ours).
+
+    Parameters
+    ----------
+    wasm : bytes
+        Of a module.
+    """
+    press = zlib.compressobj(9, zlib.DEFLATED, BARE_DEFLATE)
+    return base64.b64encode(press.compress(wasm) + press.flush()).decode()
+
+
+def _foot(exported: ExportedShip) -> str:
+    model = exported.ship.model
+    return (
+        f"{model.configuration.summary()}. {model.source.text + '. ' if model.source.text else ''}Sailed here, by the "
+        f"equations of the package: Runge-Kutta steps of a 200th of a ship length, 100th on the map. The speed is "
+        f"{'held' if exported.ship.surge == 'held' else 'free'}. Written by narrows {version('narrows')}."
+    )

@@ -1,0 +1,119 @@
+// The canal from above: a fan of ships, where they ground as histograms growing into the banks, and the ship itself.
+import { canalView } from "../../../web/canal.js";
+import { PORT, STARBOARD } from "./outcome.js";
+
+const SHOWN = 600;
+const BINS = 90;
+const ROOM = { bank: 62, behind: 0.85, ahead: 0.35 };
+const TALLEST = 330;
+const LYING = 24;
+
+/** `back` is the canvas of what stands, `front` that of what moves. */
+export function canalPicture(back, front, { length, beam, view }) {
+  const hull = { length, beam };
+  let camera, colours, width, upright;
+  const views = () => [canalView(back, colours), canalView(front, { ...colours, land: "transparent" })];
+
+  /** The whole voyage across the canvas, or upright on a narrow one: one scale, so that nothing is drawn out of shape. */
+  function framed(of, palette, narrow) {
+    [width, colours, upright] = [of, palette, narrow];
+    const [along, space] = [view + (ROOM.behind + ROOM.ahead) * length, back.parentElement.clientWidth];
+    const bank = narrow ? 56 : ROOM.bank;
+    const metres = narrow ? Math.max(along / 560, width / (space - 2 * bank)) : Math.max(along / space, width / TALLEST);
+    for (const canvas of [back, front]) {
+      canvas.style.height = `${narrow ? along / metres : width / metres + 2 * bank}px`;
+    }
+    const ahead = narrow ? { down: 1, heading: 0 } : { right: 0, heading: -Math.PI / 2 };
+    camera = { along: -ROOM.behind * length, across: 0, metresPerPixel: metres, right: 0.5, down: 0.5, ...ahead };
+  }
+
+  function draw({ tracks, ended, alone }) {
+    const [canal] = views();
+    canal.look(camera);
+    const [from, to] = [-3 * length, view + 3 * length];
+    canal.water([-1, 1].map((side) => [[from, side * width / 2], [to, side * width / 2]]));
+    canal.track([[from, 0], [to, 0]], { stroke: "ink", width: 1, dash: [6, 9], opacity: 0.25 });
+    fans(canal, tracks, ended);
+    for (const side of [PORT, STARBOARD]) histogram(canal, ended, side);
+    lying(canal, ended);
+    canal.track(alone.map(([x, y]) => [x, y]), { stroke: "ship", width: 1.8 });
+    for (const [x, y, sine] of [alone[0], alone.at(-1)]) {
+      canal.ship({ along: x, across: y, heading: Math.asin(sine) }, hull, { stroke: "ship", fill: "panel", width: 1.4, opacity: 0.75 });
+    }
+    words(canal);
+    canal.scaleBar();
+  }
+
+  function fans(canal, tracks, ended) {
+    const opacity = Math.min(0.5, 40 / Math.min(SHOWN, tracks.length));
+    const kinds = { sails: "soft", lost: "soft", [STARBOARD]: "starboard", [PORT]: "port" };
+    for (const [kind, stroke] of Object.entries(kinds)) {
+      const own = tracks.filter((_, ship) => ship && ship < SHOWN && ended[ship].kind === kind);
+      canal.fan(own, { stroke, width: 1.5, opacity });
+    }
+  }
+
+  /** Where some of the others lie. */
+  function lying(canal, ended) {
+    const grounded = ended.filter(({ kind }, ship) => ship && (kind === PORT || kind === STARBOARD));
+    const each = Math.max(1, Math.floor(grounded.length / LYING));
+    for (let place = 0; place < grounded.length; place += each) {
+      const { kind, x, y, sine } = grounded[place];
+      canal.ship({ along: x, across: y, heading: Math.asin(sine) }, hull, { stroke: kind, width: 1, opacity: 0.35 });
+    }
+  }
+
+  function histogram(canal, ended, side) {
+    const counts = new Float64Array(BINS);
+    const size = view / BINS;
+    for (const { kind, x } of ended) if (kind === side && x >= 0 && x < view) counts[Math.floor(x / size)] += 1;
+    const most = Math.max(...counts, ended.length * 0.03);
+    const deep = ((upright ? 56 : ROOM.bank) - 22) * camera.metresPerPixel;
+    const out = (side === PORT ? -1 : 1);
+    counts.forEach((count, bin) => {
+      if (!count) return;
+      const [near, far] = [out * width / 2, out * (width / 2 + deep * count / most)];
+      const [one, other] = [(bin + 0.08) * size, (bin + 0.92) * size];
+      canal.track([[one, near], [one, far], [other, far], [other, near]], { fill: side });
+    });
+  }
+
+  function words(canal) {
+    const pen = back.getContext("2d");
+    pen.font = "600 12px system-ui, sans-serif";
+    for (const [side, sign] of [[PORT, -1], [STARBOARD, 1]]) {
+      const [x, y] = canal.toPixels([camera.along, sign * width / 2]);
+      pen.fillStyle = colours[side];
+      pen.textAlign = upright ? "center" : "left";
+      pen.textBaseline = "middle";
+      if (upright) pen.fillText(side, x + sign * 28, 14);
+      else pen.fillText(`${side} bank`, 12, y + sign * 14);
+    }
+    pen.fillStyle = colours.ink;
+    pen.textAlign = "right";
+    pen.fillText("arrow: where the banks turn the bow", back.clientWidth - 12, back.clientHeight - 18);
+    pen.textAlign = "left";
+  }
+
+  /** The ship on its way, with an arrow at its bow that says which way the banks turn it. */
+  function move({ x, y, sine, turning, side }) {
+    const [, canal] = views();
+    front.getContext("2d").clearRect(0, 0, front.width, front.height);
+    canal.look(camera);
+    const heading = Math.asin(sine);
+    canal.ship({ along: x, across: y, heading }, hull, { fill: "ship", stroke: "panel", width: 1.2 });
+    if (turning) arrow(canal, { x, y, heading, turning, side });
+  }
+
+  /** An arc about midship, ahead of the bow: longer where the banks turn harder. */
+  function arrow(canal, { x, y, heading, turning, side }) {
+    const [reach, sweep] = [0.66 * length, turning];
+    const at = (angle, far = reach) => [x + far * Math.cos(heading + angle), y + far * Math.sin(heading + angle)];
+    const arc = Array.from({ length: 13 }, (_, place) => at(sweep * place / 12));
+    canal.track(arc, { stroke: side, width: 5 });
+    const back = sweep - Math.sign(sweep) * 0.16;
+    canal.track([at(back, reach * 1.12), at(sweep + Math.sign(sweep) * 0.05), at(back, reach * 0.88)], { stroke: side, fill: side, width: 2 });
+  }
+
+  return { framed, draw, move };
+}
