@@ -16,9 +16,9 @@ test: .venv/dev
 test-fast: .venv/dev
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
 
-# With every cell of the matrix of voyages, which takes most of an hour more.
+# With the tests marked whole, every cell of the matrix of voyages among them: most of an hour more.
 test-whole: .venv/dev
-	NARROWS_WHOLE_MATRIX=1 $(BIN)/python -m pytest -n auto --dist loadfile
+	NARROWS_WHOLE=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: .venv/dev
 	$(BIN)/ruff check .

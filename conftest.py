@@ -19,8 +19,12 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.setdefault("NARROWS_CACHE_DIR", str(config.cache.mkdir("narrows")))
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Console blocks start processes: they are slow tests."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out tests that only the whole suite has; console blocks start processes and are slow tests."""
+    if not os.environ.get("NARROWS_WHOLE"):
+        left_out = [item for item in items if item.get_closest_marker("whole")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in set(left_out)]
     for item in items:
         if isinstance(item, SybilItem) and item.example.region.evaluator is run_console:
             item.add_marker(pytest.mark.slow)

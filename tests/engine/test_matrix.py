@@ -1,6 +1,5 @@
 """The matrix: voyages, fleets and the reference agree; mirrored to the bit; bit-equal for any number of workers."""
 
-import os
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,9 +13,11 @@ from public import awaits_engine, controller, fleet, kinds, sides, voyage
 from reference import End
 
 CELLS = list(matrix())
-CASES = CELLS if os.environ.get("NARROWS_WHOLE_MATRIX") else CELLS[::19]
-"""Every cell takes most of an hour: one in nineteen runs with the others, all by ``make test-whole``."""
-TRACKS = list(dict.fromkeys((case.ship, case.course, case.surge, case.controller) for case in CASES))
+EACH = 19
+"""Every cell takes most of an hour: one in so many runs with the other tests, all by ``make test-whole``."""
+USUAL = CELLS[::EACH]
+CASES = [pytest.param(case, marks=() if at % EACH == 0 else pytest.mark.whole) for at, case in enumerate(CELLS)]
+TRACKS = list(dict.fromkeys((case.ship, case.course, case.surge, case.controller) for case in CELLS))
 ENDS = ("y_end", "psi_end", "u_end", "v_end", "r_end")
 MIRRORED = ("y", "psi", "v", "r", "rudder", "Y", "N")
 TIME, TRACK = 1e-6, 1e-9
@@ -133,12 +134,12 @@ def test_the_matrix_is_whole(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(CELLS) == 144
     assert set(count.values()) == {2, 8}
     for axis in ("ship", "course", "surge", "controller", "contact"):
-        assert {getattr(case, axis) for case in CASES} == {getattr(case, axis) for case in CELLS}
+        assert {getattr(case, axis) for case in USUAL} == {getattr(case, axis) for case in CELLS}
 
 
 def test_the_matrix_meets_every_end() -> None:
     """Or it would not hold the engine to them."""
-    ends, least = Counter((end.kind, end.side) for end in map(expected, CASES)), len(CASES) // 15
+    ends, least = Counter((end.kind, end.side) for end in map(expected, USUAL)), len(USUAL) // 15
     assert ends["grounded", "starboard"] > least
     assert ends["grounded", "port"] > least
     assert ends["afloat", None] > least

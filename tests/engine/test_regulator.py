@@ -23,6 +23,8 @@ from narrows.simulation.steering import Steering, steering_of
 from narrows.waterway import Bank, Centreline, Waterway
 
 SHIPS = {"steered": (steered, 0.2), "mmg": (mmg, 0.6)}
+FURTHER = (("steered", "straight"), ("mmg", "waterway"))
+"""With a kernel of their own to compile."""
 
 
 def told(model: nw.Model, y: float, u: float = 1.0, **more: Any) -> dict[str, Any]:
@@ -61,8 +63,10 @@ def test_small_motions_are_those_of_the_linear_loop(ship: str) -> None:
     np.testing.assert_allclose(voyage.rudder - begun["rudder"], expected[4], atol=2e-2 * np.abs(expected[4]).max())
 
 
-@pytest.mark.parametrize("course", ["straight", "waterway"])
-@pytest.mark.parametrize("ship", SHIPS)
+@pytest.mark.parametrize(
+    ("ship", "course"),
+    [("steered", "waterway"), ("mmg", "straight"), *(pytest.param(*case, marks=pytest.mark.whole) for case in FURTHER)],
+)
 def test_fleets_and_voyages_agree(ship: str, course: str) -> None:
     model, y = SHIPS[ship][0](), SHIPS[ship][1]
     way = bent(model.configuration.ship.length, 2 * model.configuration.canal.width) if course == "waterway" else None

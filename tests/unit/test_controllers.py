@@ -59,8 +59,14 @@ class Mimic:
         return order
 
 
-@pytest.mark.parametrize("along", [False, True], ids=["straight", "in a waterway"])
-@pytest.mark.parametrize("make", [steered, mmg])
+FURTHER = ((steered, False), (mmg, True))
+"""With a kernel of their own to compile."""
+
+
+@pytest.mark.parametrize(
+    ("make", "along"),
+    [(steered, True), (mmg, False), *(pytest.param(*case, marks=pytest.mark.whole) for case in FURTHER)],
+)
 def test_a_law_of_ones_own_is_the_same_in_voyage_and_fleet(make, along: bool) -> None:
     model = make()
     hull = model.configuration.ship

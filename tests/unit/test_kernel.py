@@ -112,7 +112,14 @@ KINDS = [
 ]
 
 
-@pytest.mark.parametrize(("name", "along", "law", "pushed"), KINDS)
+FURTHER = (2, 4)
+"""Of the kinds, with a kernel of their own to compile: each law still meets a waterway."""
+
+
+@pytest.mark.parametrize(
+    ("name", "along", "law", "pushed"),
+    [pytest.param(*kind, marks=pytest.mark.whole if at in FURTHER else ()) for at, kind in enumerate(KINDS)],
+)
 def test_the_plain_step_is_the_kernels(name: str, along: bool, law: str | None, pushed: dict) -> None:
     """Step by step of the printed Python, law, gear, section and contact and all."""
     model, steps, dt = ACTUATED[name](), 60, 0.05
