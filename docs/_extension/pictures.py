@@ -35,6 +35,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "suez.png": from_decision("suez"),
     "estimation.png": from_decision("estimation"),
     "steady.png": from_decision("steady"),
+    "monitor.png": from_decision("monitor_page"),
 }
 
 

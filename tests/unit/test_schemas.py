@@ -88,7 +88,7 @@ WORDS = {
     "map": "mikkelsen2025_dtc --y -1,0,1 --speed 0.8,1",
     "envelope": "{full} --y 0,30 --speed 8kn --samples 5",
     "learn": "{full} --steady {legs}",
-    "monitor": "{full} --waterway {canal} --replay {told}",
+    "monitor": "{full} --waterway {canal} --replay {told} --page --port 0 --pace 1000",
     "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
     "waterway": "{canal} --draft 10",
     "reproduce": "--out {out}",

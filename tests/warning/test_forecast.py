@@ -14,6 +14,7 @@ from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecast_cases import AS_IS, CASES, LIKELY
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.members import Members
+from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS
 from narrows.warning.forecasting.rudder_needed import rudder_needed
 from narrows.warning.forecasting.takeover_law import TakeoverLaw
 
@@ -38,6 +39,25 @@ def sailed(state: dict[str, float], model: nw.Model, case: object, rudder: float
     told = {name: state[name] for name in STATE}
     options = {"waterway": canal(), "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}
     return nw.simulate(model, **told, duration=case.duration, **options).outcome
+
+
+def test_the_fan_is_where_voyages_go() -> None:
+    """The most likely one each ten seconds, as it is and with a pilot, by the plain engine; members lie about it."""
+    now, one = estimate(60.0, 0.02), forecaster()
+    one(now, {"rudder": 0.02})
+    fan, state = one.fan(now, {"rudder": 0.02}), now.values
+    model = by_bank(state["bank"], dict(ship().coefficients))
+    pilot, rudder = nw.control.regulator(ship(), 0.0, SPEED, waterway=canal(), at=800.0), 0.02 + state["rudder_bias"]
+    for track, taken_over in ((fan.likely, 1e9), (fan.pilot, 0.0)):
+        law = TakeoverLaw(pilot, rudder, taken_over)
+        told = {name: state[name] for name in STATE}
+        water = canal().with_water(current=state["current"])
+        options = {"waterway": water, "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}
+        voyage = nw.simulate(model, **told, duration=60.0, **options)
+        sailed = np.stack([np.interp(fan.times[:6], voyage.t, voyage[name]) for name in ("x", "y", "psi")], axis=1)
+        np.testing.assert_allclose(track[:6], sailed, atol=1e-3)
+    assert fan.members.shape == (FAN_MEMBERS, 12, 3)
+    np.testing.assert_allclose(fan.members[:, 2].mean(axis=0), fan.likely[2], atol=2.0)
 
 
 def by_bank(bank: float, coefficients: dict[str, float]) -> nw.Model:

@@ -346,6 +346,8 @@ def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> Non
         (("--demo", "a.toml"), "--demo has a ship and a canal of its own"),
         (("--replay", "a.nmea"), "give MODEL and --waterway"),
         (("--demo", "--pace", "0"), "--pace 0 is no pace"),
+        (("--demo", "--port", "9"), "--host and --port are those of the page; give --page too"),
+        (("--demo", "--send", "ws://"), "write it as in ws://192.168.1.20:3000"),
         (
             ("a.toml", "--replay", "a", "--waterway", "b", "--recording", "c.nmea"),
             "--recording writes what --demo tells",

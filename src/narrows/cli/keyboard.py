@@ -43,13 +43,11 @@ def _read(lines: Iterable[str], typed: "SimpleQueue[str]") -> None:
 
 def _commands(key: str, t: float, watched: "BridgeMonitor") -> list[bytes]:
     """Sentences of a key: for each alert of which its command can be."""
-    from narrows.readers.nmea.nmea_lines import with_checksum
     from narrows.warning.alerts.alert import Command
-    from narrows.warning.alerts.alert_sentences import MAKER
+    from narrows.warning.alerts.alert_sentences import acn
 
     keys = {"a": Command.ACKNOWLEDGE, "s": Command.SILENCE}
     if key not in keys:
         return []
-    letter, alerts = keys[key].value, [one for one in watched.desk.alerts if one.commanded(keys[key], t) is not None]
-    bodies = [f"IIACN,,{MAKER},{alert.identifier},{alert.instance},{letter},C" for alert in alerts]
-    return [with_checksum(body).strip().encode("ascii") for body in bodies]
+    alerts = [one for one in watched.desk.alerts if one.commanded(keys[key], t) is not None]
+    return [acn(alert.identifier, alert.instance, keys[key]) for alert in alerts]

@@ -14,7 +14,7 @@ from narrows.cli.delivery import ReportDelivery
 from narrows.cli.grouped import verb
 from narrows.cli.keyboard import HINT, with_keys
 from narrows.cli.options import WaterwayFile
-from narrows.cli.output import named
+from narrows.cli.watching_outlets import AlertOptions, Outlets, PageOptions, outlets_of, publisher_of
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -41,26 +41,19 @@ class HearingOptions:
     ] = None
     replay: Annotated[Path | None, typer.Option(help="A recording of NMEA 0183 to hear again.")] = None
     demo: Annotated[bool, typer.Option("--demo", help="A simulated bridge: a mistake at the helm by a bank.")] = False
-    pace: Annotated[float, typer.Option(help="Of --replay and --demo: times real time; as fast as it goes.")] = math.inf
+    pace: Annotated[
+        float | None,
+        typer.Option(help="Of --replay and --demo: times real time; as fast as it goes, with --page real time."),
+    ] = None
     mmsi: Annotated[int | None, typer.Option(help="Whose AIS reports to read; the ship's own unless given.")] = None
     antenna: Annotated[str, typer.Option(help="Of the position [m]: forward,starboard of midship.")] = "0,0"
-
-
-@dataclass(frozen=True)
-class AlertOptions:
-    """Where alerts go."""
-
-    log: Annotated[Path | None, typer.Option(help="Log of alerts, on disk before they are sent: .db.")] = None
-    send: Annotated[str | None, typer.Option(help="Where ALF, ALC, HBT and ARC go: udp://HOST:PORT.")] = None
-    recording: Annotated[
-        Path | None, typer.Option(help="Write what --demo tells, for --replay: .nmea.", callback=named((".nmea",)))
-    ] = None
 
 
 @verb("narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db")
 def monitor(
     hearing: HearingOptions,
     alerts: AlertOptions,
+    page: PageOptions,
     delivery: ReportDelivery,
     model: Annotated[
         str | None, typer.Argument(help="Model file; none for --demo.", show_default=False, metavar="[MODEL]")
@@ -74,13 +67,14 @@ def monitor(
     Leaves with 1 where a recording or the demonstration came to a warning or more.
     """
     _check(hearing, alerts, model, waterway)
+    pace = hearing.pace or (1.0 if page.page else math.inf)
     with ExitStack() as stack:
-        publisher = _publisher(alerts, stack)
+        publisher, outlets = publisher_of(alerts, stack), outlets_of(alerts, page, stack)
         if hearing.demo:
-            transit = _demonstrated(hearing, alerts, publisher, delivery.json)
+            watched, ticks = _demonstrated(pace, alerts, publisher)
         else:
-            watched = _monitor_of(model or "", waterway, hearing, y, publisher)
-            transit = _watched(watched, _heard(hearing, stack), delivery.json)
+            watched, ticks = _monitor_of(model or "", waterway, hearing, y, publisher), _heard(hearing, pace, stack)
+        transit = _watched(watched, ticks, outlets, delivery.json)
     _deliver(transit, delivery)
     raise SystemExit(int(not hearing.listen and transit.level.words not in ("none", "caution")))
 
@@ -94,16 +88,8 @@ def _check(hearing: HearingOptions, alerts: AlertOptions, model: str | None, wat
         raise InputError("a bridge tells longitude and latitude: give MODEL and --waterway; --demo alone has its own")
     if alerts.recording and not hearing.demo:
         raise InputError("--recording writes what --demo tells; leave it out")
-    if not hearing.pace > 0:
+    if hearing.pace is not None and not hearing.pace > 0:
         raise InputError(f"--pace {hearing.pace:g} is no pace; give times real time, over 0")
-
-
-def _publisher(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
-    from narrows.warning.alerts.alert_log import AlertLog
-    from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
-
-    log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
-    return AlertPublisher(log, stack.enter_context(sender_to(alerts.send)) if alerts.send else None)
 
 
 def _monitor_of(
@@ -121,13 +107,13 @@ def _monitor_of(
     return BridgeMonitor(model_named(model), read_waterway(str(waterway)), y, place, publisher=publisher)
 
 
-def _heard(hearing: HearingOptions, stack: ExitStack) -> Iterator["Tick"]:
+def _heard(hearing: HearingOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
     if hearing.replay:
         from narrows.warning.hearing.replay import Replay
 
         if not hearing.replay.is_file():
             raise InputError(f"{hearing.replay}: there is no such file; check the path")
-        return Replay(hearing.replay, hearing.pace, hearing.mmsi).ticks()
+        return Replay(hearing.replay, pace, hearing.mmsi).ticks()
     from narrows.warning.hearing.connections import connection_of
     from narrows.warning.hearing.listening import Listening
 
@@ -135,8 +121,8 @@ def _heard(hearing: HearingOptions, stack: ExitStack) -> Iterator["Tick"]:
 
 
 def _demonstrated(
-    hearing: HearingOptions, alerts: AlertOptions, publisher: "AlertPublisher", json: bool
-) -> "WatchedTransit":
+    pace: float, alerts: AlertOptions, publisher: "AlertPublisher"
+) -> tuple["BridgeMonitor", Iterator["Tick"]]:
     from narrows.files import write_whole
     from narrows.progress import stage
     from narrows.warning.hearing.replay import paced
@@ -148,10 +134,10 @@ def _demonstrated(
     if alerts.recording:
         write_whole(alerts.recording, shown.bridge.recording())
     watched = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher)
-    return _watched(watched, paced(shown.ticks(), hearing.pace), json)
+    return watched, paced(shown.ticks(), pace)
 
 
-def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], json: bool) -> "WatchedTransit":
+def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets, json: bool) -> "WatchedTransit":
     """Watch until there is nothing more to hear, or until it is interrupted."""
     import time
 
@@ -163,10 +149,13 @@ def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], json: bool) -> "
     if not json and sys.stdin.isatty():
         typer.echo(HINT)
         ticks = with_keys(ticks, watched)
+    ticks = outlets.ask(ticks, watched)
     log = TransitLog(watched.model.configuration.ship.name or "A ship", watched.waterway.name)
     with suppress(KeyboardInterrupt):
         for number, tick in enumerate(ticks):
-            status = watched.update(tick, time.time())
+            now = time.time()
+            status = watched.update(tick, now)
+            outlets.tell(watched, status, now)
             log.add(status)
             if not json:
                 _say(number, status)

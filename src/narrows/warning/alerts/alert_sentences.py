@@ -121,6 +121,19 @@ def arc(refused: AlertCommand, since_1970: float) -> str:
     return with_checksum(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
 
 
+def acn(identifier: int, instance: int, command: Command) -> bytes:
+    """Return the sentence by which a bridge asks for something, as it is heard (ours).
+
+    Parameters
+    ----------
+    identifier, instance : int
+        Which alert.
+    command : Command
+        What.
+    """
+    return with_checksum(f"{TALKER}ACN,,{MAKER},{identifier},{instance},{command.value},C").strip().encode("ascii")
+
+
 def command_of(text: bytes) -> AlertCommand | None:
     """Return the command of a sentence ACN whose checksum is right; None where it is no command to us (ours).
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from narrows.results import Described
-from narrows.warning.forecasting.forecast_cases import AS_IS, PILOT_NOW, TAKEOVERS
+from narrows.warning.forecasting.forecast_cases import AFTER, AS_IS, PILOT_NOW, TAKEOVERS
 
 SOON = 60.0
 """Within which contact is soon [s]."""
@@ -116,6 +116,22 @@ class BankForecast(Described):
             f"A pilot who takes over now meets a bank in {100 * now.probability:.1f} % of the cases; {held} of rudder "
             "hold it here."
         )
+
+    def words(self) -> str:
+        """Say what there is to be alerted of, in few words."""
+        run, now = self.likely, self.pilot_now
+        if math.isfinite(run.contact):
+            waits = (
+                f"last chance in {run.last_chance:.0f} s"
+                if math.isfinite(run.last_chance)
+                else "a pilot can still wait"
+            )
+            chance = "the last chance is gone" if run.gone else waits
+            return f"Bank to {run.side} in {run.contact:.0f} s: {chance}"
+        if not now.probability and not self.as_it_is.soon:
+            return f"No contact within {AFTER:.0f} s, rudder as it is"
+        side = now.side or self.as_it_is.side
+        return f"Bank{f' to {side}' if side else ''}: {100 * now.probability:.0f} % with a pilot now"
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name, in SI."""

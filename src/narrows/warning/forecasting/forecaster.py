@@ -1,7 +1,7 @@
 """The forecaster: from an estimate to what will happen, at every update."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from narrows.warning.forecasting.forecast import SOON, BankForecast, CaseForecas
 from narrows.warning.forecasting.forecast_cases import CASES, CHANCES, LIKELY
 from narrows.warning.forecasting.future_lanes import Ends, FutureBlock, FutureLanes, Ships
 from narrows.warning.forecasting.members import Drawn, Members
+from narrows.warning.forecasting.predicted_fan import BLOCKS, FAN_MEMBERS, PredictedFan, fan_of
 from narrows.warning.forecasting.rudder_needed import rudder_needed
 
 STEPS_A_PERIOD, EVEN = 2.0, 10.0
@@ -53,7 +54,9 @@ class Forecaster:
         if RUDDER not in self.filter.actuators:
             raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
         self._members = Members(self.filter, members + members % 2, seed)
+        self._fan_members = Members(self.filter, FAN_MEMBERS, seed)
         self._lanes: FutureLanes | None = None
+        self._fan_lanes: FutureLanes | None = None
         self._pilot_for = (-math.inf, math.inf)
 
     def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> BankForecast:
@@ -73,14 +76,41 @@ class Forecaster:
         """
         ships = self._members.drawn(estimate), self._members.likely(estimate)
         now, rudder = estimate.values, positions.get(RUDDER, 0.0)
-        lanes = self._laid_out(now)
-        current = now.get("current", self.filter.waterway.current if self.filter.waterway else 0.0)
-        lanes.flow(current, positions.get("revolutions"))
+        lanes = self._flowing(self._laid_out(now), now, positions)
         members, likely = lanes([self._ships(drawn, rudder) for drawn in ships])
         cases = {case.name: _of_case(members, number, case.name) for number, case in enumerate(CASES)}
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         limit = self.filter.model.configuration.gear.limit
         return BankForecast(estimate.t, cases, _likely(likely), rudder + now.get("rudder_bias", 0.0), needed, limit)
+
+    def fan(self, estimate: Estimate, positions: Mapping[str, float]) -> PredictedFan:
+        """Return where the ship may go, for pictures.
+
+        Parameters
+        ----------
+        estimate : Estimate
+            That a forecast was made of.
+        positions : mapping of str to float
+            As it was made with.
+
+        Raises
+        ------
+        InputError
+            As of a forecast.
+        """
+        rudder, likely = positions.get(RUDDER, 0.0), self._members.likely(estimate)
+        self._laid_out(estimate.values)
+        if self._fan_lanes is None:
+            self._fan_lanes = self._made(self._takes_over, BLOCKS)
+        self._fan_lanes.steer(self._takes_over)
+        lanes = self._flowing(self._fan_lanes, estimate.values, positions)
+        lanes([self._ships(drawn, rudder) for drawn in (self._fan_members.drawn(estimate), likely, likely)])
+        return fan_of(lanes.poses())
+
+    def _flowing(self, lanes: FutureLanes, now: Mapping[str, float], positions: Mapping[str, float]) -> FutureLanes:
+        current = now.get("current", self.filter.waterway.current if self.filter.waterway else 0.0)
+        lanes.flow(current, positions.get("revolutions"))
+        return lanes
 
     def _ships(self, drawn: Drawn, rudder: float) -> Ships:
         terms = self.filter.model.terms
@@ -97,20 +127,19 @@ class Forecaster:
         far = self.filter.waterway is not None and abs(now["x"] - place) > AGAIN_LENGTHS * length
         if self._lanes and not far and abs(now["u"] - speed) <= AGAIN_SHARE * speed:
             return self._lanes
-        pilot = self._pilot(now)
+        pilot = self._takes_over = self._pilot(now)
         if self._lanes is None:
-            self._lanes = self._made(pilot)
+            self._lanes = self._made(pilot, (FutureBlock(CASES, self._members.count), FutureBlock(LIKELY, 1)))
         self._lanes.steer(pilot)
         self._pilot_for = (now["x"], now["u"])
         return self._lanes
 
-    def _made(self, pilot: Regulator) -> FutureLanes:
+    def _made(self, pilot: Regulator, blocks: Sequence[FutureBlock]) -> FutureLanes:
         model, waterway = self.filter.model, self.filter.waterway
         ship = model.configuration.ship
         step = EVEN / math.ceil(EVEN * STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
         if waterway is not None and waterway.step is None:
             waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
-        blocks = FutureBlock(CASES, self._members.count), FutureBlock(LIKELY, 1)
         return FutureLanes(self.filter.ship, waterway, pilot, blocks, step)
 
     def _pilot(self, now: Mapping[str, float]) -> Regulator:

@@ -185,6 +185,14 @@ class FutureLanes:
         side, held = self._hard_over[lanes], np.tile(ships.rudder, cases)
         inputs[:, self._inputs[PARAMETER(HELD)]] = np.where(side, side * self._gear.limit, held)
 
+    def poses(self) -> list[np.ndarray]:
+        """Return where the futures of each block ended, after a call: x, y [m], psi [rad] (cases, ships, 3)."""
+        end, kept = self._prepared.end, self._kept
+        psi = np.arctan2(end[:, kept["sin_psi"]], end[:, kept["cos_psi"]])
+        poses = np.stack([end[:, kept["x"]], end[:, kept["y"]], psi], axis=1)
+        parts = zip(self._parts(), self.blocks, strict=True)
+        return [poses[lanes].reshape(len(block.cases), block.ships, 3) for lanes, block in parts]
+
     def _ends(self) -> list[Ends]:
         codes, time = self._prepared.codes, self._prepared.time
         contact = np.where(np.isin(codes[:, 0], MEETS), time, np.inf)

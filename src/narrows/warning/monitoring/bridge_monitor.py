@@ -1,6 +1,5 @@
 """The monitor: from what was told in a second to alerts, whatever came in."""
 
-import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,11 +18,13 @@ from narrows.warning.alerts.bank_level import BankLevel, Thresholds
 from narrows.warning.alerts.situations import BANK, BEYOND_DATA, LOG_LATE, NO_FORECAST, SENSORS, Situation
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.forecasting.predicted_fan import PredictedFan
 from narrows.warning.hearing.bridge_readings import GROUND_LOG, BridgeReadings, Heard
 from narrows.warning.hearing.tick import PERIOD, Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.monitoring.beyond_data import beyond_data
 from narrows.warning.monitoring.bridge_status import BridgeStatus
+from narrows.warning.monitoring.clearances import clearances
 from narrows.warning.monitoring.sensor_health import SensorHealth
 from narrows.waterway.waterway import Waterway
 
@@ -84,9 +85,8 @@ class BridgeMonitor:
     def __post_init__(self) -> None:
         self.bridge = BridgeReadings(self.waterway)
         self.estimator = Estimator(self.model, bridge_sensors(self.antenna), waterway=self.waterway)
-        self.forecaster: Callable[[Estimate, Mapping[str, float]], BankForecast] = Forecaster(
-            self.estimator, self.line, members=self.members
-        )
+        self._foreteller = Forecaster(self.estimator, self.line, members=self.members)
+        self.forecaster: Callable[[Estimate, Mapping[str, float]], BankForecast] = self._foreteller
         log = self.publisher.log
         self.desk = AlertDesk(log.alerts if log else ())
         self._level, self._health = BankLevel(self.thresholds), SensorHealth()
@@ -127,8 +127,18 @@ class BridgeMonitor:
         changed = [*self._commanded(tick, since_1970), *self.desk.update(tick.t, conditions)]
         self.publisher.publish(changed, since_1970)
         self.publisher.beat(tick.t, self.desk.alerts, forecast is not None)
-        clearance = self._clearance(estimate)
-        return BridgeStatus(tick.t, estimate, forecast, self.desk.alerts, tuple(changed), clearance, heard.faults)
+        room = clearances(self.model.configuration.ship, self.waterway, estimate)
+        return BridgeStatus(tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why)
+
+    def fan(self, status: BridgeStatus) -> PredictedFan:
+        """Return where the ship may go, for pictures.
+
+        Parameters
+        ----------
+        status : BridgeStatus
+            The last that ``update`` gave, with a forecast.
+        """
+        return self._foreteller.fan(status.estimate, self._positions)
 
     def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:
         """Do what the bridge asks for, and refuse what cannot be."""
@@ -178,29 +188,8 @@ class BridgeMonitor:
             conditions[BEYOND_DATA] = self._beyond.held(heard.t, beyond)
         if forecast:  # What is not available is not clear: without a forecast the alert stays what it was.
             level = self._level.update(heard.t, forecast)
-            conditions[BANK] = Condition(level, _words(forecast)) if level else CALM
+            conditions[BANK] = Condition(level, forecast.words()) if level else CALM
         return conditions
 
     def _log_condition(self) -> Condition:
         return Condition(Priority.CAUTION, self.publisher.late) if self.publisher.late else CALM
-
-    def _clearance(self, estimate: Estimate) -> float:
-        """Of the corners of the hull to the banks [m], the banks as they are beside midship."""
-        if not estimate.ready:
-            return math.inf
-        now, ship = estimate.values, self.model.configuration.ship
-        here = self.waterway.room(min(max(now["x"], 0.0), self.waterway.line.length), ship.draft)
-        reach = ship.length / 2 * abs(math.sin(now["psi"])) + ship.beam / 2 * math.cos(now["psi"])
-        return float(here.width) / 2 - abs(now["y"] - float(here.middle)) - reach
-
-
-def _words(forecast: BankForecast) -> str:
-    run = forecast.likely
-    if math.isfinite(run.contact):
-        chance = "the last chance is gone" if run.gone else (
-            f"last chance in {run.last_chance:.0f} s" if math.isfinite(run.last_chance) else "a pilot can still wait"
-        )  # fmt: skip
-        return f"Bank to {run.side} in {run.contact:.0f} s: {chance}"
-    now = forecast.pilot_now
-    where = f" to {now.side or forecast.as_it_is.side}" if now.side or forecast.as_it_is.side else ""
-    return f"Bank{where}: {100 * now.probability:.0f} % with a pilot now"

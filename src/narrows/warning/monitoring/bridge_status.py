@@ -6,9 +6,13 @@ from typing import Any
 
 from narrows.estimation.estimate import Estimate
 from narrows.warning.alerts.alert import HOLDS, Alert, Priority
+from narrows.warning.alerts.situations import BEYOND_DATA, LOG_LATE, SENSORS, SITUATIONS
 from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.monitoring.clearances import Clearances
 
 NOT_AVAILABLE = "not available"
+DOUBTS = (SENSORS.identifier, BEYOND_DATA.identifier, LOG_LATE.identifier)
+"""Situations in which less is to be believed."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +31,12 @@ class BridgeStatus:
         That are not normal, the most urgent first.
     changed : tuple of Alert
         That changed now.
-    clearance : float [m]
-        Of the hull to the nearer bank; infinite where it is not known.
+    clearances : Clearances [m]
+        Of the hull to the banks.
     faults : dict of str to int
         Messages that were left out so far, by what is wrong with them.
+    why : str
+        Why there is no forecast; empty where there is one.
     """
 
     t: float
@@ -38,8 +44,14 @@ class BridgeStatus:
     forecast: BankForecast | None
     alerts: tuple[Alert, ...]
     changed: tuple[Alert, ...]
-    clearance: float
+    clearances: Clearances
     faults: dict[str, int]
+    why: str = ""
+
+    @property
+    def clearance(self) -> float:
+        """Of the hull to the nearer bank [m]."""
+        return min(self.clearances)
 
     @property
     def level(self) -> Priority:
@@ -52,6 +64,19 @@ class BridgeStatus:
         if self.forecast is None:
             return NOT_AVAILABLE
         return self.level.words if self.level else "clear"
+
+    @property
+    def headline(self) -> str:
+        """What there is to say first, in a sentence."""
+        if self.forecast is None:
+            return self.why
+        urgent = next((alert for alert in self.alerts if alert.state in HOLDS and alert.priority is self.level), None)
+        return urgent.text if urgent else self.forecast.words()
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """Why less is to be believed than usual, a sentence each: sensors, beyond the data, no log."""
+        return tuple(alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.state in HOLDS)
 
     def line(self) -> str:
         """Say it in a line."""
@@ -71,10 +96,10 @@ class BridgeStatus:
     def to_dict(self) -> dict[str, Any]:
         """Give it by name, in SI."""
         forecast = self.forecast.to_dict() if self.forecast else None
-        return {
-            "t": self.t, "status": self.word, "clearance": self.clearance, "state": self.estimate.values,
-            "forecast": forecast, "alerts": [told(one) for one in self.alerts], "faults": dict(self.faults),
-        }  # fmt: skip
+        said = {"status": self.word, "headline": self.headline, "caveats": list(self.caveats)}
+        known = {"clearances": self.clearances._asdict(), "state": self.estimate.values, "forecast": forecast}
+        alerts = [told(one) for one in self.alerts]
+        return {"t": self.t, **said, **known, "alerts": alerts, "faults": dict(self.faults)}
 
 
 def told(alert: Alert) -> dict[str, Any]:
@@ -85,4 +110,5 @@ def told(alert: Alert) -> dict[str, Any]:
     alert : Alert
         The alert.
     """
-    return {**vars(alert), "priority": alert.priority.words, "state": alert.state.value}
+    words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
+    return {**vars(alert), **words}

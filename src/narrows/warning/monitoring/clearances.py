@@ -1,0 +1,42 @@
+"""Water beside the hull."""
+
+import math
+from typing import NamedTuple
+
+from narrows.estimation.estimate import Estimate
+from narrows.ship.particulars import Ship
+from narrows.waterway.waterway import Waterway
+
+
+class Clearances(NamedTuple):
+    """Of the corners of the hull to the banks, infinite where they are not known.
+
+    Parameters
+    ----------
+    port, starboard : float [m]
+        To which.
+    """
+
+    port: float = math.inf
+    starboard: float = math.inf
+
+
+def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances:
+    """Return the water beside a hull, the banks as they are beside midship (ours).
+
+    Parameters
+    ----------
+    ship : Ship
+        Its length, beam and draft.
+    waterway : Waterway
+        Where it sails.
+    estimate : Estimate
+        Where it is.
+    """
+    if not estimate.ready:
+        return Clearances()
+    now = estimate.values
+    here = waterway.room(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
+    reach = ship.length / 2 * abs(math.sin(now["psi"])) + ship.beam / 2 * math.cos(now["psi"])
+    off, room = now["y"] - float(here.middle), float(here.width) / 2 - reach
+    return Clearances(room + off, room - off)

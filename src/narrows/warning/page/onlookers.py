@@ -1,0 +1,123 @@
+"""Those who look on: each is told the newest, none is waited for.
+
+The monitor leaves its newest message here and goes on. Who reads slowly misses the ones between; who does not read at
+all for a while is let go. What is kept of an onlooker does not grow.
+"""
+
+import asyncio
+from collections import deque
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+
+PATIENCE = 5.0
+"""That one message may take to send [s]."""
+SHORTEST = 0.1
+"""Between messages to one onlooker [s]."""
+MOST_ANSWERS, MOST_ONLOOKERS = 16, 32
+Send = Callable[[str], Awaitable[None]]
+
+
+class Onlooker:
+    """One of them, in the loop of the server.
+
+    Parameters
+    ----------
+    loop : AbstractEventLoop
+        Of the server.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self.awake, self.answers = asyncio.Event(), deque[str](maxlen=MOST_ANSWERS)
+        self.awake.set()
+        self._loop = loop
+
+    def answer(self, message: str) -> None:
+        """Leave a message for this onlooker alone, in any thread.
+
+        Parameters
+        ----------
+        message : str
+            Of those that wait, the oldest make place.
+        """
+        with suppress(RuntimeError):  # The loop is closed: nobody waits for an answer.
+            self._loop.call_soon_threadsafe(self._leave, message)
+
+    def _leave(self, message: str) -> None:
+        self.answers.append(message)
+        self.awake.set()
+
+
+class Onlookers:
+    """All of them, and the newest message."""
+
+    def __init__(self) -> None:
+        self.newest, self.number = "", 0
+        self._all: set[Onlooker] = set()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._calling = False
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    @property
+    def full(self) -> bool:
+        """Whether there are as many as there may be."""
+        return len(self._all) >= MOST_ONLOOKERS
+
+    def enter(self) -> Onlooker:
+        """Return one more, in the loop of the server."""
+        self._loop = asyncio.get_running_loop()
+        onlooker = Onlooker(self._loop)
+        self._all.add(onlooker)
+        return onlooker
+
+    def leave(self, onlooker: Onlooker) -> None:
+        """Forget one.
+
+        Parameters
+        ----------
+        onlooker : Onlooker
+            Who is gone.
+        """
+        self._all.discard(onlooker)
+
+    def publish(self, message: str) -> None:
+        """Leave the newest message, in any thread, without waiting for anything.
+
+        Parameters
+        ----------
+        message : str
+            For all.
+        """
+        self.newest, self.number = message, self.number + 1
+        if self._loop is None or self._calling:  # A loop that is stuck is called once, and not for every message.
+            return
+        self._calling = True
+        with suppress(RuntimeError):  # It is closed: there is nobody any more.
+            self._loop.call_soon_threadsafe(self._wake)
+
+    async def tell(self, onlooker: Onlooker, send: Send) -> None:
+        """Send one what there is, until that takes too long.
+
+        Parameters
+        ----------
+        onlooker : Onlooker
+            Who.
+        send : callable
+            Sends a message; TimeoutError where it does not within ``PATIENCE``.
+        """
+        told = 0
+        while True:
+            await onlooker.awake.wait()
+            onlooker.awake.clear()
+            while onlooker.answers:
+                await asyncio.wait_for(send(onlooker.answers.popleft()), PATIENCE)
+            if told != self.number:
+                told = self.number
+                await asyncio.wait_for(send(self.newest), PATIENCE)
+            await asyncio.sleep(SHORTEST)
+
+    def _wake(self) -> None:
+        self._calling = False
+        for onlooker in self._all:
+            onlooker.awake.set()

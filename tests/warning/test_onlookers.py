@@ -1,0 +1,136 @@
+"""Those who look on at a monitor: slow and dead ones hold up nobody; servers of Signal K are told again."""
+
+import asyncio
+import json
+import socket
+import time
+from threading import Thread
+from typing import Any
+
+import pytest
+from shown_page import ALARM, HANDSHAKE, soon
+
+import narrows as nw
+from narrows.warning.alerts.alert import Command, Priority
+from narrows.warning.alerts.alert_desk import AlertDesk, Condition
+from narrows.warning.alerts.signal_k_notifications import notifications
+from narrows.warning.alerts.situations import BANK, SENSORS
+from narrows.warning.monitoring.signal_k_sender import SignalKSender
+from narrows.warning.page import onlookers as waiting
+from narrows.warning.page.bridge_page import UPDATES, BridgePage
+from narrows.warning.page.onlookers import MOST_ANSWERS, Onlookers
+
+
+def test_who_reads_slowly_gets_the_newest_and_holds_up_nobody() -> None:
+    """Ten thousand messages while one is being sent: told at once, kept once."""
+    all_of_them, got = Onlookers(), []
+
+    async def scene() -> None:
+        onlooker = all_of_them.enter()
+
+        async def send(message: str) -> None:
+            got.append(message)
+            await asyncio.sleep(0.2)
+
+        telling = asyncio.create_task(all_of_them.tell(onlooker, send))
+        all_of_them.publish("first")
+        await asyncio.sleep(0.05)
+        start = time.monotonic()
+        for number in range(10_000):
+            all_of_them.publish(str(number))
+            onlooker.answer(str(number))
+        assert time.monotonic() - start < 2.0
+        await asyncio.sleep(0.4)
+        assert len(onlooker.answers) < MOST_ANSWERS
+        telling.cancel()
+        all_of_them.leave(onlooker)
+
+    asyncio.run(scene())
+    assert got[0] == "first"
+    assert "0" not in got
+    all_of_them.publish("nobody listens, and the loop is closed")
+    assert len(all_of_them) == 0
+
+
+def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(waiting, "PATIENCE", 0.02)
+
+    async def scene() -> None:
+        crowd = Onlookers()
+
+        async def never(message: str) -> None:
+            await asyncio.sleep(60.0)
+
+        crowd.publish("x")
+        with pytest.raises(TimeoutError):
+            await crowd.tell(crowd.enter(), never)
+
+    asyncio.run(scene())
+
+
+def test_a_dead_browser_holds_up_neither_the_monitor_nor_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over real sockets: one never reads what would fill it in a moment, the other hears the last word."""
+    connect = pytest.importorskip("websockets.sync.client", reason="of the extra monitor").connect
+    monkeypatch.setattr(waiting, "PATIENCE", 0.3)
+    monkeypatch.setattr(waiting, "SHORTEST", 0.0)
+    page = BridgePage()
+    with page.open() as address:
+        host, token = address.removeprefix("http://").split("/?")
+        with socket.create_connection(("127.0.0.1", int(host.split(":")[1]))) as dead:
+            dead.sendall(HANDSHAKE.format(path=f"{UPDATES}?{token}", host=host, more="").encode())
+            assert b"101" in dead.recv(64)
+            with connect(f"ws://{host}{UPDATES}?{token}", max_size=None) as alive:
+                assert soon(lambda: len(page.updates) == 2)
+                start = time.monotonic()
+                while len(page.updates) == 2 and time.monotonic() - start < 10.0:
+                    page.updates.publish("x" * 2_000_000)
+                    alive.recv(2.0)
+                assert len(page.updates) == 1
+                page.updates.publish("last")
+                assert soon(lambda: alive.recv(2.0) == "last")
+
+
+def test_notifications_are_as_signal_k_has_them() -> None:
+    desk = AlertDesk()
+    desk.update(0.0, {**ALARM, SENSORS: Condition(Priority.CAUTION, "no heading for 4 s")})
+    told = notifications(desk, 1_700_000_000.0)
+    (update,) = told["updates"]
+    values = {one["path"].removeprefix("notifications.narrows."): one["value"] for one in update["values"]}
+    assert (told["context"], update["timestamp"]) == ("vessels.self", "2023-11-14T22:13:20.000Z")
+    assert values["bankContact"] == {"state": "alarm", "method": ["visual", "sound"], "message": ALARM[BANK].text}
+    assert values["bankSensors"] == {"state": "alert", "method": [], "message": "no heading for 4 s"}
+    assert values["noBankForecast"]["state"] == "normal"
+    desk.command(1.0, BANK.identifier, 1, Command.SILENCE)
+    silent = notifications(desk, 0.0)["updates"][0]["values"][0]["value"]
+    assert (silent["state"], silent["method"]) == ("alarm", ["visual"])
+
+
+def test_a_server_of_signal_k_is_told_again_after_it_was_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    serve = pytest.importorskip("websockets.sync.server", reason="of the extra monitor").serve
+    monkeypatch.setattr("narrows.warning.monitoring.signal_k_sender.FIRST_PAUSE", 0.05)
+    heard: list[tuple[str, str]] = []
+
+    def hear(line: Any) -> None:
+        line.send('{"name": "a server"}')
+        heard.append((line.request.path, json.loads(line.recv())["updates"][0]["values"][0]["value"]["state"]))
+        if len(heard) == 2:
+            heard.append(("", json.loads(line.recv())["updates"][0]["values"][0]["value"]["state"]))
+
+    desk = AlertDesk()
+    with serve(hear, "127.0.0.1", 0) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        with SignalKSender(f"ws://127.0.0.1:{server.socket.getsockname()[1]}") as sender:
+            sender.tell(desk, 0.0)
+            assert soon(lambda: len(heard) == 2)
+            desk.update(0.0, ALARM)
+            sender.tell(desk, 1.0)
+            assert soon(lambda: len(heard) == 3)
+        server.shutdown()
+    assert heard == [("/signalk/v1/stream?subscribe=none", "normal")] * 2 + [("", "alarm")]
+
+
+@pytest.mark.parametrize("address", ["http://a:1", "ws://", "udp://a:1"])
+def test_what_is_no_server_of_signal_k_is_refused(address: str) -> None:
+    pytest.importorskip("websockets", reason="of the extra monitor")
+    with pytest.raises(nw.InputError, match=r"write it as in ws://192\.168\.1\.20:3000"):
+        SignalKSender(address)

@@ -1,0 +1,219 @@
+"""The monitor's page over real sockets: what is told, who may come, and what becomes of an acknowledgement."""
+
+import json
+import socket
+from collections.abc import Iterator
+from http.client import HTTPConnection
+from pathlib import Path
+
+import pytest
+from shown_page import ALARM, HANDSHAKE, SHIP, Watched, asked, estimate, forecast, soon
+from transit import canal
+
+import narrows as nw
+import narrows.warning.page as page_room
+from narrows.warning.alerts.alert import AlertState, Priority
+from narrows.warning.alerts.alert_desk import Condition
+from narrows.warning.alerts.situations import BANK, BEYOND_DATA, SENSORS
+from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
+from narrows.warning.monitoring.clearances import clearances
+from narrows.warning.page import onlookers
+from narrows.warning.page.bridge_page import SIGNAL_K, UPDATES, BridgePage, address_of
+from narrows.warning.page.page_access import NO_HOST, NO_ORIGIN, NO_TOKEN, PageAccess
+from narrows.warning.page.page_app import CROWDED
+from narrows.warning.page.page_requests import MALFORMED
+from narrows.warning.page.page_updates import ending, packed, refusal, update_of
+
+
+def test_messages_are_what_their_schema_says() -> None:
+    validator = pytest.importorskip("jsonschema", reason="of the group test").Draft202012Validator
+    schema = json.loads((Path(page_room.__file__).parent / "messages.json").read_text(encoding="utf-8"))
+    validator.check_schema(schema)
+    watched = Watched()
+    statuses = [
+        watched.status(forecast()), watched.status(forecast(60.0, 14.0), conditions=ALARM), watched.status(now=None),
+        watched.status(conditions={SENSORS: Condition(Priority.WARNING, "no heading for 11 s")}),
+    ]  # fmt: skip
+    told = [update_of(watched, status, 1.7e9) for status in statuses]
+    for message in [*told, refusal("That alert is over."), ending("It is over.")]:
+        assert list(validator(schema).iter_errors(json.loads(packed(message)))) == []
+    assert [message["status"] for message in told] == ["clear", "alarm", NOT_AVAILABLE, NOT_AVAILABLE]
+    assert told[1]["alerts"][0]["may"] == ["acknowledge", "silence"]
+    assert told[2]["scene"] is None
+    assert told[3]["scene"]["fan"] is None
+
+
+def test_a_doubt_is_told_beside_the_headline() -> None:
+    said = Watched().status(
+        forecast(60.0, 14.0), conditions={**ALARM, BEYOND_DATA: Condition(Priority.CAUTION, "Beyond.")}
+    )
+    assert said.headline == ALARM[BANK].text
+    assert said.caveats == ("Beyond.",)
+    assert Watched().status(forecast()).headline == "No contact within 120 s, rudder as it is"
+
+
+def test_water_to_both_sides_is_that_of_geometry() -> None:
+    """Along the line, by hand; at a heading, the corners reach further to both sides alike."""
+    room = clearances(SHIP, canal(), estimate(0.0, dict.fromkeys("xyurv", 0.0) | {"x": 800.0, "y": 40.0, "psi": 0.0}))
+    assert room == pytest.approx((150.0 + 40.0 - 16.1, 150.0 - 40.0 - 16.1))
+    turned = clearances(SHIP, canal(), estimate(0.0, dict.fromkeys("xyurv", 0.0) | {"x": 800.0, "y": 40.0, "psi": 0.2}))
+    assert turned.port - room.port == pytest.approx(turned.starboard - room.starboard)
+    assert turned.port < room.port - 20.0
+
+
+def test_the_scene_lies_in_the_canal() -> None:
+    """The banks as far apart as they are, and the ship as far from them as it says."""
+    watched = Watched()
+    status = watched.status(forecast())
+    scene = update_of(watched, status, 0.0)["scene"]
+    (port, starboard), pose = scene["banks"], scene["ship"]["pose"]
+    across = [((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2) ** 0.5 for a, b in zip(port, starboard, strict=True)]
+    assert across == pytest.approx([300.0] * len(across), abs=0.3)
+    nearest = min(((pose[0] - a[0]) ** 2 + (pose[1] - a[1]) ** 2) ** 0.5 for a in starboard)
+    assert nearest == pytest.approx(90.0, abs=1.0)
+    assert scene["fan"]["members"][0][0] == pose[:2]
+
+
+@pytest.mark.parametrize(
+    ("token", "host", "origin", "sentence"),
+    [
+        ("secret", "127.0.0.1:8765", None, ""), ("secret", "localhost:8765", "http://localhost:8765", ""),
+        ("secret", "[::1]:8765", "http://[::1]:8765", ""), ("secret", "192.168.1.20", "https://192.168.1.20", ""),
+        (f"{socket.gethostname()}", "127.0.0.1", None, NO_TOKEN), ("", "127.0.0.1", None, NO_TOKEN),
+        ("sécret", "127.0.0.1", None, NO_TOKEN), ("secret", "rebound.example", None, NO_HOST),
+        ("secret", "[", None, NO_HOST), ("secret", "", None, NO_HOST),
+        ("secret", "127.0.0.1:8765", "http://127.0.0.1:9999", NO_ORIGIN),
+        ("secret", "127.0.0.1:8765", "https://elsewhere.example", NO_ORIGIN),
+        ("secret", "127.0.0.1", "null", NO_ORIGIN),
+    ],
+)  # fmt: skip
+def test_who_may_come(token: str, host: str, origin: str | None, sentence: str) -> None:
+    assert PageAccess("secret").refusal(token, host, origin) == sentence
+
+
+def test_tokens_are_new_and_not_shown() -> None:
+    one = PageAccess()
+    assert len(one.token) >= 24
+    assert one.token != PageAccess().token
+    assert one.token not in repr(one)
+
+
+@pytest.fixture(scope="module")
+def page() -> BridgePage:
+    pytest.importorskip("fastapi", reason="of the extra monitor")
+    return BridgePage(PageAccess("secret"))
+
+
+@pytest.fixture(scope="module")
+def host(page: BridgePage) -> Iterator[str]:
+    with page.open() as address:
+        yield address.removeprefix("http://").split("/")[0]
+
+
+def got(host: str, path: str, **heads: str) -> tuple[int, str, dict[str, str]]:
+    connection = HTTPConnection(host)
+    connection.request("GET", path, headers=heads)
+    answer = connection.getresponse()
+    text, kept = answer.read().decode(), dict(answer.getheaders())
+    connection.close()
+    return answer.status, text, kept
+
+
+def test_the_page_asks_for_its_token_and_for_nothing_from_elsewhere(host: str) -> None:
+    assert got(host, "/")[:2] == (403, NO_TOKEN)
+    assert got(host, "/?token=secret", Host="rebound.example")[:2] == (403, NO_HOST)
+    status, shown, heads = got(host, "/?token=secret")
+    assert status == 200
+    assert "default-src 'none'" in heads["content-security-policy"]
+    parts = [word.split('"')[0] for word in shown.split('="assets/')[1:]]
+    for part in [*parts, "canal.js", "words.js"]:
+        status, told, _ = got(host, f"/assets/{part}")
+        assert status == 200
+        assert "://" not in told.replace("${scheme}//", "")
+    wrong = ("index.html", "..%2fpage_app.py", "x.js")
+    assert [got(host, f"/assets/{name}")[0] for name in wrong] == [404] * 3
+
+
+def refused(host: str, path: str, more: str = "", named: str = "") -> str:
+    """What a websocket is answered."""
+    name, port = host.split(":")
+    with socket.create_connection((name, int(port))) as line:
+        line.settimeout(5.0)
+        line.sendall(HANDSHAKE.format(path=path, host=named or host, more=more).encode())
+        answer = b""
+        while b"\r\n\r\n" not in answer or not answer.endswith(b"."):
+            answer += (piece := line.recv(4096))
+            if not piece:
+                break
+    return answer.decode()
+
+
+@pytest.mark.parametrize("path", [UPDATES, SIGNAL_K])
+def test_a_websocket_is_refused_with_a_sentence(host: str, path: str) -> None:
+    elsewhere = "Origin: https://elsewhere.example\r\n"
+    for answer, sentence in {
+        refused(host, path): NO_TOKEN,
+        refused(host, f"{path}?token=wrong"): NO_TOKEN,
+        refused(host, f"{path}?token=secret", elsewhere): NO_ORIGIN,
+        refused(host, f"{path}?token=secret", named="rebound.example"): NO_HOST,
+    }.items():
+        assert " 403 " in answer.splitlines()[0]
+        assert answer.endswith(sentence)
+
+
+def test_a_crowd_is_refused(host: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(onlookers, "MOST_ONLOOKERS", 0)
+    assert refused(host, f"{UPDATES}?token=secret").endswith(CROWDED)
+
+
+def request(watched: Watched, command: str = "acknowledge", **changed: int) -> str:
+    alert = watched.desk[BANK]
+    seen = {"identifier": alert.identifier, "instance": alert.instance, "revision": alert.revision}
+    return json.dumps({"command": command, **seen, **changed})
+
+
+def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, host: str) -> None:
+    """Told, acknowledged once; a copy of it, a wrong one and what is none are refused in words."""
+    from websockets.sync.client import connect
+
+    watched = Watched()
+    page.tell(watched, watched.status(forecast(60.0, 14.0), conditions=ALARM), 1.7e9)
+    with connect(f"ws://{host}{UPDATES}?token=secret", origin=f"http://{host}") as line:
+        assert json.loads(line.recv(5.0))["alerts"][0]["state"] == "unacknowledged"
+        copy = request(watched)
+        line.send(copy)
+        assert [alert.state for alert in soon(lambda: asked(page, watched))] == [AlertState.ACKNOWLEDGED]
+        for text, sentence in {
+            copy: "BANK CONTACT: the alert has changed since it was asked for; look at it again.",
+            request(watched): "BANK CONTACT: it is acknowledged, so there is nothing to acknowledge.",
+            request(watched, "silence"): "BANK CONTACT: it is acknowledged, so there is nothing to silence.",
+            request(watched, instance=3): "BANK CONTACT: that alert is over.",
+            request(watched, identifier=7): "There is no alert 7.",
+            "[" * 400: MALFORMED,
+        }.items():
+            line.send(text)
+            if sentence is not MALFORMED:
+                soon(lambda: not page.requests._waiting.empty())
+            assert asked(page, watched) == []
+            assert json.loads(line.recv(5.0)) == {"kind": "refused", "sentence": sentence}
+
+
+def test_notifications_are_told_when_they_change(page: BridgePage, host: str) -> None:
+    from websockets.sync.client import connect
+
+    watched, before = Watched(), page.notices.number
+    for conditions in ({BANK: Condition(Priority.WARNING, "Bank")}, {}, ALARM):
+        page.tell(watched, watched.status(forecast(), conditions=conditions), 1.7e9)
+    assert page.notices.number == before + 2
+    with connect(f"ws://{host}{SIGNAL_K}?token=secret") as line:
+        line.send("whatever")
+        assert json.loads(line.recv(5.0))["updates"][0]["values"][0]["value"]["state"] == "alarm"
+
+
+def test_a_page_that_cannot_be_served_says_so(page: BridgePage, host: str) -> None:
+    port = int(host.split(":")[1])
+    with pytest.raises(nw.InputError, match="give another --port or --host"), page.open(port=port):
+        pass
+    with pytest.raises(nw.InputError, match="cannot be served at nowhere"), page.open("nowhere.invalid"):
+        pass
+    assert [address_of(name) for name in ("0.0.0.0", "::1", "10.0.0.2")] == ["127.0.0.1", "[::1]", "10.0.0.2"]
