@@ -28,7 +28,9 @@ lint: .venv/dev
 
 # What CI runs: the demo, lint, types, the import contracts, the package, the newest Python, the site's pages and links, the
 # tests with README, docs, examples and small benchmarks.
-check: demo lint package newest site-check test
+check: .venv/dev .venv/docs .venv/package
+	$(MAKE) -j2 --output-sync=target demo lint package newest site-check
+	$(MAKE) test
 
 # The site, in out/site; it takes minutes, for its pages are run.
 docs: .venv/docs
