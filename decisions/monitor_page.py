@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.demonstration import LINE, demonstration
 from narrows.warning.page.bridge_page import BridgePage
+from narrows.warning.page.page_updates import packed, update_of
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}
 PALETTES = ("day", "dusk", "night")
@@ -47,7 +48,7 @@ def pages(moments: set[int]) -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
-    page, told = BridgePage(), statuses(moments)
+    page, told = BridgePage(), updates(moments)
     with page.open() as address, sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-dev-shm-usage"])
 
@@ -55,7 +56,7 @@ def pages(moments: set[int]) -> Iterator[Any]:
             width, height = SIZES[size]
             tab = browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce")
             tab.add_init_script(f"localStorage.setItem('narrows-palette', '{palette}')")
-            page.tell(*told[moment])
+            page.updates.publish(told[moment])
             tab.goto(address)
             tab.wait_for_selector("html:not([data-stale])")
             tab.wait_for_timeout(SETTLED)
@@ -67,15 +68,15 @@ def pages(moments: set[int]) -> Iterator[Any]:
         browser.close()
 
 
-def statuses(moments: set[int]) -> dict[int, tuple[Any, ...]]:
-    """The demonstration until the last of the moments."""
+def updates(moments: set[int]) -> dict[int, str]:
+    """What the page is told at some moments of the demonstration."""
     shown, told = demonstration(), {}
     watched = BridgeMonitor(shown.model, shown.waterway, LINE)
     watched.prepare(USUAL_SPEED)
     for second, tick in enumerate(shown.ticks()):
         status = watched.update(tick, tick.t)
         if second in moments:
-            told[second] = (watched, status, tick.t)
+            told[second] = packed(update_of(watched, status, tick.t))
         if second == max(moments):
             break
     return told

@@ -21,6 +21,9 @@ def chromium() -> Iterator[Any]:
     if path is None:
         pytest.skip("there is no Chromium on this machine")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=OPTIONS)
+        try:
+            browser = driver.chromium.launch(executable_path=path, args=OPTIONS)
+        except playwright.Error as error:
+            pytest.skip(f"{path} does not start on this machine: {str(error).splitlines()[0]}")
         yield browser
         browser.close()
