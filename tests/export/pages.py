@@ -3,8 +3,6 @@
 import json
 import shutil
 import subprocess
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,7 @@ from narrows.export.page.wasm_build import SHIP, lacks_zig
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 
-NODE, CHROMIUM = shutil.which("node"), "/usr/bin/chromium"
+NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="no Node is here to run the scripts of a page with")
 needs_zig = pytest.mark.skipif(bool(lacks_zig()), reason="no ziglang is here to compile WebAssembly with")
 SHAPE = {"most": 4096, "paths": 1024, "samples": 96}
@@ -71,18 +69,6 @@ def answer(script: str, asked: Any) -> Any:
     return json.loads(done.stdout)
 
 
-@contextmanager
-def browsing() -> Iterator[Any]:
-    """A headless Chromium."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if not Path(CHROMIUM).exists():
-        pytest.skip("no Chromium is here to open a page in")
-    with playwright.sync_playwright() as run:
-        browser = run.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
 def opened(browser: Any, path: Path, width: int, height: int, **more: Any) -> tuple[Any, list[str]]:
     """A page, settled, with what goes wrong and what it asks the network for."""
     page = browser.new_page(viewport={"width": width, "height": height}, **more)
@@ -90,7 +76,7 @@ def opened(browser: Any, path: Path, width: int, height: int, **more: Any) -> tu
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("console", lambda told: wrong.append(told.text) if told.type == "error" else None)
     page.on("request", lambda asked: None if local(asked.url) else wrong.append(asked.url))
-    page.goto(f"{path.as_uri()}#ships=500")
+    page.goto(f"{path.as_uri()}#ships=500&map=40")
     settled(page)
     return page, wrong
 

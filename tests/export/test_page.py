@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from exported import model_of
-from pages import browsing, opened, settled
+from pages import opened, settled
 
 import narrows as nw
+from browsers import chromium
 from narrows.export.page import assembly, wasm_build
 from narrows.export.page.page_helm import helm_of
 
@@ -29,7 +30,7 @@ def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with browsing() as browser:
+    with chromium() as browser:
         yield browser
 
 

@@ -44,8 +44,21 @@ def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
     }
 
 
-def column_functions() -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats and columns alike."""
+def _column_entries(row: int) -> Callable[[Any, int, Any], Any]:
+    def entry(table: Any, column: int, cell: Any) -> Any:
+        return np.asarray(table)[row * np.nan_to_num(cell).astype(np.int64) + column]
+
+    return entry
+
+
+def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
+    """Return the elementary functions for floats and columns alike.
+
+    Parameters
+    ----------
+    row : int
+        Numbers a cell of the table of a waterway; 0 where none is read.
+    """
     return {
         "minimum": np.minimum,
         "maximum": np.maximum,
@@ -59,4 +72,5 @@ def column_functions() -> dict[str, Callable[..., Any]]:
         "exp": np.exp,
         "log": np.log,
         "power": np.power,
+        "entry": _column_entries(row),
     }

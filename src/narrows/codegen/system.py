@@ -88,10 +88,11 @@ class System:
 
     @cached_property
     def columns(self) -> SimpleNamespace:
-        """The same functions for floats and columns alike; ``step`` and ``room`` only where no table is read."""
+        """The same functions for floats and columns alike."""
+        from narrows.codegen.choices import ROW
         from narrows.codegen.functions import column_functions
 
-        return self._plain(column_functions())
+        return self._plain(column_functions(ROW))
 
     def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
         def text() -> str:

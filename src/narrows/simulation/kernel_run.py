@@ -13,6 +13,7 @@ from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
+from narrows.simulation.column_run import ColumnRun, lacks_compiler
 from narrows.simulation.heading import counted_heading
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
@@ -78,7 +79,7 @@ class KernelRun:
             )
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
-        """Run voyages.
+        """Run voyages; in columns of NumPy, in double precision, where there is no Numba.
 
         Parameters
         ----------
@@ -89,12 +90,13 @@ class KernelRun:
         workers : int, optional
             Threads; all cores unless given.
         """
-        prepared = self.prepared(values, vessels, workers)
+        columns = lacks_compiler()
+        prepared = self._in_columns(values, vessels) if columns else self.prepared(values, vessels, workers)
         prepared()
         ended = self.ended(prepared, values)
         return {name: ended[name] for name in OUTPUTS}
 
-    def ended(self, prepared: PreparedRun, values: Mapping[str, Any]) -> Result:
+    def ended(self, prepared: PreparedRun | ColumnRun, values: Mapping[str, Any]) -> Result:
         """Return how voyages ended: ``OUTPUTS``, and positions of actuators and the memory of a controller at the end.
 
         Parameters
@@ -126,13 +128,21 @@ class KernelRun:
         """
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
-        times = step_counts(*(np.broadcast_to(np.asarray(time, float), vessels) for time in (self.dt, self.duration)))
+        start, times = self._start(system, values), self._times(vessels)
         kernel = system.kernel(_vessel_inputs(system, inputs, self.steering), self.precision)
         width = np.asarray(inputs.get("width", 1.0))
         tolerance = max(CONTACT_TOLERANCE, 4 * float(np.finfo(self.precision).eps) * float(width.max()))
         limits = np.array([tolerance, NEAR_THE_BANK * float(width.min())])
-        start = self._start(system, values)
         return prepare(kernel, inputs, start, times, channel.water, limits, workers or cores(), self.precision)
+
+    def _in_columns(self, values: Mapping[str, Any], vessels: int) -> ColumnRun:
+        system, start = self._system(values), self._start(self._system(values), values)
+        kept = [np.broadcast_to(np.asarray(start[name], float), vessels) for name in system.choices.kept]
+        inputs, channel = self._inputs(system, values)
+        return ColumnRun(system, inputs, np.stack(kept, axis=1), self._times(vessels), channel)
+
+    def _times(self, vessels: int) -> np.ndarray:
+        return step_counts(*(np.broadcast_to(np.asarray(time, float), vessels) for time in (self.dt, self.duration)))
 
     def _system(self, values: Mapping[str, Any]) -> System:
         # Forces from outside cost a little in each step, so they go in only where there are any.

@@ -11,7 +11,8 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.model.data_range import SLACK, Range
 from narrows.model.model import SETTLED, Model
 
-VOYAGE, CANAL, UNKNOWN, COEFFICIENTS = "The voyage", "The canal", "What is not known", "Coefficients"
+VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "What is not known"
+PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
 ASSUMED = 0.05
 """Standard deviation of a coefficient, of its size, where the model has no covariance."""
 WIDE, USUAL_WIDTHS = 3.0, (0.5, 2.0)
@@ -126,7 +127,8 @@ def _unknown(model: Model) -> Iterator[Slider]:
     yield Slider("sd_y", "start, ± one deviation", "m", UNKNOWN, 0, _to(6 * spread, fine), fine, _to(spread, fine))
     yield Slider("sd_psi", "heading, ± one deviation", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
     yield Slider("doubt", "coefficients, of their deviation", "×", UNKNOWN, 0, 3, 0.05, 1)
-    yield Slider("ships", "ships", "", UNKNOWN, 500, 10_000, 500, 3000)
+    yield Slider("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
+    yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
 
 
 def deviation(model: Model, name: str) -> float:

@@ -8,7 +8,7 @@ import { model } from "./model.js";
 import { outcomes } from "./outcome.js";
 import { said } from "./sentences.js";
 
-const LEVELS = [40, 100, 200];
+const LEVELS = [40, 100];
 const PATIENCE = 1500; // [ms] that a finer map may take
 const SQUARED = 5; // times as many cells, about
 const NARROW = "(max-width: 760px)";
@@ -52,7 +52,7 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
   }
 
   async function sailMap(mine) {
-    for (const across of LEVELS) {
+    for (const across of [...LEVELS.filter((level) => level < now.values.map), now.values.map]) {
       const { cells, task } = scenario.map(now.values, across, data.speeds);
       const begun = performance.now();
       const answer = await crew.sailed(task, () => mine === run);

@@ -1,0 +1,71 @@
+"""Without Numba and without threads, as in a browser: imports, fits, voyages, and fleets by columns of NumPy."""
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.simulation import kernel_run
+from narrows.simulation.outcome import KINDS
+from narrows.waterway import Bank, Centreline, Waterway
+
+BROWSER = """
+import json, sys, threading
+def refused(self):
+    raise RuntimeError("can't start new thread")
+sys.modules["numba"], threading.Thread.start = None, refused
+import narrows as nw
+model = nw.published("mikkelsen2025_dtc")
+voyage = nw.simulate(model, y=0.5, u=1.0)
+fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0)
+fit = nw.identify(nw.twin())
+model.forces(y=1.0, u=1.0), nw.eigenvalues(fit.model, y=0.5, u=1.0), nw.derivative(model, [0, 0.5, 0, 1, 0, 0])
+print(json.dumps([voyage.outcome.time, *fleet.time.values.tolist(), fit.model["b_bank"]]))
+"""
+
+
+def test_everything_but_speed_works_where_numba_and_threads_do_not() -> None:
+    done = subprocess.run([sys.executable, "-c", BROWSER], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    voyage, one, mirrored, b_bank = json.loads(done.stdout)
+    expected = nw.simulate(nw.published("mikkelsen2025_dtc"), y=0.5, u=1.0).outcome.time
+    assert (voyage, b_bank) == (expected, nw.identify(nw.twin()).model["b_bank"])
+    assert one == mirrored
+    assert abs(one - expected) < 1e-9
+
+
+@pytest.mark.parametrize("contact", ["corners", "midship"])
+def test_columns_end_as_single_voyages_do(contact: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = nw.published("mikkelsen2025_dtc")
+    monkeypatch.setattr(kernel_run, "lacks_compiler", lambda: True)
+    offsets, options = [-2.3, -0.2, 0.0, 0.6, 2.4], {"contact": contact, "duration": 20.01, "dt": 0.05}
+    held(nw.ensemble(model, y=offsets, u=[0.5, 1.0], **options), model, options)
+
+
+def test_columns_feel_gear_law_and_waterway(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pilot with a gear, in bends: the table is read in columns, the banks themselves by whoever is near."""
+    model = nw.published("yasukawa2015_kvlcc2")
+    monkeypatch.setattr(kernel_run, "lacks_compiler", lambda: True)
+    north = np.linspace(0.0, 200.0, 101)
+    line = Centreline(np.stack([6.0 * np.sin(north / 40.0), north], axis=1))
+    banks = (Bank(side, line.length * np.array([0.0, 1.0]), np.array([8.0, 7.0])) for side in ("starboard", "port"))
+    options = {"waterway": Waterway(line, *banks, name="bent"), "x": 10.0, "duration": 60.0, "dt": 0.1}
+    options |= {"controller": nw.ConstantRudder(0.05)}
+    held(nw.ensemble(model, y=[-3.0, 0.5], u=[1.1], **options), model, options)
+
+
+def held(fleet: Any, model: nw.Model, options: dict[str, Any]) -> None:
+    """Every voyage of a fleet beside the single one."""
+    for y in fleet.y.values:
+        for u in fleet.u.values:
+            end, one = fleet.sel(y=y, u=u), nw.simulate(model, y=y, u=u, **options).outcome
+            assert KINDS[int(end.outcome)] == one.kind
+            assert abs(float(end.time) - one.time) < 1e-9
+            assert abs(float(end.distance) - one.distance) < 1e-9
+            assert abs(float(end.y_end) - one.state["y"]) < 1e-9
+            side = {1: "starboard", -1: "port", 0: None}[int(end.side)]
+            assert side == (one.side if one.kind == "grounded" else None)
