@@ -284,6 +284,19 @@ def test_a_jump_is_refused_and_said() -> None:
     assert free.update(0.4, gnss=(0.4, 1.4))["y"] > 0.5
 
 
+def test_sensors_that_agree_against_the_model_are_believed() -> None:
+    """Compass and rate gyro tell of the same turn, which no rudder made; garbage in both at once is refused."""
+    one = begun()
+    turned = one.update(0.2, gyro=0.05, rate_of_turn=0.25, rudder=0.0)
+    assert turned.refused == ()
+    assert "What gyro and rate_of_turn told is not what the model expects: the model errs." in turned.notes
+    assert turned["psi"] > 0.02
+    odd = begun().update(0.2, gyro=3.0, rate_of_turn=-40.0, rudder=0.0)
+    assert odd.refused == ("gyro", "rate_of_turn")
+    spoofed = begun(*SENSORS, CourseOverGround(0.01, period=0.2)).update(0.2, gnss=(0.2, 1.4), course=(0.8, 1.0))
+    assert spoofed.refused == ("gnss", "course")
+
+
 def test_an_estimate_in_the_bank_begins_anew() -> None:
     one = begun()
     for number in range(1, 300):

@@ -110,6 +110,15 @@ def test_a_verb_prints_what_its_schema_says(verb: str, cli, files: dict[str, Pat
         assert shown["summary"]
 
 
+@pytest.mark.slow
+def test_scores_of_recordings_are_what_the_schema_says(cli, files: dict[str, Path]) -> None:
+    words = "monitor {full} --waterway {canal} --score {told} --score {told} --json".format(**files)
+    code, out, err = cli(*words.split())
+    assert code == 0, err
+    assert errors("monitor", json.loads(out)) == []
+    assert json.loads(out)["quiet"] == 2
+
+
 def test_json_has_no_nan_and_no_infinity() -> None:
     value = {
         "a": np.array([1.0, np.nan, -np.inf]),

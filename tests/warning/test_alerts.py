@@ -117,31 +117,37 @@ def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
     assert [alert.state for alert in desk.alerts] == [AlertState.ACKNOWLEDGED, AlertState.RECTIFIED]
 
 
-def forecast(now: float = 0.0, soon: float = 0.0, contact: float = math.inf, chance: float = math.inf) -> BankForecast:
+def forecast(now: float = 0.0, contact: float = math.inf, chance: float = math.inf, curved: float = math.inf):
     cases = {
-        AS_IS: CaseForecast(AS_IS, soon, soon, 50.0, "port"), PILOT_NOW: CaseForecast(PILOT_NOW, now, now, 50.0, "port")
+        AS_IS: CaseForecast(AS_IS, 0.0, 0.0, 50.0, "port"), PILOT_NOW: CaseForecast(PILOT_NOW, now, now, 50.0, "port")
     }  # fmt: skip
-    return BankForecast(0.0, cases, LikelyRun(contact, "port", max(chance, 0.0), chance < 0.0), 0.0, 0.1, 0.6)
+    run = LikelyRun(contact, "port", max(chance, 0.0), chance < 0.0)
+    return BankForecast(0.0, cases, run, curved, 0.0, 0.1, 0.6)
+
+
+USUAL = Thresholds()
 
 
 @pytest.mark.parametrize(
     ("told", "level"),
     [
-        ({}, Priority.NONE), ({"now": 0.15}, Priority.CAUTION), ({"soon": 0.25}, Priority.CAUTION),
-        ({"now": 0.35}, Priority.WARNING), ({"soon": 0.6}, Priority.WARNING), ({"contact": 80.0}, Priority.NONE),
-        ({"contact": 80.0, "chance": 10.0}, Priority.ALARM), ({"contact": 80.0, "chance": -1.0}, Priority.ALARM),
-        ({"contact": 25.0, "chance": -1.0}, Priority.EMERGENCY_ALARM), ({"soon": 1.0, "now": 1.0}, Priority.WARNING),
+        ({}, Priority.NONE), ({"now": USUAL.caution}, Priority.CAUTION), ({"contact": 110.0}, Priority.NONE),
+        ({"contact": 10.0 / USUAL.caution}, Priority.CAUTION), ({"curved": 10.0 / USUAL.caution}, Priority.CAUTION),
+        ({"now": USUAL.warning}, Priority.WARNING), ({"now": 0.9 * USUAL.warning, "curved": 60.0}, Priority.WARNING),
+        ({"now": 1.0, "contact": 10.0 / (USUAL.alarm - 1.0)}, Priority.ALARM),
+        ({"contact": 35.0, "chance": -1.0, "now": 1.0}, Priority.ALARM),
+        ({"contact": 25.0, "chance": -1.0}, Priority.EMERGENCY_ALARM), ({"contact": 5.0}, Priority.ALARM),
     ],
 )  # fmt: skip
-def test_chances_warn_and_the_most_likely_run_alarms(told: dict[str, float], level: Priority) -> None:
+def test_one_number_tells_how_urgent_it_is(told: dict[str, float], level: Priority) -> None:
     assert Thresholds().level(forecast(**told)) is level
 
 
 def test_nothing_chatters_at_a_threshold() -> None:
     """A chance that jumps over a threshold and back every second, for ten minutes: one warning."""
-    level, said = BankLevel(Thresholds()), []
+    level, said = BankLevel(USUAL), []
     for t in range(600):
-        said.append(level.update(float(t), forecast(now=0.3 + (0.02 if t % 5 else -0.02))))
+        said.append(level.update(float(t), forecast(now=USUAL.warning + (0.02 if t % 5 else -0.02))))
     assert sum(a is not b for a, b in pairwise(said)) == 1
     below = [level.update(600.0 + t, forecast(now=0.05)) for t in range(20)]
     assert below.index(Priority.NONE) == LOWERED_AFTER
@@ -155,7 +161,7 @@ def test_an_emergency_waits_for_nothing_and_a_spike_is_none() -> None:
     assert level.update(2.0, forecast(contact=10.0, chance=-1.0)) is Priority.EMERGENCY_ALARM
 
 
-@pytest.mark.parametrize("wrong", [{"caution": 0.0}, {"warning": 0.05}, {"warning_soon": 1.5}, {"emergency": -1.0}])
+@pytest.mark.parametrize("wrong", [{"caution": 0.0}, {"warning": 0.05}, {"alarm": math.nan}, {"emergency": -1.0}])
 def test_thresholds_that_are_none_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(nw.InputError, match=next(iter(wrong))):
         Thresholds(**wrong)

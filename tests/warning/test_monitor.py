@@ -23,6 +23,7 @@ from narrows.readers.nmea.nmea_hearing import Hearing
 from narrows.readers.nmea.nmea_lines import sentences, with_checksum
 from narrows.warning.alerts.alert import AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
+from narrows.warning.alerts.bank_level import Thresholds
 from narrows.warning.alerts.situations import BANK, BEYOND_DATA, NO_FORECAST, SENSORS
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
@@ -34,6 +35,9 @@ from narrows.warning.monitoring.bridge_sentences import bridge_sentences
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE, BridgeStatus
 from narrows.warning.monitoring.demonstration import MISTAKE, demonstration
 from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
+from narrows.warning.scoring.scored_transit import PREDICTORS, TransitScorer
+from narrows.warning.scoring.standing_alerts import NEEDED
+from narrows.warning.scoring.transit_scores import score_transits
 
 SPEED, BEGAN = 4.2, 1_777_680_000.0
 Lines = list[str]
@@ -123,6 +127,27 @@ def test_silence_degrades_what_is_said(silent: int, foretold: bool) -> None:
     assert said[-1].word == "clear"
     if not foretold:
         assert during.word == NOT_AVAILABLE
+
+
+def test_recorded_transits_are_scored() -> None:
+    """Two short twins: one that stays in the middle, and one that is steered into the bank."""
+    told = {"calm": ticks(30), "aground": ticks(34, y=75.0, psi=0.25, rudder=0.5), "mute": ticks(12, without("HEHDT"))}
+    transits = []
+    for name, heard in told.items():
+        scorer = TransitScorer(name, Thresholds())
+        for status in watched(heard):
+            scorer.add(status)
+        transits.append(scorer.transit())
+    scores = score_transits(transits)
+    assert (scores.contacts, scores.near, scores.quiet, scores.unknown) == (1, 0, 1, ("mute",))
+    assert all(row.false == 0 for row in scores.rows)
+    leads = dict(zip(PREDICTORS, scores.leads["aground"], strict=True))
+    assert 30.0 > leads["caution"] >= leads["alarm"] > 10.0
+    assert scores.to_dataframe().loc["caution", "missed"] == (leads["caution"] < NEEDED)
+    assert "1 transits with a contact" in scores.summary()
+    assert any("mute" in note for note in scores.notes)
+    with pytest.raises(nw.InputError, match="cannot tell contacts"):
+        score_transits(transits, limit=25.0)
 
 
 def test_a_jump_is_refused_and_said() -> None:
@@ -308,7 +333,7 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.
 
 @pytest.mark.slow
 def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) -> None:
-    """An alarm, a minute before it is nearest; the table, the page and the log of alerts say the same."""
+    """An alarm, a minute before it is aground; the table, the page and the log of alerts say the same."""
     files = {"--report": "r.html", "-o": "t.csv", "--log": "a.db", "--recording": "b.nmea"}
     words = [word for option, name in files.items() for word in (option, str(tmp_path / name))]
     code, out, err = cli("monitor", "--demo", "--json", *words)
@@ -342,7 +367,7 @@ def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ((), "give --listen with an address, --replay with a recording, or --demo; one of them"),
+        ((), "give --listen with an address, --replay or --score with a recording, or --demo; one of them"),
         (("--demo", "a.toml"), "--demo has a ship and a canal of its own"),
         (("--replay", "a.nmea"), "give MODEL and --waterway"),
         (("--demo", "--pace", "0"), "--pace 0 is no pace"),

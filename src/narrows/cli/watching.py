@@ -40,6 +40,8 @@ class HearingOptions:
         typer.Option(help="udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."),
     ] = None
     replay: Annotated[Path | None, typer.Option(help="A recording of NMEA 0183 to hear again.")] = None
+    score: Annotated[list[Path] | None, typer.Option(help="A recording, each a transit, to score; again.")] = None
+    limit: Annotated[float, typer.Option(help="Of --score: clearance that counts as contact [m].")] = 5.0
     demo: Annotated[bool, typer.Option("--demo", help="A simulated bridge: a mistake at the helm by a bank.")] = False
     pace: Annotated[
         float | None,
@@ -67,6 +69,8 @@ def monitor(
     Leaves with 1 where a recording or the demonstration came to a warning or more.
     """
     _check(hearing, alerts, model, waterway)
+    if hearing.score:
+        return _score(hearing, model or "", waterway, y, delivery)
     pace = hearing.pace or (1.0 if page.page else math.inf)
     with ExitStack() as stack:
         publisher, outlets = publisher_of(alerts, stack), outlets_of(alerts, page, stack)
@@ -80,8 +84,8 @@ def monitor(
 
 
 def _check(hearing: HearingOptions, alerts: AlertOptions, model: str | None, waterway: Path | None) -> None:
-    if sum(map(bool, (hearing.listen, hearing.replay, hearing.demo))) != 1:
-        raise InputError("give --listen with an address, --replay with a recording, or --demo; one of them")
+    if sum(map(bool, (hearing.listen, hearing.replay, hearing.score, hearing.demo))) != 1:
+        raise InputError("give --listen with an address, --replay or --score with a recording, or --demo; one of them")
     if hearing.demo and (model or waterway):
         raise InputError("--demo has a ship and a canal of its own; leave MODEL and --waterway out")
     if not hearing.demo and not (model and waterway):
@@ -109,15 +113,39 @@ def _monitor_of(
 
 def _heard(hearing: HearingOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
     if hearing.replay:
-        from narrows.warning.hearing.replay import Replay
-
-        if not hearing.replay.is_file():
-            raise InputError(f"{hearing.replay}: there is no such file; check the path")
-        return Replay(hearing.replay, pace, hearing.mmsi).ticks()
+        return _replayed(hearing.replay, pace, hearing.mmsi)
     from narrows.warning.hearing.connections import connection_of
     from narrows.warning.hearing.listening import Listening
 
     return stack.enter_context(Listening([*map(connection_of, hearing.listen or ())], hearing.mmsi)).ticks()
+
+
+def _score(hearing: HearingOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
+    """Watch recordings one after the other, and say how well the warnings did."""
+    from narrows.progress import stage
+    from narrows.warning.monitoring.alert_publisher import AlertPublisher
+    from narrows.warning.scoring.scored_transit import TransitScorer
+    from narrows.warning.scoring.transit_scores import score_transits
+
+    transits = []
+    for number, path in enumerate(hearing.score or (), 1):
+        watched = _monitor_of(model, waterway, hearing, y, AlertPublisher())
+        scorer = TransitScorer(path.name, watched.thresholds)
+        with stage(f"{path.name}, {number} of {len(hearing.score or ())}"):
+            watched.prepare(USUAL_SPEED)
+            for tick in _replayed(path, math.inf, hearing.mmsi):
+                scorer.add(watched.update(tick, tick.t))
+        transits.append(scorer.transit())
+    scores = score_transits(transits, hearing.limit)
+    delivery.tell(scores.to_dict, lambda: typer.echo("\n".join([scores.summary(), *scores.notes])))
+
+
+def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
+    from narrows.warning.hearing.replay import Replay
+
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file; check the path")
+    return Replay(path, pace, mmsi).ticks()
 
 
 def _demonstrated(

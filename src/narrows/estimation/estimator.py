@@ -381,6 +381,9 @@ class Estimator(Described):
         suspects = tuple(name for believed in heard for name in believed.suspects)
         if refused:
             notes.append(f"What {' and '.join(refused)} told is too far from what was expected: it is refused.")
+        surprising = tuple(name for believed in heard for name in believed.surprising)
+        if surprising:
+            notes.append(f"What {' and '.join(surprising)} told is not what the model expects: the model errs.")
         if suspects:
             notes.append(f"What {' and '.join(suspects)} tells leans to one side: it drifts, or is led astray.")
         joint, size = normal, len(self.filter.states)

@@ -24,6 +24,8 @@ from narrows.estimation.unscented import (
 
 TURN = 2.0 * math.pi
 RUDDER = "rudder"
+GROSS = 1e4
+"""Normalised innovation squared beyond which a reading is an error, whatever else is told [1]."""
 
 
 class Believed(NamedTuple):
@@ -39,12 +41,15 @@ class Believed(NamedTuple):
         Sensors whose reading the gate refused.
     suspects : tuple of str
         Sensors whose innovations lean to one side.
+    surprising : tuple of str
+        Sensors of several kinds that all told what was not expected, and were believed.
     """
 
     normal: Normal
     nis: dict[str, float]
     refused: tuple[str, ...]
     suspects: tuple[str, ...]
+    surprising: tuple[str, ...] = ()
 
 
 class NumberLayout(NamedTuple):
@@ -173,18 +178,25 @@ class Recursion:
         covariance = innovation_covariance(expected, layout.sigma, self.measuring)
         innovation = self._innovation(layout, readings, expected.mean)
         nis = self._squares(layout, innovation, covariance)
-        refused = tuple(name for name, most in zip(layout.names, layout.gates, strict=True) if not nis[name] <= most)
+        odd = tuple(name for name, most in zip(layout.names, layout.gates, strict=True) if not nis[name] <= most)
+        surprising = odd if self._agree(odd, nis) else ()
+        refused = () if surprising else odd
         spread = np.sqrt(covariance.diagonal())
         whitened, shared = innovation / spread, expected.slopes[: self.measuring.considered] / spread
-        for name, part in zip(layout.names, layout.parts, strict=True) if refused else ():
-            whitened[part] *= name not in refused  # The gate has dealt with it.
+        for name, part in zip(layout.names, layout.parts, strict=True) if odd else ():
+            whitened[part] *= name not in odd  # The gate has dealt with it.
         leans = monitor.lean(whitened, layout.places, shared)
         after = self._corrected(now, layout, expected, innovation, covariance, refused)
         suspects: tuple[str, ...] = ()
         if leans.max() > THRESHOLD:
             parts = zip(layout.names, layout.parts, strict=True)
             suspects = tuple(name for name, part in parts if leans[part].max() > THRESHOLD)
-        return Believed(after, nis, refused, suspects)
+        return Believed(after, nis, refused, suspects, surprising)
+
+    def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
+        """Whether sensors of several kinds tell what was not expected: then it is the model that is wrong."""
+        kinds = {getattr(self.sensors[name], "source", name) for name in odd}
+        return len(kinds) > 1 and all(nis[name] <= GROSS for name in odd)
 
     def _squares(self, layout: NumberLayout, innovation: np.ndarray, covariance: np.ndarray) -> dict[str, float]:
         """Normalised innovations squared, by sensor; those of one number all at once."""

@@ -42,6 +42,7 @@ class Antenna(Measuring):
     forward: float = 0.0
     starboard: float = 0.0
     angles: ClassVar[tuple[bool, ...]] = (False, False)
+    source: ClassVar[str] = "satellites"
 
     def __post_init__(self) -> None:
         super().__post_init__()

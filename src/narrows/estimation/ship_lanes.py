@@ -102,6 +102,7 @@ class ShipLanes:
         self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
         self._told = [self._inputs[PARAMETER(f"next_{name}")] for name in self.actuators]
+        self._system, self._ship_values = self._run._system(self._values(1.0)), self.ship.values()
         self._base, self._slope = self._by_bank()
         self._water = self.prepared.water.table.reshape(-1, ROW) if self.waterway else None
         self._known_current = self.waterway.current if self.waterway else 0.0
@@ -232,8 +233,7 @@ class ShipLanes:
         model = self.ship.model
         numbers = dict(zip(model.terms.names, coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
-        system = self._run._system(self._values(1.0))
-        constants = system.constants({**self.ship.values(), **numbers})
+        constants = self._system.constants({**self._ship_values, **numbers})
         columns = self._base.copy()
         for name, place in self._inputs.items():
             if name in constants:

@@ -1,7 +1,7 @@
-"""How urgent what is forecast is: chances for cautions and warnings, the most likely run for alarms.
+"""How urgent what is forecast is: one number for cautions, warnings and alarms, and an emergency where it is too late.
 
-At few false alarms one run ranks better than chances that are tied at 1, so alarms go by its time to contact and its
-last chance. What is on goes off later than it came on: a threshold is left by a margin, and for some time.
+What is on goes off later than it came on: a threshold is left by a margin, and for some time. How many false alarms a
+threshold gives is measured by decisions/warning_scores.py.
 """
 
 import math
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from narrows.errors import InputError
 from narrows.warning.alerts.alert import Priority
-from narrows.warning.forecasting.forecast import BankForecast, LikelyRun
+from narrows.warning.forecasting.forecast import BankForecast
 
 MARGIN = 0.7
 """Of a threshold, below which what is on goes off."""
@@ -23,41 +23,30 @@ class Thresholds:
 
     Parameters
     ----------
-    caution, warning : float [1]
-        Chance of contact with a pilot who takes over now.
-    caution_soon, warning_soon : float [1]
-        Chance of contact within 60 s, the rudder as it is.
-    alarm_contact : float [s]
-        To contact of the most likely run, the rudder as it is.
-    alarm_chance : float [s]
-        To its last chance.
+    caution, warning, alarm : float [1]
+        Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one.
     emergency : float [s]
         To contact, where the last chance is gone.
 
     Raises
     ------
     InputError
-        Where a chance is none, or a warning would come before its caution.
+        Where one is no urgency, or a more urgent level would come before a less urgent one.
     """
 
-    caution: float = 0.1
-    warning: float = 0.3
-    caution_soon: float = 0.2
-    warning_soon: float = 0.5
-    alarm_contact: float = 90.0
-    alarm_chance: float = 20.0
+    caution: float = 0.38
+    warning: float = 0.82
+    alarm: float = 1.15
     emergency: float = 30.0
 
     def __post_init__(self) -> None:
-        for low, high in (("caution", "warning"), ("caution_soon", "warning_soon")):
-            first, second = getattr(self, low), getattr(self, high)
-            if not 0.0 < first <= second <= 1.0:
-                raise InputError(
-                    f"{low} = {first}, {high} = {second}: give chances from over 0 to 1, the warning's larger"
-                )
-        for name in ("alarm_contact", "alarm_chance", "emergency"):
-            if not getattr(self, name) >= 0.0:
-                raise InputError(f"{name} = {getattr(self, name)} is no time; give seconds")
+        if not 0.0 < self.caution <= self.warning <= self.alarm:
+            raise InputError(
+                f"caution = {self.caution}, warning = {self.warning}, alarm = {self.alarm}: give urgencies over 0, "
+                "none smaller than the one before"
+            )
+        if not self.emergency >= 0.0:
+            raise InputError(f"emergency = {self.emergency} is no time; give seconds")
 
     def level(self, forecast: BankForecast, eased: float = 1.0) -> Priority:
         """Return how urgent a forecast is.
@@ -67,20 +56,13 @@ class Thresholds:
         forecast : BankForecast
             What will happen.
         eased : float [1]
-            Factor on the chances, and one over that on the times.
+            Factor on the urgencies, and one over that on the time.
         """
-        now, soon, run = forecast.pilot_now.probability, forecast.as_it_is.soon, forecast.likely
+        run, urgency = forecast.likely, forecast.urgency
         if run.gone and run.contact <= self.emergency / eased:
             return Priority.EMERGENCY_ALARM
-        if run.contact <= self.alarm_contact / eased and _chance(run) <= self.alarm_chance / eased:
-            return Priority.ALARM
-        if now >= eased * self.warning or soon >= eased * self.warning_soon:
-            return Priority.WARNING
-        return Priority.CAUTION if now >= eased * self.caution or soon >= eased * self.caution_soon else Priority.NONE
-
-
-def _chance(run: LikelyRun) -> float:
-    return 0.0 if run.gone else run.last_chance
+        levels = (self.alarm, Priority.ALARM), (self.warning, Priority.WARNING), (self.caution, Priority.CAUTION)
+        return next((level for threshold, level in levels if urgency >= eased * threshold), Priority.NONE)
 
 
 class BankLevel:

@@ -4,11 +4,16 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from narrows.results import Described
 from narrows.warning.forecasting.forecast_cases import AFTER, AS_IS, PILOT_NOW, TAKEOVERS
 
+NUMBERS = ("t", "urgency", "curved", "rudder", "rudder_needed", "rudder_limit", "rudder_margin")
 SOON = 60.0
 """Within which contact is soon [s]."""
+COUNTS_AS_SURE, SOONEST = 10.0, 1.0
+"""A time to contact [s] that is as urgent as a pilot who meets a bank for sure, and the shortest that counts."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,8 @@ class BankForecast(Described):
         By who steers.
     likely : LikelyRun
         The most likely run.
+    curved : float [s]
+        To contact of a ship that goes on turning as fast as it does; infinite where it meets no bank in 120 s.
     rudder : float [rad]
         Now.
     rudder_needed : float [rad]
@@ -81,6 +88,7 @@ class BankForecast(Described):
     t: float
     cases: dict[str, CaseForecast]
     likely: LikelyRun
+    curved: float
     rudder: float
     rudder_needed: float
     rudder_limit: float
@@ -94,6 +102,11 @@ class BankForecast(Described):
     def pilot_now(self) -> CaseForecast:
         """With a pilot who takes over now."""
         return self.cases[PILOT_NOW]
+
+    @property
+    def urgency(self) -> float:
+        """One number for how urgent it is [1], as ``urgency_of`` tells it."""
+        return float(urgency_of(self.pilot_now.probability, self.likely.contact, self.curved))
 
     @property
     def rudder_margin(self) -> float:
@@ -135,9 +148,24 @@ class BankForecast(Described):
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name, in SI."""
-        own = {name: getattr(self, name) for name in ("t", "rudder", "rudder_needed", "rudder_limit", "rudder_margin")}
+        own = {name: getattr(self, name) for name in NUMBERS}
         cases = {name: vars(case) for name, case in self.cases.items()}
         return {"summary": self.summary(), **own, "likely": vars(self.likely), "cases": cases, "notes": [*self.notes]}
+
+
+def urgency_of(pilot_now: Any, contact: Any, curved: Any) -> Any:
+    """Return one number for how urgent it is [1]: what a pilot now meets, and how soon it comes, two ways (ours).
+
+    The curved track knows nothing of the model, and so is not wrong where the model is.
+
+    Parameters
+    ----------
+    pilot_now : float or array [1]
+        Chance of contact with a pilot who takes over now.
+    contact, curved : float or array [s]
+        Time to contact of the most likely run, and of the curved track.
+    """
+    return pilot_now + sum(COUNTS_AS_SURE / np.maximum(time, SOONEST) for time in (contact, curved))
 
 
 def _chance(run: LikelyRun) -> str:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from narrows.control.local_water import local_water
 from narrows.control.regulator import regulator
 from narrows.control.regulator_law import Regulator
 from narrows.errors import InputError, check_count
@@ -13,8 +14,9 @@ from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.ship_lanes import RUDDER
 from narrows.quantities.constants import GRAVITY
+from narrows.warning.forecasting.bridge_predictors import Beside
 from narrows.warning.forecasting.forecast import SOON, BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.forecast_cases import CASES, CHANCES, LIKELY
+from narrows.warning.forecasting.forecast_cases import AFTER, CASES, CHANCES, LIKELY
 from narrows.warning.forecasting.future_lanes import Ends, FutureBlock, FutureLanes, Ships
 from narrows.warning.forecasting.members import Drawn, Members
 from narrows.warning.forecasting.predicted_fan import BLOCKS, FAN_MEMBERS, PredictedFan, fan_of
@@ -81,7 +83,17 @@ class Forecaster:
         cases = {case.name: _of_case(members, number, case.name) for number, case in enumerate(CASES)}
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         limit = self.filter.model.configuration.gear.limit
-        return BankForecast(estimate.t, cases, _likely(likely), rudder + now.get("rudder_bias", 0.0), needed, limit)
+        true = rudder + now.get("rudder_bias", 0.0)
+        return BankForecast(estimate.t, cases, _likely(likely), self._curved(now), true, needed, limit)
+
+    def _curved(self, now: Mapping[str, float]) -> float:
+        """To contact of a track that is curved by the yaw rate."""
+        model, waterway = self.filter.model, self.filter.waterway
+        water = local_water(model, waterway, now["x"] if waterway is not None else 0.0)
+        psi, u, v, r = (np.array([now[name]]) for name in ("psi", "u", "v", "r"))
+        y = np.array([now["y"] - water.middle])
+        beside = Beside(model.configuration.ship, water.width / 2, y, psi, u, v, r, water.curvature)
+        return float(beside.curved_contact(AFTER)[0])
 
     def fan(self, estimate: Estimate, positions: Mapping[str, float]) -> PredictedFan:
         """Return where the ship may go, for pictures.

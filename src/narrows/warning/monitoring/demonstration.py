@@ -26,7 +26,7 @@ RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
 """Of the bend [m], where it begins, and between the points of the line."""
 DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
 """Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes."""
-WRONG, MOMENT = 22.0, 3.0
+WRONG, MOMENT = 27.0, 3.0
 """The rudder's angle then [deg], and the moment of the upset, in degrees of rudder."""
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()

@@ -1,0 +1,132 @@
+"""The estimator of many ships at once: what ``Estimator`` does one by one, in the form of covariances."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from narrows.estimation.estimator import Estimator
+from narrows.estimation.innovation_gate import gate
+from narrows.estimation.recursion import GROSS
+from narrows.estimation.ship_lanes import ShipLanes
+from narrows.estimation.states import Columns
+from narrows.estimation.unscented import Normal
+
+REFUSED, TINY = 1e12, 1e-12
+TURN = 2 * np.pi
+
+
+class FiltersAbreast:
+    """Filters of one kind; all sensors tell each second.
+
+    Parameters
+    ----------
+    estimator : Estimator
+        Whose filter it is, that corrects coefficients and whose sensors are linear in the state.
+    count : int
+        Ships.
+    """
+
+    def __init__(self, estimator: Estimator, count: int) -> None:
+        self.filter, self.count = estimator.filter, count
+        recursion = self.filter.recursion
+        self.spread, self.size = recursion.moving, len(self.filter.states)
+        self.whole = self.size + self.filter.estimated
+        self.lanes = ShipLanes(self.filter.ship, self.filter.states, count * (1 + 2 * self.whole))
+        self.noise = recursion._walk.T @ recursion._walk
+        points = Columns(np.eye(self.whole), self.filter.states)
+        sensors = self.filter.sensors.values()
+        self.seen = np.array([column for sensor in sensors for column in sensor.measured(points)])
+        self.sigma = np.concatenate([sensor.sigma for sensor in sensors])
+        self.angles = np.concatenate([sensor.angles for sensor in sensors]).astype(bool)
+        ends = np.cumsum([len(sensor.fields) for sensor in sensors])
+        self.parts = [slice(end - len(sensor.fields), end) for end, sensor in zip(ends, sensors, strict=True)]
+        self.mean, self.covariance = np.zeros((count, self.whole)), np.zeros((count, self.whole, self.whole))
+
+    def begin(self, readings: np.ndarray, ships: np.ndarray) -> None:
+        """Begin anew, from readings (count, numbers), with the ships of these places."""
+        for ship in ships:
+            start = self.filter.start()
+            start.readings |= {
+                name: tuple(readings[ship, part]) for name, part in zip(self.filter.sensors, self.parts, strict=True)
+            }
+            first = self.filter.begun(start)
+            self.mean[ship], self.covariance[ship] = first.mean, first.covariance
+
+    @property
+    def root(self) -> np.ndarray:
+        """Of the covariances, (count, n, n)."""
+        try:
+            return np.linalg.cholesky(self.covariance)
+        except np.linalg.LinAlgError:
+            size = np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
+            return np.linalg.cholesky(self.covariance + 1e-9 * np.einsum("ij,jk->ijk", size**2, np.eye(self.whole)))
+
+    def update(self, readings: np.ndarray, before: np.ndarray, after: np.ndarray) -> None:
+        """Move a second on, the indicated rudders from one angle to another, and take readings (count, numbers)."""
+        lost = self._moved(before, after)
+        self._corrected(readings)
+        lost |= ~np.isfinite(self.mean).all(axis=1) | ~np.isfinite(self.covariance).all(axis=(1, 2))
+        self.begin(readings, np.flatnonzero(lost))
+
+    def _moved(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+        spread, pairs, count = self.spread, self.whole, self.count
+        steps = self.root.transpose(0, 2, 1) * spread.distance[:, None]
+        middle = self.mean[:, None]
+        points = np.concatenate([middle, middle + steps, middle - steps], axis=1)
+        moved, lost = self._sailed(points.reshape(-1, self.whole), before, after)
+        moved = moved.reshape(count, 1 + 2 * pairs, self.whole)
+        first, ahead, behind = moved[:, 0], moved[:, 1 : pairs + 1], moved[:, pairs + 1 :]
+        off = ahead + behind - 2.0 * first[:, None]
+        shift = np.einsum("k,bkn->bn", spread.mean, off)
+        slopes, bends = (ahead - behind) * spread.slope, (off - 2.0 * shift[:, None]) * spread.slope
+        self.mean = first + shift
+        square = slopes.transpose(0, 2, 1) @ slopes + bends.transpose(0, 2, 1) @ bends
+        self.covariance = square + spread.centre * shift[:, :, None] * shift[:, None, :] + self.noise
+        return lost
+
+    def _sailed(self, points: np.ndarray, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        recursion, size, each = self.filter.recursion, self.size, 1 + 2 * self.whole
+        bank = points[:, self.filter.states.places["bank"]]
+        columns = self.lanes.columns_of(recursion.coefficients + points[:, size:] @ recursion.root.T, bank)
+        start, end = (np.repeat(angle, each)[:, None] for angle in (before, after))
+        states = self.lanes.moved(points[:, :size], 1.0, start, end, columns)
+        lost = self.lanes.aground.reshape(self.count, each)[:, 0]
+        kept = np.exp(-1.0 / recursion.memory) * points[:, size:]
+        return np.concatenate([states, kept], axis=1), lost.copy()
+
+    def _corrected(self, readings: np.ndarray) -> None:
+        innovation = readings - self.mean @ self.seen.T
+        innovation[:, self.angles] = np.remainder(innovation[:, self.angles] + np.pi, TURN) - np.pi
+        shared = self.covariance @ self.seen.T
+        expected = self.seen @ shared + np.diag(self.sigma**2)
+        noise = np.tile(self.sigma**2, (self.count, 1))
+        squares = np.stack([_square(innovation[:, part], expected[:, part, part]) for part in self.parts])
+        gates = [gate(self.filter.refusing, part.stop - part.start) for part in self.parts]
+        odd = ~(squares <= np.array(gates)[:, None])
+        gross = (odd & ~(squares <= GROSS)).any(axis=0)
+        refused = odd & ((odd.sum(axis=0) < 2) | gross)  # All sensors of this filter are of different kinds.
+        for part, without in zip(self.parts, refused, strict=True):
+            noise[without, part] *= REFUSED
+        covariance = self.seen @ shared + np.einsum("bi,ij->bij", noise, np.eye(len(self.sigma)))
+        gain = np.linalg.solve(covariance, shared.transpose(0, 2, 1)).transpose(0, 2, 1)
+        self.mean = self.mean + np.einsum("bni,bi->bn", gain, innovation)
+        after = self.covariance - gain @ covariance @ gain.transpose(0, 2, 1)
+        self.covariance = (after + after.transpose(0, 2, 1)) / 2
+
+    def normal(self) -> Normal:
+        """Means (count, n) and roots (count, n, n)."""
+        return Normal(self.mean, self.root)
+
+
+def _square(off: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Normalised innovations squared."""
+    return np.einsum("bi,bi->b", off, np.linalg.solve(block, off[:, :, None])[:, :, 0])
+
+
+def readings_of(estimator: Estimator, states: Mapping[str, np.ndarray], random: np.random.Generator) -> np.ndarray:
+    """What sensors tell of true states, (count, numbers)."""
+    names = estimator.filter.states
+    rows = np.stack([states.get(name, np.zeros_like(states["x"])) for name in names.names], axis=1)
+    at, sensors = Columns(rows, names), estimator.filter.sensors.values()
+    true = np.stack([column for sensor in sensors for column in sensor.measured(at)], axis=1)
+    return true + np.concatenate([sensor.sigma for sensor in sensors]) * random.standard_normal(true.shape)

@@ -1,0 +1,69 @@
+"""Scores of warnings: spells of alerts beside the level that says them, predictors beside geometry."""
+
+import math
+
+import numpy as np
+import pytest
+from transit import ship
+
+from narrows.warning.alerts.alert import Priority
+from narrows.warning.alerts.bank_level import BankLevel, Thresholds
+from narrows.warning.forecasting.bridge_predictors import Beside
+from narrows.warning.forecasting.forecast import BankForecast, CaseForecast, LikelyRun
+from narrows.warning.forecasting.forecast_cases import AS_IS, PILOT_NOW
+from narrows.warning.scoring.standing_alerts import highest_held, lead_times, standing_since
+
+HALF, SPEED = 150.0, 4.5
+
+
+def told(urgency: float) -> BankForecast:
+    cases = {name: CaseForecast(name, urgency, 0.0, math.inf, "") for name in (AS_IS, PILOT_NOW)}
+    return BankForecast(0.0, cases, LikelyRun(math.inf, "", math.inf, False), math.inf, 0.0, 0.0, 0.6)
+
+
+@pytest.mark.parametrize("every", [1.0, 2.0])
+def test_an_alert_stands_where_the_level_says_it(every: float) -> None:
+    """Of urgencies that wander about the threshold: the same seconds as of the level of the monitor."""
+    walk = np.cumsum(np.random.default_rng(3).normal(0.0, 0.15, (400, 5)), axis=0)
+    t, urgency = every * np.arange(400.0), 1.0 + np.abs(walk) % 1.0 - 0.6
+    since = standing_since(t, urgency)
+    for ship_number in range(5):
+        level = BankLevel(Thresholds(1.0, math.inf, math.inf))
+        said = [level.update(now, told(float(u))) for now, u in zip(t, urgency[:, ship_number], strict=True)]
+        np.testing.assert_array_equal(np.isfinite(since[:, ship_number]), np.array(said) == Priority.CAUTION)
+        raised = highest_held(t, urgency[:, [ship_number]], np.array([math.inf])) >= 1.0
+        assert raised == (Priority.CAUTION in said)
+
+
+def test_a_lead_counts_from_the_alert_that_stands_at_the_contact() -> None:
+    t = np.arange(100.0)
+    urgency = np.zeros((100, 3))
+    urgency[10:30, 0], urgency[60:, 0] = 2.0, 2.0  # An alert that went, and another.
+    urgency[10:30, 1] = 2.0  # One that went before.
+    urgency[40:, 2], urgency[55:60, 2] = 2.0, 0.0  # One that fell silent for less than it is kept.
+    leads = lead_times(t, standing_since(t, urgency), np.array([90.0, 90.0, 90.0]))
+    np.testing.assert_allclose(leads, [90.0 - 62.0, 0.0, 90.0 - 42.0])
+
+
+def beside(y: float, psi: float, r: float = 0.0, v: float = 0.0, bend: float = 0.0) -> Beside:
+    columns = (np.array([number]) for number in (y, psi, SPEED, v, r))
+    return Beside(ship().configuration.ship, HALF, *columns, bend)
+
+
+def test_straight_on_is_a_straight_line() -> None:
+    one = beside(40.0, 0.2)
+    way = float(one.now[0])
+    assert one.straight_contact(120.0)[0] == pytest.approx(way / (SPEED * math.sin(0.2)), abs=2.0)
+    assert beside(0.0, 0.0).straight_contact(120.0)[0] == math.inf
+    away = beside(40.0, 0.0, bend=1 / 2000.0)  # A bend to starboard leaves a straight track to port.
+    assert away.straight_contact(240.0)[0] == pytest.approx(math.sqrt(2 * 150.0 * 2000.0) / SPEED, rel=0.2)
+
+
+def test_the_curved_track_is_a_circle() -> None:
+    r = 0.004
+    one = beside(0.0, 0.0, r=r)
+    t = float(one.curved_contact(240.0)[0])
+    y = SPEED / r * (1 - math.cos(r * t))
+    assert float(one.clearance(np.array([y]), np.array([r * t]))[0]) == pytest.approx(0.0, abs=3.0)
+    assert one.straight_contact(240.0)[0] == math.inf
+    assert beside(0.0, 0.0, r=SPEED / 2000.0, bend=1 / 2000.0).curved_contact(120.0)[0] == math.inf
