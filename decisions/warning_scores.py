@@ -188,7 +188,9 @@ def text(folder: Path | None = None, count: int = SCORED, others: int = OTHERS) 
     known = joined(KNOWN, 0, CHOSEN_ON, count, folder)
     first, thresholds = first_table(known)
     kinds = [(KNOWN, known)] + [
-        (physics, joined(physics, number, 0, others, folder)) for number, physics in enumerate(OTHER_TRUTHS, 1)
+        (physics, joined(physics, number, 0, others, folder))
+        for number, physics in enumerate(OTHER_TRUTHS, 1)
+        if others
     ]
     heads = [f"at {100 * rate:g} %: false [%]; missed [%]; lead [s]" for rate in RATES]
     rows = [row for physics, transits in kinds for row in other_rows(physics, transits, thresholds)]
