@@ -43,7 +43,7 @@ def estimate(t: float, now: Mapping[str, float] | None = NOW) -> Estimate:
 def forecast(contact: float = math.inf, last_chance: float = math.inf) -> BankForecast:
     side, share = ("starboard", 0.4) if math.isfinite(contact) else ("", 0.0)
     cases = {case.name: CaseForecast(case.name, share, share / 2, contact, side) for case in CASES}
-    return BankForecast(0.0, cases, LikelyRun(contact, side, last_chance, False), 0.1, -0.3, math.radians(35))
+    return BankForecast(0.0, cases, LikelyRun(contact, side, last_chance, False), contact, 0.1, -0.3, math.radians(35))
 
 
 def fan(status: BridgeStatus) -> PredictedFan:
