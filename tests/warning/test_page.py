@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from http.client import HTTPConnection
 from pathlib import Path
 
+import numpy as np
 import pytest
 from shown_page import ALARM, HANDSHAKE, SHIP, Watched, asked, estimate, forecast, soon
 from transit import canal
@@ -15,6 +16,7 @@ import narrows.warning.page as page_room
 from narrows.warning.alerts.alert import AlertState, Priority
 from narrows.warning.alerts.alert_desk import Condition
 from narrows.warning.alerts.situations import BANK, BEYOND_DATA, SENSORS
+from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
 from narrows.warning.monitoring.clearances import clearances
 from narrows.warning.page import onlookers
@@ -72,6 +74,17 @@ def test_the_scene_lies_in_the_canal() -> None:
     nearest = min(((pose[0] - a[0]) ** 2 + (pose[1] - a[1]) ** 2) ** 0.5 for a in starboard)
     assert nearest == pytest.approx(90.0, abs=1.0)
     assert scene["fan"]["members"][0][0] == pose[:2]
+
+
+def test_what_diverges_is_not_drawn() -> None:
+    watched = Watched()
+    status = watched.status(forecast())
+    tracks = watched.fan(status)
+    tracks.members[3, 5:] = np.nan
+    watched.fan = lambda status: tracks
+    assert len(update_of(watched, status, 0.0)["scene"]["fan"]["members"]) == FAN_MEMBERS - 1
+    tracks.likely[-1] = np.inf
+    assert update_of(watched, status, 0.0)["scene"]["fan"] is None
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """What the page draws: the ship, the banks about it, and where it may go, in metres east and north."""
 
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -13,6 +14,9 @@ from narrows.waterway.waterway import Waterway
 
 ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
 """Of the ship, how much of the banks is drawn; and how far apart their points are [m]."""
+SIDES = (-1, 1)
+POINT, POSE = slice(2), slice(3)
+"""Of north, east [m] and heading [rad]: what is told of a place, and of a ship."""
 
 
 def scene(watched: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
@@ -28,49 +32,60 @@ def scene(watched: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None
     if not status.estimate.ready:
         return None
     way, ship, now = watched.waterway, watched.model.configuration.ship, status.estimate.values
-    pose = np.array([now["x"], now["y"], now["psi"]])
-    along = min(max(now["x"], 0.0), way.line.length)
+    pose, along = np.array([now["x"], now["y"], now["psi"]]), min(max(now["x"], 0.0), way.line.length)
+    fan, middle = _foretold(watched, status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
+    own = {"pose": pose[None], "middle": middle[None]}
+    lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
+    drawn = _on_map(way, lines)
     return {
-        "ship": {"pose": _on_map(way, pose), "length": ship.length, "beam": ship.beam},
-        "middle": _on_map(way, np.array([along, float(way.room(along, ship.draft).middle), 0.0])),
-        "banks": _banks(way, along, None),
-        "limits": _banks(way, along, ship.draft),
-        "fan": _fan(way, pose, _foretold(watched, status)),
+        "ship": {"pose": _told(drawn["pose"], POSE)[0], "length": ship.length, "beam": ship.beam},
+        "middle": _told(drawn["middle"], POSE)[0],
+        **{name: [_told(drawn[f"{name} {side}"], POINT) for side in SIDES] for name in ("banks", "limits")},
+        "fan": _fan(drawn, fan) if fan else None,
     }
 
 
 def _foretold(watched: BridgeMonitor, status: BridgeStatus) -> PredictedFan | None:
+    """Of what can be drawn: a ship that diverges has no place."""
+    fan = None
     with suppress(InputError):  # A picture is no reason to stop watching.
-        return watched.fan(status) if status.forecast else None
-    return None
+        fan = watched.fan(status) if status.forecast else None
+    if fan is None or not np.isfinite([fan.likely, fan.pilot]).all():
+        return None
+    return fan._replace(members=fan.members[np.isfinite(fan.members).all(axis=(1, 2))])
 
 
-def _banks(way: Waterway, along: float, draft: float | None) -> list[Any]:
-    """Of the water, or of the room for a keel: to port and to starboard."""
+def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.ndarray]:
+    """Of the water, or of the room for a keel."""
     first, last = max(along - ASTERN, 0.0), min(along + AHEAD, way.line.length)
     s = np.linspace(first, last, max(2, round((last - first) / EVERY) + 1))
-    here = way.section(s) if draft is None else way.room(s, draft)
-    return [_points(way.to_map(s, here.middle + side * here.width / 2)[0]) for side in (-1, 1)]
+    name, here = ("banks", way.section(s)) if draft is None else ("limits", way.room(s, draft))
+    off = {side: here.middle + side * here.width / 2 for side in SIDES}
+    return {f"{name} {side}": np.stack([s, off[side], np.zeros_like(s)], axis=1) for side in SIDES}
 
 
-def _fan(way: Waterway, pose: np.ndarray, fan: PredictedFan | None) -> dict[str, Any] | None:
-    if fan is None:
-        return None
-    tracks = {"likely": fan.likely, "pilot": fan.pilot}
-    members = [np.concatenate([pose[None], member]) for member in fan.members]
+def _tracks(pose: np.ndarray, fan: PredictedFan) -> dict[str, np.ndarray]:
+    members = np.insert(fan.members, 0, pose, axis=1)
+    return {"members": members.reshape(-1, 3), "likely": fan.likely, "pilot": fan.pilot}
+
+
+def _on_map(way: Waterway, lines: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """All at once: north, east [m], heading [rad] of each."""
+    places, headings = way.to_map(*np.concatenate(list(lines.values())).T)
+    drawn = np.concatenate([places[:, ::-1], headings[:, None]], axis=1)
+    stops = np.cumsum([len(line) for line in lines.values()])[:-1]
+    return dict(zip(lines, np.split(drawn, stops), strict=True))
+
+
+def _fan(drawn: Mapping[str, np.ndarray], fan: PredictedFan) -> dict[str, Any]:
+    members = drawn["members"].reshape(len(fan.members), -1, 3)
     return {
         "times": fan.times.tolist(),
-        "members": [_points(way.to_map(member[:, 0], member[:, 1])[0]) for member in members],
-        **{name: [_on_map(way, each) for each in track] for name, track in tracks.items()},
+        "members": [_told(member, POINT) for member in members],
+        **{name: _told(drawn[name], POSE) for name in ("likely", "pilot")},
     }
 
 
-def _on_map(way: Waterway, pose: np.ndarray) -> list[float]:
-    """North and east [m], and the heading [rad]."""
-    place, heading = way.to_map(*pose)
-    return [*_points(place[None])[0], round(float(heading), 4)]
-
-
-def _points(places: np.ndarray) -> list[list[float]]:
-    """North before east, to a decimetre."""
-    return np.round(places[:, ::-1], 1).tolist()  # type: ignore[no-any-return]
+def _told(line: np.ndarray, part: slice) -> list[list[float]]:
+    """To a decimetre, and to a ten-thousandth of a radian."""
+    return (np.round(line * [10.0, 10.0, 1e4]) / [10.0, 10.0, 1e4])[:, part].tolist()  # type: ignore[no-any-return]
