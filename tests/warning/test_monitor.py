@@ -116,6 +116,15 @@ def test_nothing_is_clear_before_anything_is_known() -> None:
     assert "no heading for" in told[SENSORS.identifier].text
 
 
+def test_positions_minutes_apart_are_never_clear() -> None:
+    """As ashore: a fix every ten minutes, and nothing else."""
+    kinds = ("HEHDT", "TIROT", "VDVBW", "IIRSA", "GPVTG", "GPZDA")
+    fixes = (tick._replace(t=BEGAN + 600.0 * k) for k, tick in enumerate(ticks(6, without(*kinds))))
+    said = watched(tick._replace(entries=[entry._replace(t=tick.t) for entry in tick.entries]) for tick in fixes)
+    assert {status.word for status in said} == {NOT_AVAILABLE}
+    assert all(status.level >= Priority.WARNING for status in said[1:])
+
+
 @pytest.mark.parametrize(("silent", "foretold"), [(2, True), (8, True), (14, False)])
 def test_silence_degrades_what_is_said(silent: int, foretold: bool) -> None:
     """Of positions: after 3 s it is said, after 10 s nothing is foretold; when they come again, all is well."""

@@ -1,6 +1,8 @@
 """Scores of warnings: spells of alerts beside the level that says them, predictors beside geometry."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,13 @@ HALF, SPEED = 150.0, 4.5
 def told(urgency: float) -> BankForecast:
     cases = {name: CaseForecast(name, urgency, 0.0, math.inf, "") for name in (AS_IS, PILOT_NOW)}
     return BankForecast(0.0, cases, LikelyRun(math.inf, "", math.inf, False), math.inf, 0.0, 0.0, 0.6)
+
+
+def test_the_docs_say_the_usual_thresholds() -> None:
+    page = (Path(__file__).parent.parent.parent / "docs" / "warning.md").read_text(encoding="utf-8")
+    usual = Thresholds()
+    told = dict(re.findall(r"^\| (\w+) \| urgency ([0-9.]+): ", page, re.MULTILINE))
+    assert told == {name: f"{getattr(usual, name)}" for name in ("caution", "warning", "alarm")}
 
 
 @pytest.mark.parametrize("every", [1.0, 2.0])

@@ -1,0 +1,156 @@
+"""Faults at full size: the table of docs/warning.md; tests hold the same at small sizes, in tests/warning.
+
+python decisions/warning_faults.py [--write] [--small]
+"""
+
+import os
+import random
+import resource
+import signal
+import string
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+import pyais
+from pages import markdown, publish
+
+from narrows.readers.nmea.nmea_hearing import MOST_SHIPS, Hearing
+from narrows.readers.nmea.nmea_lines import checksum, sentences
+from narrows.warning.alerts.alert import Alert, AlertState, Priority
+from narrows.warning.alerts.alert_log import AlertLog, logged
+from narrows.warning.alerts.alert_sentences import command_of
+from narrows.warning.hearing.inbox import OTHERS, Arrival, Inbox
+from narrows.warning.hearing.signal_k import deltas
+
+KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000
+LONGEST = 0.02
+"""That a writer lives after its first alert [s]."""
+KINDS = ("GPGGA", "GNGNS", "GPRMC", "GPGLL", "GPVTG", "HEHDT", "HETHS", "HCHDG", "TIROT", "IIRSA", "IIRPM", "VDVHW",
+         "VDVBW", "WIMWV", "WIMWD", "GPZDA")  # fmt: skip
+LETTERS = "0123456789.,-ANEWTKMnaif"
+
+
+def killed(count: int) -> tuple[str, str]:
+    """Writers that are killed while they publish what is on disk; what they published is looked for in the log."""
+    chance, published, missing = random.Random(0), 0, 0
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(count):
+            path = Path(folder) / f"{number // A_LOG}.db"
+            told = _writer_killed(path, chance.uniform(0.0, LONGEST))
+            known = {row.number for row in logged(path)} if path.exists() else set()
+            published, missing = published + len(told), missing + len(set(told) - known)
+    return f"kill -9 while writing, {count} times", f"{published} alerts published, {missing} missing from the log"
+
+
+def _writer_killed(path: Path, lives: float) -> list[int]:
+    """Numbers of the rows that a writer published before it was killed."""
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(ours)
+        _write_on(path, theirs)
+    os.close(theirs)
+    with os.fdopen(ours, "rb") as pipe:
+        first = pipe.readline()
+        time.sleep(lives)
+        os.kill(child, signal.SIGKILL)
+        rest = pipe.read()
+    os.waitpid(child, 0)
+    return [int(line) for line in (first + rest).split(b"\n")[:-1]]
+
+
+def _write_on(path: Path, pipe: int) -> None:
+    with AlertLog(path, deadline=30.0) as log:
+        for number in range(100_000):
+            if log.alert(Alert(10110, Priority.WARNING, AlertState.UNACKNOWLEDGED, str(number))):
+                os.write(pipe, b"%d\n" % log._last.number)
+    os._exit(0)
+
+
+def many_ships(count: int) -> tuple[str, str]:
+    """Reports of ships of random numbers."""
+    chance, hearing, before = random.Random(0), Hearing(), 0
+    usual = {"type": 1, "lon": 5.0, "lat": 52.0, "speed": 7.4, "course": 10.0, "heading": 12}
+    start = time.process_time()
+    for number in range(count):
+        if number == count // 10:
+            before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        line = pyais.encode_dict({**usual, "mmsi": chance.randrange(200_000_000, 776_000_000)}, sentence_type="VDM")[0]
+        for one in sentences([line.encode()], hearing.faults):
+            hearing.told(one, 0.01 * number)
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    took = 1e6 * (time.process_time() - start) / count
+    kept = f"{len(hearing.ships)} of at most {MOST_SHIPS} kept, memory grew by {grown:.1f} MB over the last nine tenths"
+    return f"{count} random MMSIs", f"{kept}; {took:.0f} us each with making it"
+
+
+def burst(count: int) -> tuple[str, str]:
+    """Reports of others in one second, and the ship's own last."""
+    inbox, hearing = Inbox(), Hearing()
+    lines = [
+        pyais.encode_dict({"type": 1, "mmsi": 244_000_000 + k}, sentence_type="VDM")[0].encode() for k in range(200)
+    ]
+    own = _sentence("HEHDT,12.00,T")
+    start = time.process_time()
+    for one in sentences([*(lines * (count // 200)), own], hearing.faults):
+        inbox.put(Arrival(0.0, one))
+    (first,) = inbox.own()
+    took = time.process_time() - start
+    heard = hearing.told(first.message, 0.0)
+    lost = f"{inbox.lost} of others left out, {OTHERS} kept"
+    return f"{count} messages in a burst, the own last", f"own heard after {took:.2f} s ({heard.source}); {lost}"
+
+
+def fuzzed(count: int) -> list[tuple[str, str]]:
+    """Lines of noise with right checksums for each parser; what is raised is nothing, or it ends here."""
+    chance, rows = random.Random(0), []
+
+    def noise(letters: str, most: int) -> str:
+        return "".join(chance.choices(letters, k=chance.randrange(most)))
+
+    makers = {
+        "NMEA 0183": lambda: _sentence(f"{chance.choice(KINDS)},{noise(LETTERS, 60)}"),
+        "AIS": lambda: _sentence(f"AIVDM,1,1,,A,{noise(string.printable[:75], 60)},0", "!"),
+        "Signal K": lambda: ('{"updates":[{"values":[{"path":"' + noise(string.printable, 60) + '"}]}]}').encode(),
+        "commands": lambda: _sentence(f"INACN,{noise(LETTERS, 20)},NRW,{noise(LETTERS, 12)},C"),
+    }
+    for name, make in makers.items():
+        faults, hearing, told, start = Counter[str](), Hearing(), 0, time.process_time()
+        for number in range(count):
+            told += _understood(name, make(), hearing, faults, 0.01 * number)
+        left = sum((faults + hearing.faults).values())
+        took = 1e6 * (time.process_time() - start) / count
+        rows.append(
+            (
+                f"{count} fuzzed lines, {name}",
+                f"none raised; {told} understood, {left} counted as faults; {took:.0f} us each",
+            )
+        )
+    return rows
+
+
+def _understood(name: str, line: bytes, hearing: Hearing, faults: Counter[str], t: float) -> int:
+    if name == "Signal K":
+        return len(list(deltas(line, faults)))
+    if name == "commands":
+        return int(command_of(line.strip()) is not None)
+    return sum(hearing.told(one, t) is not None for one in sentences([line.strip()], hearing.faults))
+
+
+def _sentence(body: str, begin: str = "$") -> bytes:
+    text = body.encode("latin-1", "replace")
+    return begin.encode() + text + b"*%02X\r\n" % checksum(text)
+
+
+def text(small: bool = False) -> str:
+    """The table."""
+    part = 100 if small else 1
+    rows = [killed(KILLS // part), burst(BURST), many_ships(SHIPS // part), *fuzzed(LINES // part)]
+    return markdown(("fault", "figure"), rows)
+
+
+if __name__ == "__main__":
+    publish(__file__, "warning.md", text("--small" in sys.argv))
