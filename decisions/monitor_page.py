@@ -8,8 +8,10 @@ python decisions/monitor_page.py FOLDER
 import io
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +25,9 @@ from narrows.warning.page.page_updates import packed, update_of
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}
 PALETTES = ("day", "dusk", "night")
-MOMENTS = {"clear": 20, "alarm": 110, "caution": 160}
-"""Seconds of the demonstration."""
-USUAL_SPEED, SETTLED, DPI = 4.0, 400, 110
+MOMENTS = ("clear", "caution", "warning", "alarm")
+"""Of the demonstration, by the status that the page has some seconds after it came."""
+HELD, USUAL_SPEED, SETTLED, DPI = 5, 4.0, 400, 110
 
 
 def figure() -> Figure:
@@ -35,24 +37,24 @@ def figure() -> Figure:
     axes = drawn.add_axes((0, 0, 1, 1))
     axes.axis("off")
     try:
-        with pages({MOMENTS["alarm"]}) as shown:
-            axes.imshow(matplotlib.image.imread(io.BytesIO(shown(MOMENTS["alarm"], "panel", "day"))))
+        with pages() as shown:
+            axes.imshow(matplotlib.image.imread(io.BytesIO(shown("alarm", "panel", "day"))))
     except (ImportError, StopIteration):
         axes.text(0.5, 0.5, "drawn where there are Playwright and Chromium", ha="center")
     return drawn
 
 
 @contextmanager
-def pages(moments: set[int]) -> Iterator[Any]:
+def pages() -> Iterator[Any]:
     """What gives the page at a moment, in a size and a palette, as PNG."""
     from playwright.sync_api import sync_playwright
 
     path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
-    page, told = BridgePage(), updates(moments)
+    page, told = BridgePage(), updates()
     with page.open() as address, sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-dev-shm-usage"])
 
-        def shown(moment: int, size: str, palette: str) -> bytes:
+        def shown(moment: str, size: str, palette: str) -> bytes:
             width, height = SIZES[size]
             tab = browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce")
             tab.add_init_script(f"localStorage.setItem('narrows-palette', '{palette}')")
@@ -68,16 +70,17 @@ def pages(moments: set[int]) -> Iterator[Any]:
         browser.close()
 
 
-def updates(moments: set[int]) -> dict[int, str]:
-    """What the page is told at some moments of the demonstration."""
-    shown, told = demonstration(), {}
+def updates() -> dict[str, str]:
+    """What the page is told at the moments of the demonstration."""
+    shown, told, seconds = demonstration(), {}, Counter[str]()
     watched = BridgeMonitor(shown.model, shown.waterway, LINE)
     watched.prepare(USUAL_SPEED)
-    for second, tick in enumerate(shown.ticks()):
+    for tick in shown.ticks():
         status = watched.update(tick, tick.t)
-        if second in moments:
-            told[second] = packed(update_of(watched, status, tick.t))
-        if second == max(moments):
+        seconds[status.word] += 1
+        if seconds[status.word] == HELD:
+            told[status.word] = packed(update_of(watched, status, tick.t))
+        if set(told) >= set(MOMENTS):
             break
     return told
 
@@ -85,8 +88,6 @@ def updates(moments: set[int]) -> dict[int, str]:
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
     folder.mkdir(exist_ok=True)
-    with pages(set(MOMENTS.values())) as shown:
-        for name, moment in MOMENTS.items():
-            for size in SIZES:
-                for palette in PALETTES:
-                    (folder / f"{name}-{size}-{palette}.png").write_bytes(shown(moment, size, palette))
+    with pages() as shown:
+        for moment, size, palette in product(MOMENTS, SIZES, PALETTES):
+            (folder / f"{moment}-{size}-{palette}.png").write_bytes(shown(moment, size, palette))

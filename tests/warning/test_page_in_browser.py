@@ -84,6 +84,8 @@ def test_it_fits_the_screen_with_all_that_matters(page: Any, pulse: Pulse, size:
     wide, high = page.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
     assert wide == width
     assert size == "phone" or high == height
+    inside = "name => [...document.querySelectorAll(name)].every(one => one.scrollHeight <= one.clientHeight)"
+    assert page.evaluate(inside, ".readout, .alerts")
     said = {
         "headline": URGENT[BANK].text, "caveats": "Beyond the data: speed 4.2 m/s.", "chance": "14 s",
         "contact": "60 s", "contact-side": "to starboard", "soon": "20 %", "pilot": "40 %", "rudder": "S 6°",
