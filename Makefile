@@ -88,4 +88,4 @@ lock:
 		pyproject.toml --group build --group docs -c requirements/dev.txt -o requirements/docs.txt
 
 clean:
-	rm -rf .venv out build dist docs/gallery docs/pictures docs/reference/api .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv out build dist docs/gallery docs/pictures docs/_static/ready docs/reference/api .pytest_cache .mypy_cache .ruff_cache .hypothesis

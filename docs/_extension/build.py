@@ -4,7 +4,7 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
-from _extension import offline, pictures, rooms
+from _extension import exports, offline, pictures, rooms
 from _extension.made import Made
 
 
@@ -13,6 +13,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("made", Made)
     app.connect("builder-inited", lambda app: rooms.write_pages(app.srcdir), priority=400)
     app.connect("builder-inited", lambda app: pictures.draw_all(app.srcdir, not app.tags.has("unrun")), priority=400)
+    app.connect("builder-inited", lambda app: exports.write_all(app.srcdir, not app.tags.has("unrun")), priority=400)
     app.connect("autodoc-process-docstring", rooms.keep_constant, priority=400)
     app.connect("autodoc-process-docstring", rooms.restore_constant, priority=600)
     app.connect("autodoc-skip-member", rooms.of_others)

@@ -89,7 +89,7 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
     most, inputs = (canal.width - ship.beam) / 2, {one.name: one.value for one in exported.inputs}
     if steered:
         yield Slider("helm", "helm: hold the middle", "", VOYAGE, 0, 1, 1, 0, switch=True)
-    fine = _fine(speed / 100)
+    fine = _fine(speed / 50)
     yield Slider(
         "u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed, covered(known.speed)
     )
@@ -105,8 +105,8 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
     if "revolutions" in inputs:
         n = inputs["revolutions"]
         yield Slider("revolutions", "revolutions", "1/s", VOYAGE, 0, _to(2 * n, _fine(n / 100)), _fine(n / 100), n)
-    yield Slider("current", "current, from astern", "m/s", VOYAGE, _to(-0.25 * speed, _fine(speed / 100)),
-                 _to(0.5 * speed, _fine(speed / 100)), _fine(speed / 100), 0)  # fmt: skip
+    yield Slider("current", "current, from astern", "m/s", VOYAGE, _to(-0.25 * speed, _fine(speed / 50)),
+                 _to(0.5 * speed, _fine(speed / 50)), _fine(speed / 50), 0)  # fmt: skip
 
 
 def _canal(model: Model, deep: bool) -> Iterator[Slider]:

@@ -14,6 +14,8 @@ from narrows.export.page.script_bundle import bundled, smaller
 BARE_DEFLATE = -15
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
 """What both the page and its workers run."""
+SUMS = re.compile(r" ([+-]) (?![+-])")
+"""Signs of the model's text, which has no words between quotes, that need no blank beside them."""
 DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
 """Which the page's numbers say already."""
 UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
@@ -70,7 +72,7 @@ def model_script(exported: ExportedShip) -> str:
     """
     text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
     text = UNPACKED.sub(_destructured, DEFAULTS.sub("", text))
-    return MODEL.format(text)
+    return MODEL.format(SUMS.sub(r"\1", text))
 
 
 def _destructured(match: re.Match[str]) -> str:

@@ -89,9 +89,6 @@ export function canalPicture(back, front, { length, beam, view }) {
       if (upright) pen.fillText(side, x + sign * 28, 14);
       else pen.fillText(`${side} bank`, 12, y + sign * 14);
     }
-    pen.fillStyle = colours.ink;
-    pen.textAlign = "right";
-    pen.fillText("arrow: where the banks turn the bow", back.clientWidth - 12, back.clientHeight - 18);
     pen.textAlign = "left";
   }
 

@@ -3,6 +3,7 @@ import { chart } from "./chart.js";
 import { mixed, numbers } from "./colours.js";
 import { PORT, SAILS, STARBOARD } from "./outcome.js";
 
+const FINE = 100;
 const FAINTEST = 0.16;
 
 export function mapCells({ cells, ended }, across, colours, view, length) {
@@ -17,7 +18,7 @@ export function mapCells({ cells, ended }, across, colours, view, length) {
     pixels.set(colour, 4 * cell);
     lengths[cell] = kind === SAILS ? -1 : 1 + Math.floor(x / length);
   });
-  contours(pixels, lengths, across, numbers(colours.ink));
+  if (across >= FINE) contours(pixels, lengths, across, numbers(colours.ink));
   return pixels;
 }
 

@@ -18,7 +18,8 @@ at.root = document.documentElement;
 const here = plainFleet(model, data.shape, data.names);
 const crew = crewOf(`${at.shared.textContent}\n${at.worker.textContent}`, data, here);
 const settings = settingsOf(data, location.hash);
-const scene = sceneOf({ data, scenario: scenarioOf(data), crew, here, settings, at });
+const scenario = scenarioOf(data);
+const scene = sceneOf({ data, scenario, crew, here, settings, at });
 const show = controls(at.controls, data, settings, changed);
 
 let waiting = false;
@@ -91,4 +92,4 @@ addEventListener("hashchange", () => {
 });
 changed();
 requestAnimationFrame(animated);
-globalThis.narrowsPage = { settings, scene, changed };
+globalThis.narrowsPage = { settings, scene, changed, crew, scenario };

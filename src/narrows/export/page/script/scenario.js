@@ -89,14 +89,17 @@ export function scenarioOf(data) {
   function map(values, across, [slowest, fastest]) {
     const { psi } = begun(values);
     const most = freedom(values, psi);
-    const [cells, rows] = [[], []];
-    for (let cell = 0; cell < across * across; cell += 1) {
-      const y = ((Math.floor(cell / across) + 0.5) / across - 0.5) * values.width;
+    const yOf = (cell) => ((Math.floor(cell / across) + 0.5) / across - 0.5) * values.width;
+    const cells = Array.from({ length: across * across }, (_, cell) => cell).filter((cell) => Math.abs(yOf(cell)) < most);
+    const like = rowOf(0, psi, 0, (values.rudder || 0) * DEGREE, 0);
+    const starts = new Float64Array(cells.length * row);
+    cells.forEach((cell, place) => {
       const u = slowest + ((cell % across) + 0.5) / across * (fastest - slowest);
-      if (Math.abs(y) < most) cells.push(cell), rows.push([y, psi, u, (values.rudder || 0) * DEGREE, pace(values, u, "map")]);
-    }
-    const starts = new Float64Array(rows.length * row);
-    rows.forEach((one, place) => starts.set(rowOf(...one), place * row));
+      starts.set(like, place * row);
+      starts[place * row + 1] = yOf(cell);
+      starts[place * row + 4] = u;
+      starts[place * row + shape.states] = pace(values, u, "map");
+    });
     return { cells, task: { starts, parameters: parametersOf(values), told: toldOf(values), steps: steps("map"), every: 0 } };
   }
 

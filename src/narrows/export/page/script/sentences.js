@@ -29,6 +29,6 @@ function written(element, html) {
 }
 
 function listed(element, sentences) {
-  const items = sentences.map((text) => Object.assign(document.createElement("li"), { textContent: text }));
+  const items = sentences.map((text) => Object.assign(document.createElement("li"), { textContent: `${text} ` }));
   element.replaceChildren(...items);
 }

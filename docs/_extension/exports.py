@@ -1,0 +1,57 @@
+"""Models as files to take along: FMUs, C, pages, made in the build and committed by nobody."""
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import narrows as nw
+from narrows.model.source import Source
+from narrows.terms.tables import table_named
+
+FOLDER = "_static/ready"
+BORROWED = "borrowed from the DTC"
+CANAL, SPEED = 14.0, 0.8
+"""Of the KVLCC2: a canal [m] of eleven beams, and a speed [m/s] at which a helm holds it there."""
+
+
+def paper() -> nw.Model:
+    """The published DTC."""
+    return nw.published("mikkelsen2025_dtc")
+
+
+def banked() -> nw.Model:
+    """The published KVLCC2 between the banks of a canal: it says itself that the bank's coefficients are borrowed."""
+    published, dtc = nw.published("yasukawa2015_kvlcc2"), paper()
+    borrowed = {"Y_bank": dtc["b_bank"], "N_bank": dtc["c_bank"]}
+    source = Source(f"{published.source.text}; the coefficients of the bank {BORROWED}")
+    return nw.Model(
+        replace(published.configuration, canal=nw.Canal(CANAL)), table_named("mmg+delta"),
+        {**published.coefficients, **borrowed}, source=source, verdicts=dict.fromkeys(borrowed, BORROWED),
+    )  # fmt: skip
+
+
+FILES: dict[str, Callable[[Path], object]] = {
+    "dtc.html": lambda path: nw.export.write_page(paper(), path, title="DTC, a model of a container ship, in a canal"),
+    "dtc.fmu": lambda path: nw.export.write_fmu(paper(), path),
+    "dtc.h": lambda path: nw.export.write_c(paper(), path),
+    "kvlcc2.html": lambda path: nw.export.write_page(
+        banked(), path, title="KVLCC2, a model of a tanker, in a canal; switch the helm on", u=SPEED
+    ),
+    "kvlcc2.fmu": lambda path: nw.export.write_fmu(banked(), path, u=SPEED),
+    "kvlcc2.h": lambda path: nw.export.write_c(banked(), path),
+}
+
+
+def write_all(source: Path, written: bool = True) -> None:
+    """Write what is not there yet, or older than the package; or put empty files where nothing is."""
+    folder = Path(source) / FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    newest = max(path.stat().st_mtime for path in (*Path(nw.__file__).parent.rglob("*.*"), Path(__file__)))
+    for name, write in FILES.items():
+        path = folder / name
+        if written and (not path.exists() or path.stat().st_mtime < newest):
+            write(path)
+        elif not path.exists():
+            path.touch()
+            os.utime(path, (0, 0))
