@@ -52,6 +52,26 @@ def test_who_reads_slowly_gets_the_newest_and_holds_up_nobody() -> None:
     assert len(all_of_them) == 0
 
 
+def test_what_is_old_is_told_to_nobody() -> None:
+    """Who comes to a monitor that hangs is not told what was true before, as if it were now."""
+    crowd, got = Onlookers(lasts=0.05), []
+
+    async def scene() -> None:
+        async def send(message: str) -> None:
+            got.append(message)
+
+        crowd.publish("old")
+        await asyncio.sleep(0.1)
+        telling = asyncio.create_task(crowd.tell(crowd.enter(), send))
+        await asyncio.sleep(0.15)
+        crowd.publish("new")
+        await asyncio.sleep(0.05)
+        telling.cancel()
+
+    asyncio.run(scene())
+    assert got == ["new"]
+
+
 def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(waiting, "PATIENCE", 0.02)
 

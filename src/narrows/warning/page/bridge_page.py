@@ -18,6 +18,8 @@ from narrows.warning.page.page_updates import ending, packed, refusal, update_of
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
 ENDED = "The watch has ended: nothing on this page is kept up to date."
+OLD = 2.0
+"""What is older is told to no page [s]: it would look new there."""
 FAREWELL = 0.3
 """For the last words to arrive [s]."""
 
@@ -33,7 +35,7 @@ class BridgePage:
 
     def __init__(self, access: PageAccess | None = None) -> None:
         self.access = access or PageAccess()
-        self.updates, self.notices, self.requests = Onlookers(), Onlookers(), PageRequests()
+        self.updates, self.notices, self.requests = Onlookers(OLD), Onlookers(), PageRequests()
         self._noticed: list[Any] = []
         streams = Stream(UPDATES, self.updates, self._take), Stream(SIGNAL_K, self.notices, _ignore)
         self.app = page_app(self.access, *streams)

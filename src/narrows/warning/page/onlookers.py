@@ -5,6 +5,8 @@ all for a while is let go. What is kept of an onlooker does not grow.
 """
 
 import asyncio
+import math
+import time
 from collections import deque
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
@@ -48,10 +50,17 @@ class Onlooker:
 
 
 class Onlookers:
-    """All of them, and the newest message."""
+    """All of them, and the newest message.
 
-    def __init__(self) -> None:
-        self.newest, self.number = "", 0
+    Parameters
+    ----------
+    lasts : float [s]
+        How long a message is worth telling: one that is older is told to nobody, also not to who just came.
+    """
+
+    def __init__(self, lasts: float = math.inf) -> None:
+        self.lasts, self.newest, self.number = lasts, "", 0
+        self._at = -math.inf
         self._all: set[Onlooker] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._calling = False
@@ -89,7 +98,7 @@ class Onlookers:
         message : str
             For all.
         """
-        self.newest, self.number = message, self.number + 1
+        self.newest, self.number, self._at = message, self.number + 1, time.monotonic()
         if self._loop is None or self._calling:  # A loop that is stuck is called once, and not for every message.
             return
         self._calling = True
@@ -112,7 +121,7 @@ class Onlookers:
             onlooker.awake.clear()
             while onlooker.answers:
                 await asyncio.wait_for(send(onlooker.answers.popleft()), PATIENCE)
-            if told != self.number:
+            if told != self.number and time.monotonic() - self._at <= self.lasts:
                 told = self.number
                 await asyncio.wait_for(send(self.newest), PATIENCE)
             await asyncio.sleep(SHORTEST)
