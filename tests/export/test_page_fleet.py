@@ -76,6 +76,17 @@ def test_a_helm_steers_as_it_does_in_a_voyage(kind: str, steers: bool, tmp_path:
         assert np.abs(end[:2] - [outcome.state["x"], outcome.state["y"]]).max() < 1e-5
 
 
+@needs_zig
+def test_roots_and_odd_powers_are_those_of_the_library(tmp_path: Path) -> None:
+    """By a table of one's own that asks for both: WebAssembly has no C library to call."""
+    exported, wasm = on_page(model_of("own"), 1.0), tmp_path / "fleet.wasm"
+    wasm.write_bytes(wasm_of(exported, False))
+    starts = starts_of(7)[0][::100]
+    plain, ends = (fleet_ends(exported, starts, 500, path) for path in (None, wasm))
+    assert np.array_equal(ends[:, -1], plain[:, -1])
+    assert np.abs(ends[:, :2] - plain[:, :2]).max() < 1e-9
+
+
 def test_coefficients_are_drawn_as_in_python() -> None:
     """The same normal numbers give the same coefficients, brought back to their bounds together."""
     draw = np.random.default_rng(4)

@@ -52,7 +52,11 @@ static inline double log(double x) {
     return 2 * s * (1 + q * sum) + (exponent.number - 0x1p52 - 1024) * 0.6931471805599453;
 }
 static inline float logf(float x) { return (float)log(x); }
-static inline double pow(double base, double power) { return base > 0 ? exp(power * log(base)) : 0; }
+static inline double pow(double base, double power) {
+    const double size = fabs(base), odd = trunc(power) != 2 * trunc(power * 0.5);
+    const double value = size > 0 ? exp(power * log(size)) : power > 0 ? 0.0 : power < 0 ? INFINITY : 1.0;
+    return base >= 0 ? value : trunc(power) != power ? NAN : odd ? -value : value;
+}
 static inline float powf(float base, float power) { return (float)pow(base, power); }
 
 /* Series in Horner's form: to the last place up to a quarter turn, and no rudder turns further. */
