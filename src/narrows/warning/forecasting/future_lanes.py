@@ -124,6 +124,7 @@ class FutureLanes:
         self._prepared = run.prepared({**still, "u": 1.0, **many}, self._lanes, workers=1)
         self._prepared.limits[0] = TOLERANCE * ship.model.configuration.ship.beam
         self._constants = ship.system(waterway is not None, steering.law if steering else None).constants
+        self._ship_values = ship.values()
         kernel = self._prepared.kernel
         self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
@@ -179,7 +180,7 @@ class FutureLanes:
         own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), RUDDER: ships.rudder}
         for name, column in own.items():
             rows[:, self._kept[name]] = np.tile(column, cases)
-        for name, column in self._constants({**self.ship.values(), **ships.coefficients}).items():
+        for name, column in self._constants({**self._ship_values, **ships.coefficients}).items():
             if name in self._inputs:
                 inputs[:, self._inputs[name]] = np.tile(np.broadcast_to(column, len(ships.rudder)), cases)
         side, held = self._hard_over[lanes], np.tile(ships.rudder, cases)
