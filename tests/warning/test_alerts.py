@@ -134,7 +134,7 @@ USUAL = Thresholds()
         ({}, Priority.NONE), ({"now": USUAL.caution}, Priority.CAUTION), ({"contact": 110.0}, Priority.NONE),
         ({"contact": 10.0 / USUAL.caution}, Priority.CAUTION), ({"curved": 10.0 / USUAL.caution}, Priority.CAUTION),
         ({"now": USUAL.warning}, Priority.WARNING), ({"now": 0.9 * USUAL.warning, "curved": 60.0}, Priority.WARNING),
-        ({"now": 1.0, "contact": 9.9 / (USUAL.alarm - 1.0)}, Priority.ALARM),
+        ({"now": 0.5, "contact": 9.9 / (USUAL.alarm - 0.5)}, Priority.ALARM),
         ({"contact": 35.0, "chance": -1.0, "now": 1.0}, Priority.ALARM),
         ({"contact": 25.0, "chance": -1.0}, Priority.EMERGENCY_ALARM), ({"contact": 5.0}, Priority.ALARM),
     ],

@@ -34,9 +34,9 @@ class Thresholds:
         Where one is no urgency, or a more urgent level would come before a less urgent one.
     """
 
-    caution: float = 0.43
-    warning: float = 0.75
-    alarm: float = 1.05
+    caution: float = 0.38
+    warning: float = 0.69
+    alarm: float = 0.91
     emergency: float = 30.0
 
     def __post_init__(self) -> None:
