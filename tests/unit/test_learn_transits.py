@@ -8,6 +8,7 @@ import pytest
 
 import narrows as nw
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
+from narrows.logbook.shooting import determinant_slope
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import grid_of
@@ -119,6 +120,15 @@ def test_a_ship_that_passes_unmarked_is_said() -> None:
     found = passed(marked=False)
     assert found.pushed
     assert "mark these times in the log (`meeting`)" in found.summary()
+
+
+def test_where_windows_have_no_slope_it_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*_: object) -> np.ndarray:
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr(determinant_slope, "_slope", unknown)
+    problem = LogProblem(*3 * (None,))  # type: ignore[arg-type]
+    np.testing.assert_array_equal(determinant_slope.determinant_slope(problem, [], np.ones(4)), np.zeros(4))
 
 
 def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:

@@ -39,11 +39,12 @@ def determinant_slope(problem: LogProblem, samples: Sequence[ChainSample], scale
     Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
     81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
     """
+    before = problem.determinant_slope + np.zeros(len(scaled))
     try:
         slope = _slope(problem, samples, scaled)
     except np.linalg.LinAlgError:  # Windows of which nothing is known.
-        return problem.determinant_slope
-    return slope if np.isfinite(slope).all() else problem.determinant_slope
+        return before
+    return slope if np.isfinite(slope).all() else before
 
 
 def _slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> np.ndarray:
