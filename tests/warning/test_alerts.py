@@ -240,6 +240,16 @@ def test_a_file_that_is_no_log_is_one_sentence(tmp_path: Path) -> None:
         AlertLog(tmp_path / "a.db")
 
 
+def test_a_disk_that_can_only_be_read_mutes_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "log.db"
+    with AlertLog(path) as log:
+        assert log.alert(ALERT)
+    with AlertLog(path, 0.05, lambda: sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as log:
+        assert not log.alert(ALERT)
+        assert log.trouble == "attempt to write a readonly database"
+    assert len(list(logged(path))) == 1
+
+
 def test_a_full_disk_mutes_nothing_and_what_waited_is_written(tmp_path: Path) -> None:
     """A disk that fails, then stands still, then works: each alert returns by its deadline, and the chain is whole."""
     path, way = tmp_path / "log.db", ["full"]

@@ -93,6 +93,13 @@ def test_what_is_no_number_or_stands_for_none_is_not_told(field: str) -> None:
         assert not any(values for values in told if not set(values) <= {"r", "rudder"})
 
 
+def test_an_echo_sounder_says_from_where_it_sounds() -> None:
+    lines = [sentence(f"SDDPT,12.4,{offset},100.0") for offset in ("1.6", "-0.4", "0.0", "")]
+    depths = [one.get("depth of water") for one in understood(*lines)]
+    assert depths == [{"depth": pytest.approx(14.0)}, {"under_keel_clearance": pytest.approx(12.0)}, None, None]
+    assert heard(lines[0]).depth == pytest.approx(14.0)
+
+
 def test_what_ais_stands_for_none_is_not_told() -> None:
     unknown = {"lon": 181.0, "lat": 91.0, "speed": 102.3, "course": 360.0, "heading": 511, "turn": -128.0}
     assert not any(any(one.values()) for one in understood(*ais("VDO", 244000000, **unknown)))

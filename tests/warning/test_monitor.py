@@ -246,6 +246,15 @@ def test_outside_of_the_data_is_a_caution_and_so_is_another_draft() -> None:
     assert "offset from the centreline" in alert.text
 
 
+@pytest.mark.parametrize(("lacks", "said"), [(0.0, False), (0.05, False), (0.2, True), (-0.2, True)])
+def test_another_depth_than_charted_is_a_caution(lacks: float, said: bool) -> None:
+    """As an echo sounder at the keel tells it."""
+    under = (1 - lacks) * float(canal().section(600.0).depth) - ship().ship.draft
+    sounded = with_checksum(f"SDDPT,{under + 1.0:.2f},-1.0,100.0")
+    last = watched(ticks(4, lambda t, lines: [*lines, sounded]))[-1]
+    assert any("echo sounder" in one.text for one in last.alerts) is said
+
+
 def test_a_forecast_that_fails_or_is_late_is_not_available() -> None:
     def fails(estimate: object, positions: object) -> BankForecast:
         raise nw.InputError("no pilot holds it")

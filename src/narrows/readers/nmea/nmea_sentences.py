@@ -18,7 +18,7 @@ NO_SPEED, NO_COURSE = 102.3, 360.0
 LARGEST = {
     "longitude": 180.0, "latitude": 90.0, "heading": 360.0, "course_over_ground": 360.0, "speed_over_ground": 102.3,
     "r": 720.0, "rudder": 90.0, "revolutions": 6000.0, "u": 102.3, "v": 102.3, "u_ground": 102.3, "v_ground": 102.3,
-    "apparent_wind_angle": 360.0, "wind_from": 360.0, "draft": 25.5,
+    "apparent_wind_angle": 360.0, "wind_from": 360.0, "draft": 25.5, "depth": 1000.0,
 }  # fmt: skip
 """Of numbers as sentences write them: what is larger, or is no number, is not told."""
 
@@ -61,8 +61,8 @@ SOURCES = {
     "wind": ("MWD",),
 }
 """What is measured, and by which types of sentences, the best first."""
-PARTICULARS = "particulars"
-"""What is told of the ship and not measured: its draft."""
+PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
+"""What is told of the ship and not measured: its draft; and what its echo sounder tells."""
 
 
 def told_by(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> Telling | None:
@@ -195,6 +195,15 @@ def _vbw(message: Any) -> Tellings:
     }
 
 
+def _dpt(message: Any) -> Tellings:
+    """Of all the water where the transducer is told from the surface, of that under the keel where it is from there."""
+    told = _only(depth=message.depth, offset=message.offset)
+    if len(told) < 2 or told["depth"] < 0 or not told["offset"]:
+        return {}
+    of_all = told["offset"] > 0
+    return {WATER_DEPTH: {"depth" if of_all else "under_keel_clearance": told["depth"] + told["offset"]}}
+
+
 def _mwv(message: Any) -> Tellings:
     if message.status != "A" or message.reference != "R" or message.speedu not in SPEEDS:
         return {}
@@ -209,7 +218,7 @@ def _mwd(message: Any) -> Tellings:
 
 READ: Mapping[str, Reader] = {
     "GGA": _gga, "GNS": _gns, "GLL": _gll, "RMC": _rmc, "VTG": _vtg, "HDT": _hdt, "THS": _ths, "HDG": _hdg,
-    "ROT": _rot, "RSA": _rsa, "RPM": _rpm, "VHW": _vhw, "VBW": _vbw, "MWV": _mwv, "MWD": _mwd,
+    "ROT": _rot, "RSA": _rsa, "RPM": _rpm, "VHW": _vhw, "VBW": _vbw, "DPT": _dpt, "MWV": _mwv, "MWD": _mwd,
     "ZDA": lambda message: {},
 }  # fmt: skip
 """By type."""

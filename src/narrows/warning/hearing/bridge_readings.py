@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_sentences import PARTICULARS, Values
+from narrows.readers.nmea.nmea_sentences import PARTICULARS, WATER_DEPTH, Values
 from narrows.warning.hearing.live_choice import LiveChoice
 from narrows.warning.hearing.tick import Tick
 from narrows.waterway.projection import projected
@@ -36,6 +36,9 @@ class Heard(NamedTuple):
         Messages that were left out so far.
     draft : float, optional [m]
         As the ship reports it.
+    depth : float, optional [m]
+        Of the water, as the echo sounder told it in the last second; what is under the keel and the draft, where it
+        tells that.
     """
 
     t: float
@@ -43,6 +46,7 @@ class Heard(NamedTuple):
     ages: dict[str, float]
     faults: dict[str, int]
     draft: float | None
+    depth: float | None = None
 
 
 class BridgeReadings:
@@ -52,14 +56,16 @@ class BridgeReadings:
     ----------
     waterway : Waterway
         That knows where on earth it is.
+    draft : float, optional [m]
+        Of the ship, where it reports none.
 
     Raises
     ------
     InputError
-        Where it does not.
+        Where the waterway does not.
     """
 
-    def __init__(self, waterway: Waterway) -> None:
+    def __init__(self, waterway: Waterway, draft: float | None = None) -> None:
         if waterway.origin is None:
             raise InputError(
                 f"{waterway.name} does not know where on earth it is, and a bridge tells longitude and latitude; give "
@@ -69,6 +75,7 @@ class BridgeReadings:
         self._origin, self._along = np.array(waterway.origin), math.nan
         self._last: dict[str, float] = {}
         self._draft: float | None = None
+        self._usual_draft = draft
         self._off = 0
 
     def heard(self, tick: Tick) -> Heard:
@@ -80,10 +87,11 @@ class BridgeReadings:
             Of it.
         """
         told = self._latest(tick.entries)
+        depth = self._depth(told.pop(WATER_DEPTH, {}))
         readings = self._place(told.pop("position", {}))
         readings |= self._directions(told) | self._others(told)
         faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
-        return Heard(tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft)
+        return Heard(tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft, depth)
 
     def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
         """The last that was told of each thing by the one who is believed."""
@@ -96,6 +104,12 @@ class BridgeReadings:
                 self._last[about] = max(entry.t, self._last.get(about, -math.inf))
         self._draft = told.pop(PARTICULARS, {}).get("draft", self._draft)
         return told
+
+    def _depth(self, told: Values) -> float | None:
+        draft = self._draft or self._usual_draft
+        if "under_keel_clearance" in told and draft is not None:
+            return told["under_keel_clearance"] + draft
+        return told.get("depth")
 
     def _place(self, told: Values) -> dict[str, Reading]:
         if not told:

@@ -83,7 +83,7 @@ class BridgeMonitor:
     publisher: AlertPublisher = field(default_factory=AlertPublisher)
 
     def __post_init__(self) -> None:
-        self.bridge = BridgeReadings(self.waterway)
+        self.bridge = BridgeReadings(self.waterway, self.model.configuration.ship.draft)
         self.estimator = Estimator(self.model, bridge_sensors(self.antenna), waterway=self.waterway)
         self._foreteller = Forecaster(self.estimator, self.line, members=self.members)
         self.forecaster: Callable[[Estimate, Mapping[str, float]], BankForecast] = self._foreteller
@@ -184,7 +184,7 @@ class BridgeMonitor:
         early = heard.t - (self._began or 0.0) < GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
         if estimate.ready:
-            beyond = beyond_data(self.model, self.waterway, estimate, heard.draft)
+            beyond = beyond_data(self.model, self.waterway, estimate, heard)
             conditions[BEYOND_DATA] = self._beyond.held(heard.t, beyond)
         if forecast:  # What is not available is not clear: without a forecast the alert stays what it was.
             level = self._level.update(heard.t, forecast)
