@@ -33,7 +33,7 @@ check: .venv/dev .venv/docs .venv/package
 	$(MAKE) test
 
 # The site, in out/site; it takes minutes, for its pages are run.
-docs: .venv/docs
+docs: .venv/compiler
 	$(BIN)/sphinx-build --fresh-env --fail-on-warning --keep-going docs out/site
 
 # The site's pages, references and links, none of them run: the tests do that.
@@ -73,6 +73,11 @@ newest:
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/docs.txt
 	@touch $@
 
+# What builds FMUs and pages for any machine; 80 MB.
+.venv/compiler: .venv/docs requirements/compiler.txt
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/compiler.txt
+	@touch $@
+
 # Needs uv; writes the locked requirements anew.
 # Every extra but fmu: its compiler is 80 MB, and the tests make do with the machine's own.
 EXTRAS := $(addprefix --extra ,charts control cluster excel monitor nmea parquet)
@@ -82,6 +87,8 @@ lock:
 		pyproject.toml --group build -o requirements/base.txt
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
 		pyproject.toml $(EXTRAS) --group build --group test --group lint -o requirements/dev.txt
+	echo 'ziglang>=0.13' | uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes \
+		--no-header - -o requirements/compiler.txt
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
 		--group package -o requirements/package.txt
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
