@@ -103,6 +103,8 @@ class CTranslation(Translation):
             return self._is_whole(value.operand, whole)
         if isinstance(value, ast.BinOp):
             return all(self._is_whole(one, whole) for one in (value.left, value.right))
+        if isinstance(value, ast.IfExp):
+            return all(self._is_whole(one, whole) for one in (value.body, value.orelse))
         if isinstance(value, ast.Tuple):
             return all(self._is_whole(one, whole) for one in value.elts)
         return isinstance(value, ast.Call) and self._gives_whole(value)
