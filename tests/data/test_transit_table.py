@@ -8,7 +8,12 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 NOT_COVERED = {"a ship passes every ten minutes"}
-"""Which the page says is not."""
+"""Which the page says is not: every such answer says that it is in doubt."""
+LESS_COVERED = {
+    "water 5 % less deep than charted", "draft a tenth less, and not said", "vdr, 5 transits", "vdr, 20 transits",
+    "a ship passes every ten minutes, marked in the log",
+}  # fmt: skip
+"""Of which the page says that intervals hold somewhat less often than they say."""
 
 
 @pytest.fixture(scope="module")
@@ -37,16 +42,26 @@ def test_every_kind_has_its_row(script) -> None:
     assert [int(row[1]) for row in table().values()] == [kind.twins for kind in script.KINDS]
 
 
-def test_intervals_cover_as_far_as_so_few_twins_tell() -> None:
-    """Within two standard errors of 95 % by the number of twins."""
+def known(twins: str) -> float:
+    """Two standard errors of a share of 95 %."""
+    return 2 * (0.95 * 0.05 / int(twins)) ** 0.5
+
+
+def test_intervals_cover_as_far_as_so_many_twins_tell() -> None:
+    """Within two standard errors of 95 % by the number of twins, or of 85 % where the page says so."""
     for row in (row for row in table().values() if row[0] not in NOT_COVERED):
-        least = 0.95 - 2 * (0.95 * 0.05 / int(row[1])) ** 0.5
+        least = (0.85 if row[0] in LESS_COVERED else 0.95) - known(row[1])
         for cell in (row[2], row[6]):
             assert cell == "-" or share(cell) >= least - 0.01, row
 
 
 def test_a_bank_that_is_not_there_is_called_unresolved() -> None:
-    assert share(table()["no bank in the moment"][10]) >= 0.95
+    row = table()["no bank in the moment"]
+    assert share(row[10]) >= 0.95 - known(row[1]) - 0.01
+
+
+def test_ships_that_pass_unmarked_are_said_in_every_answer() -> None:
+    assert all(share(table()[words][11]) == 1.0 for words in NOT_COVERED)
 
 
 def test_what_is_foreseen_is_what_fits_find() -> None:
