@@ -25,7 +25,8 @@ stale; the name of a file says all of its text, so two processes that write it a
 def versions() -> str:
     """Everything but a model that decides what its compiled form is; Numba itself minds the processor (ours)."""
     packages = [f"{name} {version(name)}" for name in ("narrows", "numpy", "numba", "sympy")]
-    sources = sorted(Path(__file__).parent.rglob("*.py"))
+    # What is compiled with a kernel, from here or from elsewhere.
+    sources = [*sorted(Path(__file__).parent.rglob("*.py")), Path(__file__).parents[1] / "waterway" / "room.py"]
     ours = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
     return "\n".join([*packages, sys.version, platform.machine(), ours])
 
