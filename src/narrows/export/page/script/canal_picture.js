@@ -86,7 +86,7 @@ export function canalPicture(back, front, { length, beam, view }) {
       pen.fillStyle = colours[side];
       pen.textAlign = upright ? "center" : "left";
       pen.textBaseline = "middle";
-      if (upright) pen.fillText(side, x + sign * 28, 14);
+      if (upright) pen.fillText(side, x + sign * 36, 14);
       else pen.fillText(`${side} bank`, 12, y + sign * 14);
     }
     pen.textAlign = "left";
