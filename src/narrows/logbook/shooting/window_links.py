@@ -159,7 +159,7 @@ def _linked(
     border[1:] -= weighed[:, :, m:]
     right[:-1] += pulled[:, :m]
     right[1:] -= pull
-    first = chain.stronger(IN_MEETINGS) if grid.meetings[0] else chain
+    first = _in_meetings(problem) if grid.meetings[0] else chain
     known = np.linalg.inv(first.covariance) if chain.names else np.zeros((0, 0))
     diagonal[0, 6:, 6:] += known
     right[0, 6:] -= known @ own.chain[0]
@@ -177,13 +177,15 @@ def _met(grid: RecordGrid) -> np.ndarray:
 
 def _weights(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> np.ndarray:
     """Of what links miss, (windows - 1, m, m)."""
-    usual, met = (np.linalg.inv(links.covariance(chain)) for chain in _chains(problem))
-    loose = np.where(grid.whole[:-1], 1.0, LOOSE)
-    return np.asarray(np.where(_met(grid)[:, None, None], met, usual) * loose[:, None, None])
+    loose, met = np.where(grid.whole[:-1], 1.0, LOOSE), _met(grid)
+    weight = np.linalg.inv(links.covariance(problem.chain)) * loose[:, None, None]
+    if met.any():
+        weight[met] = np.linalg.inv(links.covariance(_in_meetings(problem))) * loose[met, None, None]
+    return np.asarray(weight)
 
 
-def _chains(problem: LogProblem) -> tuple[WindowChain, WindowChain]:
-    return problem.chain, problem.chain.stronger(IN_MEETINGS)
+def _in_meetings(problem: LogProblem) -> WindowChain:
+    return problem.chain.stronger(IN_MEETINGS)
 
 
 def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> float:
@@ -198,7 +200,13 @@ def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) 
     links : WindowLinks
         Between its windows.
     """
-    usual, met = (float(np.linalg.slogdet(links.covariance(chain))[1]) for chain in _chains(problem))
-    first = _chains(problem)[int(grid.meetings[0])]
-    start = float(np.linalg.slogdet(first.covariance)[1]) if problem.chain.names else 0.0
-    return float(np.where(_met(grid), met, usual).sum()) + start
+    chain, met = problem.chain, int(_met(grid).sum())
+    cost = (len(grid) - 1 - met) * _log_determinant(links.covariance(chain))
+    if met:
+        cost += met * _log_determinant(links.covariance(_in_meetings(problem)))
+    first = _in_meetings(problem) if grid.meetings[0] else chain
+    return cost + (_log_determinant(first.covariance) if chain.names else 0.0)
+
+
+def _log_determinant(matrix: np.ndarray) -> float:
+    return float(np.linalg.slogdet(matrix)[1])
