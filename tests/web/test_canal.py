@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from browsers import chromium
-from narrows.web.assets import asset, inlined
+from narrows.web.assets import asset, without_exports
 
 SIZE = {"width": 400, "height": 300}
 BANKS = [[[-500, -100], [500, -100]], [[-500, 100], [500, 100]]]
@@ -21,7 +21,7 @@ def page() -> Iterator[Any]:
     with chromium() as browser:
         page = browser.new_page(viewport=SIZE)
         page.set_content("<body style='margin:0'><canvas style='width:400px;height:300px;display:block'></canvas>")
-        page.evaluate(f"{inlined('canal.js')}; Object.assign(globalThis, {{canalView, canalColours}})")
+        page.evaluate(f"{without_exports(asset('canal.js'))}; Object.assign(globalThis, {{canalView, canalColours}})")
         page.evaluate(
             "colours => { canvas = document.querySelector('canvas'); view = canalView(canvas, colours) }", COLOURS
         )
@@ -75,5 +75,5 @@ def test_every_colour_is_in_every_palette(page: Any) -> None:
 
 def test_a_script_that_is_set_in_exports_nothing() -> None:
     assert "export function canalView" in asset("canal.js")
-    assert "\nexport " not in inlined("canal.js")
-    assert "import " not in inlined("canal.js").replace("// ", "")
+    assert "\nexport " not in without_exports(asset("canal.js"))
+    assert "import " not in without_exports(asset("canal.js")).replace("// ", "")

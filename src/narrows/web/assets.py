@@ -17,12 +17,12 @@ def asset(name: str) -> str:
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
-def inlined(name: str) -> str:
-    """Return a script as it stands in another one: without ``export`` (ours).
+def without_exports(text: str) -> str:
+    """Return a script as it stands in another one (ours).
 
     Parameters
     ----------
-    name : str
-        Of a script that imports nothing.
+    text : str
+        Of a module.
     """
-    return EXPORT.sub("", asset(name))
+    return EXPORT.sub("", text)

@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
 
+from narrows.web.assets import asset, without_exports
+
 IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)
 SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
@@ -40,16 +42,13 @@ def _modules(name: str, given: Mapping[str, str], known: set[str]) -> Iterator[s
 
 
 def _read(name: str) -> str:
-    from narrows.web.assets import asset
-
     path = files("narrows.export.page") / "script" / name
     return path.read_text("utf-8") if path.is_file() else asset(name)
 
 
 def _as_function(name: str, text: str) -> str:
     exported = [word for match in EXPORT.finditer(text) for word in re.split(r"\W+", match[1] or match[2])]
-    body = IMPORT.sub(_taken, SHARED.sub(_taken, text))
-    body = re.sub(r"^export ", "", body, flags=re.MULTILINE)
+    body = without_exports(IMPORT.sub(_taken, SHARED.sub(_taken, text)))
     return f"const {_variable(name)} = (() => {{\n{smaller(body)}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
