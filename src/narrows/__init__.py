@@ -17,7 +17,7 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
-        from narrows.results.elsewhere import public_name, same_function
+        from narrows.errors import public_name, same_function
 
         if function := same_function(name):
             return _loaded(function)

@@ -15,6 +15,18 @@ UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
 LONGEST = 200
 """Characters of what another library said, or of a value, that a sentence repeats."""
+FUNCTIONS = {
+    "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
+    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
+    "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
+}  # fmt: skip
+"""Functions of ours by what verbs of the command line and other libraries call the same."""
+OTHER_FUNCTIONS = {
+    "jacobian or control.linearize": ("linearize", "linearise", "linear"),
+    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
+    "measured_tests": ("datasets", "load_dataset", "example_data"), "Configuration": ("Config", "Setup"),
+    "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet"),
+}  # fmt: skip
 
 
 class InputError(ValueError):
@@ -63,6 +75,34 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """
     known = sorted(known)
     return near_miss(word, known) or f"; known: {', '.join(known)}"
+
+
+def same_function(name: str) -> str | None:
+    """Return the function of the package that means what is called so elsewhere (ours).
+
+    Parameters
+    ----------
+    name : str
+        Asked for.
+    """
+    return next((ours for ours, theirs in FUNCTIONS.items() if name in theirs), None)
+
+
+def public_name(name: str, known: Iterable[str]) -> str:
+    """Return what to write for a name that the package does not have, as the end of a sentence (ours).
+
+    Parameters
+    ----------
+    name : str
+        Asked for.
+    known : iterable of str
+        The public names.
+    """
+    known = sorted(known)
+    if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
+        return f"; write {meant}"
+    longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
+    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known)
 
 
 def shown(value: object) -> str:

@@ -68,7 +68,7 @@ def test_a_helm_steers_as_it_does_in_a_voyage(kind: str, steers: bool, tmp_path:
         starts[:, 7] = 0.05
     ends = fleet_ends(exported, starts, 1000, wasm, **told)
     for row, end in zip(starts, ends, strict=True):
-        controller = helm.regulator if steers else nw.ConstantRudder(0.05)
+        controller = helm.law if steers else nw.ConstantRudder(0.05)
         start = {"y": row[1], "u": 0.9, "rudder": row[7]}
         outcome = nw.simulate(model, **start, duration=20.0, dt=0.02, controller=controller).outcome
         assert outcome.kind == {0: "afloat", 1: "grounded", 3: "outside"}[int(end[-1])]

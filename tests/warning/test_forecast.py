@@ -10,13 +10,13 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
 from narrows.estimation import Estimator
+from narrows.simulation.switched_law import SwitchedLaw
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecast_cases import AS_IS, CASES, LIKELY
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.members import Members
 from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS
 from narrows.warning.forecasting.rudder_needed import rudder_needed
-from narrows.warning.forecasting.takeover_law import TakeoverLaw
 
 MEMBERS = 40
 STATE = ("x", "y", "psi", "u", "v", "r")
@@ -35,7 +35,7 @@ def sailed(state: dict[str, float], model: nw.Model, case: object, rudder: float
     """The same future as one voyage."""
     side = math.copysign(model.configuration.gear.limit, case.hard_over) if case.hard_over else rudder
     pilot = nw.control.regulator(ship(), 0.0, SPEED, waterway=canal(), at=800.0)
-    law = TakeoverLaw(pilot, side, case.taken_over)
+    law = SwitchedLaw(pilot, side, case.taken_over)
     told = {name: state[name] for name in STATE}
     options = {"waterway": canal(), "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}
     return nw.simulate(model, **told, duration=case.duration, **options).outcome
@@ -49,7 +49,7 @@ def test_the_fan_is_where_voyages_go() -> None:
     model = by_bank(state["bank"], dict(ship().coefficients))
     pilot, rudder = nw.control.regulator(ship(), 0.0, SPEED, waterway=canal(), at=800.0), 0.02 + state["rudder_bias"]
     for track, taken_over in ((fan.likely, 1e9), (fan.pilot, 0.0)):
-        law = TakeoverLaw(pilot, rudder, taken_over)
+        law = SwitchedLaw(pilot, rudder, taken_over)
         told = {name: state[name] for name in STATE}
         water = canal().with_water(current=state["current"])
         options = {"waterway": water, "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}

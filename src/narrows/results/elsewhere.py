@@ -1,10 +1,7 @@
 """What other libraries call the same things: names that are answered, and names for which there is another way."""
 
-from collections.abc import Iterable
 from functools import partial
 from typing import Any
-
-from narrows.errors import near_miss
 
 CALL = "()"
 SAME = {
@@ -35,18 +32,6 @@ ANOTHER = {
     "tests": ("test(name)",), "speed": ("u",),
 }  # fmt: skip
 """What does not mean the same, and what is written here instead."""
-FUNCTIONS = {
-    "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
-    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
-    "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
-}  # fmt: skip
-"""Functions of ours by what verbs of the command line and other libraries call the same."""
-OTHER_FUNCTIONS = {
-    "jacobian or control.linearize": ("linearize", "linearise", "linear"),
-    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
-    "measured_tests": ("datasets", "load_dataset", "example_data"), "Configuration": ("Config", "Setup"),
-    "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet"),
-}  # fmt: skip
 
 
 def answer(thing: Any, name: str) -> Any:
@@ -77,31 +62,3 @@ def answer(thing: Any, name: str) -> Any:
     if remedy is None:
         return object.__getattribute__(thing, name)
     raise AttributeError(f"a {type(thing).__name__} has no {name!r}; write {remedy}", name=None, obj=None)
-
-
-def same_function(name: str) -> str | None:
-    """Return the function of the package that means what is called so elsewhere (ours).
-
-    Parameters
-    ----------
-    name : str
-        Asked for.
-    """
-    return next((ours for ours, theirs in FUNCTIONS.items() if name in theirs), None)
-
-
-def public_name(name: str, known: Iterable[str]) -> str:
-    """Return what to write for a name that the package does not have, as the end of a sentence (ours).
-
-    Parameters
-    ----------
-    name : str
-        Asked for.
-    known : iterable of str
-        The public names.
-    """
-    known = sorted(known)
-    if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
-        return f"; write {meant}"
-    longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
-    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known)

@@ -12,8 +12,8 @@ from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.switched_law import ORDERED, SwitchedLaw
 from narrows.warning.forecasting.forecast_cases import Case
-from narrows.warning.forecasting.takeover_law import HELD, TakeoverLaw
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -116,7 +116,7 @@ class FutureLanes:
             for name in ("taken_over", "duration", "hard_over")
         )
         self._lanes = len(self._duration)
-        law = TakeoverLaw(pilot, np.zeros(self._lanes), self._taken_over)
+        law = SwitchedLaw(pilot, np.zeros(self._lanes), self._taken_over)
         steering = steering_of(law, ship.actuators)
         run = KernelRun(ship, self._duration, step, steering=steering, waterway=waterway)
         many = {name: np.full(self._lanes, value) for name, value in ship.model.coefficients.items()}
@@ -184,7 +184,7 @@ class FutureLanes:
             if name in self._inputs:
                 inputs[:, self._inputs[name]] = np.tile(np.broadcast_to(column, len(ships.rudder)), cases)
         side, held = self._hard_over[lanes], np.tile(ships.rudder, cases)
-        inputs[:, self._inputs[PARAMETER(HELD)]] = np.where(side, side * self._gear.limit, held)
+        inputs[:, self._inputs[PARAMETER(ORDERED)]] = np.where(side, side * self._gear.limit, held)
 
     def poses(self) -> list[np.ndarray]:
         """Return where the futures of each block ended, after a call: x, y [m], psi [rad] (cases, ships, 3)."""
