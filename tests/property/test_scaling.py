@@ -1,6 +1,7 @@
 """Scale and dimension: round trips, invariance of the bank's coefficients, and voyages that are one at every scale."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from strategies import STATES, numbers
 import narrows as nw
 from narrows.model.froude import ittc57
 from narrows.model.nondimensional import SYSTEMS, units_of
+from narrows.ship.scale_name import name_at_scale
 from narrows.terms.tables import table_named
 
 TABLES = (
@@ -88,9 +90,29 @@ def test_scaling_there_and_back(dtc: nw.Model, length: float, density: float) ->
     np.testing.assert_allclose(back.covariance, model.covariance, rtol=1e-12)
     for name in ("speed", "abs_y", "abs_psi", "abs_r", "depth_to_draft"):
         assert getattr(back.data_range, name) == pytest.approx(getattr(model.data_range, name), rel=1e-12)
-    assert back.configuration.values() == {
-        n: v if isinstance(v, str) else pytest.approx(v, rel=1e-12) for n, v in model.configuration.values().items()
+    was = {n: v for n, v in model.configuration.values().items() if n != "name"}
+    assert {n: back.configuration.values()[n] for n in was} == {
+        n: v if isinstance(v, str) else pytest.approx(v, rel=1e-12) for n, v in was.items()
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "ratio", "scaled"),
+    [
+        ("KCS 1:52.667", 230 / 4.3671, "KCS at full scale"), ("KCS at full scale", 0.5, "KCS 1:2"),
+        ("KCS 1:52.667", 400 / 4.3671, "KCS 1.739:1"), ("KCS 1.739:1", 1 / 1.739, "KCS at full scale"),
+        ("KVLCC2 L7", 45.7, "KVLCC2 L7"), ("8000 TEU container carrier", 2.0, "8000 TEU container carrier"),
+    ],
+)  # fmt: skip
+def test_the_scale_in_a_name_is_that_of_the_ship(name: str, ratio: float, scaled: str) -> None:
+    assert name_at_scale(name, ratio) == scaled
+
+
+def test_a_model_at_full_scale_says_so(dtc: nw.Model, tmp_path: Path) -> None:
+    full = nw.scale_model(dtc, 355.0)
+    full.model.save(tmp_path / "full.toml")
+    assert "DTC at full scale" in repr(full)
+    assert nw.load_model(tmp_path / "full.toml").ship.name == "DTC at full scale"
 
 
 @given(state=STATES, length=numbers(1, 400))

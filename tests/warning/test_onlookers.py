@@ -125,16 +125,22 @@ def test_notifications_are_as_signal_k_has_them() -> None:
     assert (silent["state"], silent["method"]) == ("alarm", ["visual"])
 
 
-def test_a_server_of_signal_k_is_told_again_after_it_was_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_of_signal_k_is_told_again_after_it_was_gone_and_when_the_watch_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     serve = pytest.importorskip("websockets.sync.server", reason="of the extra monitor").serve
     monkeypatch.setattr("narrows.warning.monitoring.signal_k_sender.FIRST_PAUSE", 0.05)
     heard: list[tuple[str, str]] = []
 
     def hear(line: Any) -> None:
         line.send('{"name": "a server"}')
-        heard.append((line.request.path, json.loads(line.recv())["updates"][0]["values"][0]["value"]["state"]))
+        heard.append((line.request.path, told(line.recv())["state"]))
         if len(heard) == 2:
-            heard.append(("", json.loads(line.recv())["updates"][0]["values"][0]["value"]["state"]))
+            heard.extend(("", told(line.recv())["state"]) for _ in range(2))
+
+    def told(message: str) -> dict[str, Any]:
+        value: dict[str, Any] = json.loads(message)["updates"][0]["values"][0]["value"]
+        return value
 
     desk = AlertDesk()
     with serve(hear, "127.0.0.1", 0) as server:
@@ -145,8 +151,9 @@ def test_a_server_of_signal_k_is_told_again_after_it_was_gone(monkeypatch: pytes
             desk.update(0.0, ALARM)
             sender.tell(desk, 1.0)
             assert soon(lambda: len(heard) == 3)
+        assert soon(lambda: len(heard) == 4)
         server.shutdown()
-    assert heard == [("/signalk/v1/stream?subscribe=none", "normal")] * 2 + [("", "alarm")]
+    assert heard == [("/signalk/v1/stream?subscribe=none", "normal")] * 2 + [("", "alarm"), ("", "normal")]
 
 
 @pytest.mark.parametrize("address", ["http://a:1", "ws://", "udp://a:1"])

@@ -18,6 +18,7 @@ from narrows.results import Shown
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
+from narrows.ship.scale_name import name_at_scale
 from narrows.terms.about import ScaleEffect
 from narrows.terms.term import Term
 
@@ -147,7 +148,8 @@ def scale_model(
 ) -> Scaled:  # fmt: skip
     """Scale a model to another length by Froude's law.
 
-    Masses go with the cube of the ratio of lengths and with the density, times with its root.
+    Masses go with the cube of the ratio of lengths and with the density, times with its root. A scale in the ship's
+    name, as in ``1:52.667``, becomes that of the new ship.
 
     Parameters
     ----------
@@ -195,7 +197,8 @@ def scale_model(
 
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
     particulars = {name: value for name, value in vars(ship).items() if name in PARTICULARS and value is not None}
-    return replace(ship, **{n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in particulars.items()})
+    sizes = {n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in particulars.items()}
+    return replace(ship, name=name_at_scale(ship.name, sizes["length"] / ship.length), **sizes)
 
 
 def _scaled_range(covered: DataRange, units: Units) -> DataRange:

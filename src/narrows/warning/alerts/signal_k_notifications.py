@@ -5,6 +5,7 @@ References
 Signal K specification 1.7: notifications, with their states and methods.
 """
 
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
@@ -30,9 +31,24 @@ def notifications(desk: AlertDesk, since_1970: float) -> dict[str, Any]:
     since_1970 : float [s]
         Now.
     """
-    values = [{"path": _path(one), "value": _value(desk[one])} for one in SITUATIONS.values()]
+    return _delta({one: _value(desk[one]) for one in SITUATIONS.values()}, since_1970)
+
+
+def ended(since_1970: float) -> dict[str, Any]:
+    """Return the delta of a monitor that watches no more: nothing is alerted, and that is why (ours).
+
+    Parameters
+    ----------
+    since_1970 : float [s]
+        Now.
+    """
+    return _delta({one: _normal("The monitor has ended.") for one in SITUATIONS.values()}, since_1970)
+
+
+def _delta(values: Mapping[Situation, dict[str, Any]], since_1970: float) -> dict[str, Any]:
+    told = [{"path": _path(situation), "value": value} for situation, value in values.items()]
     stamp = datetime.fromtimestamp(since_1970, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-    return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": values}]}
+    return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": told}]}
 
 
 def _path(situation: Situation) -> str:
@@ -42,6 +58,10 @@ def _path(situation: Situation) -> str:
 
 def _value(alert: Alert) -> dict[str, Any]:
     if alert.state not in HOLDS:
-        return {"state": STATES[Priority.NONE], "method": [], "message": ""}
+        return _normal("")
     shown = ["visual"] if alert.state is not AlertState.ACKNOWLEDGED else []
     return {"state": STATES[alert.priority], "method": shown + ["sound"] * alert.sounds, "message": alert.text}
+
+
+def _normal(message: str) -> dict[str, Any]:
+    return {"state": STATES[Priority.NONE], "method": [], "message": message}

@@ -1,5 +1,6 @@
 """Alerts to a Signal K server: a connection that is opened anew when it breaks, and that nobody waits for."""
 
+import time
 from collections.abc import Iterator
 from threading import Condition, Event, Thread
 from typing import TYPE_CHECKING, Any
@@ -8,17 +9,21 @@ from urllib.parse import urlsplit
 from narrows.errors import InputError, needs
 from narrows.results import to_json
 from narrows.warning.alerts.alert_desk import AlertDesk
-from narrows.warning.alerts.signal_k_notifications import notifications
+from narrows.warning.alerts.signal_k_notifications import ended, notifications
 from narrows.warning.hearing.connections import FIRST_PAUSE, LONGEST_PAUSE, OPENING, PATIENCE
 
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
 
 STREAM = "/signalk/v1/stream?subscribe=none"
+ENDING = 2.0
+"""How long the last message is waited for [s]."""
 
 
 class SignalKSender:
     """Sends the newest of all alerts, each time that they change; all of them after every new connection.
+
+    When it ends it sends that nothing is alerted any more: a server keeps what it was told last.
 
     Parameters
     ----------
@@ -41,13 +46,18 @@ class SignalKSender:
         self._connect = connect
         self._newest: dict[str, Any] | None = None
         self._changed, self._stop = Condition(), Event()
+        self._thread = Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> "SignalKSender":
-        Thread(target=self._run, daemon=True).start()
+        self._thread.start()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._stop.set()
+        with self._changed:
+            self._newest = self._newest and ended(time.time())
+            self._stop.set()
+            self._changed.notify_all()
+        self._thread.join(ENDING)
 
     def tell(self, desk: AlertDesk, since_1970: float) -> None:
         """Leave the alerts as they are, without waiting for anything.
@@ -80,7 +90,7 @@ class SignalKSender:
     def _changes(self) -> Iterator[str]:
         """What to send on a new connection: now, and whenever there is something new in it; nothing in between."""
         sent: list[Any] = []
-        while not self._stop.is_set():
+        while not self._stop.is_set() or self._values() != sent:
             with self._changed:
                 if self._values() == sent:
                     self._changed.wait(PATIENCE)
