@@ -2,7 +2,8 @@
 
     python benchmarks/export.py [STEPS] [--small]
 
-The header is compiled with -O3 -march=native. The kernel sails 2048 vessels in lanes, the C one vessel after another.
+The header is compiled with -O3 -march=native. The kernel sails 2048 vessels in lanes, the C one vessel after another,
+and 64 side by side.
 """
 
 import ctypes
@@ -40,21 +41,39 @@ double run(long steps, double u, double h) {
     }
     return state[SHIP_X];
 }
+double run_block(long steps, double u, double h) {
+    static double state[SHIP_NUMBERS][SHIP_LANES], inputs[sizeof(ship_inputs) / sizeof(double)][SHIP_LANES];
+    const double *at_rest = (const double *)(const void *)&ship_at_rest;
+    ship_constants constants;
+    ship_prepare(&ship_model, &constants);
+    for (unsigned j = 0; j < sizeof(ship_inputs) / sizeof(double); ++j)
+        for (int lane = 0; lane < SHIP_LANES; ++lane) inputs[j][lane] = at_rest[j];
+    for (long step = 0; step < steps / SHIP_LANES; ++step) {
+        if (step % 64 == 0) for (int lane = 0; lane < SHIP_LANES; ++lane) {
+            for (int j = 0; j < SHIP_STATES; ++j) state[j][lane] = 0.0;
+            state[SHIP_Y][lane] = 0.01, state[SHIP_COS_PSI][lane] = 1.0, state[SHIP_U][lane] = u;
+        }
+        ship_step_block(state, h, inputs, &constants);
+    }
+    return state[SHIP_X][0];
+}
 """
 
 
-def compiled(model: nw.Model, u: float, dt: float, surge: str, steps: int, compiler: str) -> Callable[[], int]:
-    """A loop of steps of one vessel in C."""
+def compiled(
+    model: nw.Model, u: float, dt: float, surge: str, steps: int, compiler: str, name: str = "run"
+) -> Callable[[], int]:
+    """A loop of steps in C."""
     folder = Path(tempfile.mkdtemp())
     nw.export.write_c(model, folder / "ship.h", surge=surge)
     (folder / "run.c").write_text(PROGRAM, encoding="utf-8")
-    flags = ["-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC"]
+    flags = ["-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC"]
     subprocess.run([compiler, *flags, folder / "run.c", "-o", folder / "run.so", "-lm"], check=True)
-    library = ctypes.CDLL(str(folder / "run.so"))
-    library.run.restype, library.run.argtypes = ctypes.c_double, [ctypes.c_long, ctypes.c_double, ctypes.c_double]
+    run = getattr(ctypes.CDLL(str(folder / "run.so")), name)
+    run.restype, run.argtypes = ctypes.c_double, [ctypes.c_long, ctypes.c_double, ctypes.c_double]
 
     def call() -> int:
-        assert np.isfinite(library.run(steps, u, dt))
+        assert np.isfinite(run(steps, u, dt))
         return steps
 
     return call
@@ -85,6 +104,7 @@ def main() -> None:
         runs = {
             "kernel, lanes": kernel(*case, 64 if small else 2048),
             "C, one vessel": compiled(*case, steps, compiler),
+            "C, a block of 64": compiled(*case, steps, compiler, "run_block"),
         }
         cost: dict[str, list[float]] = {work: [] for work in runs}
         for round in range(ROUNDS + 1):

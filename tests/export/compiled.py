@@ -26,6 +26,7 @@ CALLS = """
 #endif
 static ship_constants k;
 static ship_inputs in;
+static const double *of_inputs = (const double *)(const void *)&in;
 void prepare(const double *p, const double *i) {
     ship_prepare((const ship_parameters *)(const void *)p, &k);
     in = *(const ship_inputs *)(const void *)i;
@@ -42,6 +43,16 @@ void by_state(const double *z, double *out) { ship_by_state(z, &in, &k CANAL, ou
 void by_input(const double *z, double *out) { ship_by_input(z, &in, &k CANAL, out); }
 void by_coefficient(const double *z, double *out) { ship_by_coefficient(z, &in, &k CANAL, out); }
 void step(const double *z, double h, double *out) { ship_step(z, out, h, &in, &k CANAL); }
+void block(const double *z, double h, double *out) {
+    static double state[SHIP_NUMBERS][SHIP_LANES], given[sizeof(ship_inputs) / sizeof(double)][SHIP_LANES];
+    for (int lane = 0; lane < SHIP_LANES; ++lane) {
+        for (int j = 0; j < SHIP_STATES; ++j) state[j][lane] = z[SHIP_STATES * lane + j];
+        for (int j = 0; j < inputs(); ++j) given[j][lane] = lane % 2 ? 0.5 * of_inputs[j] : of_inputs[j];
+    }
+    ship_step_block(state, h, given, &k CANAL);
+    for (int lane = 0; lane < SHIP_LANES; ++lane)
+        for (int j = 0; j < SHIP_NUMBERS; ++j) out[SHIP_NUMBERS * lane + j] = state[j][lane];
+}
 void clearance(const double *z, double *out) { ship_clearance(z, out, OF_BANKS); }
 int sail(double *z, double h, double time, double *end) { return ship_sail(z, &in, &k CANAL, h, time, end); }
 """

@@ -1,6 +1,6 @@
 """From formulas to straight lines: what parameters alone decide lifted out, common subexpressions written once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from narrows.codegen.free_motion import Expr, symbol
@@ -78,7 +78,18 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
     return assignments, [result.replace(sympy.Pow, name_base) for result in results]
 
 
-def rounds(lines: Lines) -> list[list[Assignment]]:
+def reads_table(value: Expr) -> bool:
+    """Whether a line reads the table of a waterway (ours).
+
+    Parameters
+    ----------
+    value : expression
+        Of the line.
+    """
+    return str(value.func) == "entry"
+
+
+def rounds(lines: Lines, apart: Callable[[Expr], bool] = reads_table) -> list[list[Assignment]]:
     """Part a program into loops over lanes: at its cuts, and where the table of a waterway is read.
 
     A loop that reads a table at an index of its own and writes the block does not vectorise: nothing tells LLVM that
@@ -89,9 +100,11 @@ def rounds(lines: Lines) -> list[list[Assignment]]:
     ----------
     lines : Lines
         The program.
+    apart : callable
+        Whether a line belongs into a loop with its like alone.
     """
-    if any(_reads(value) for _, value in lines.assignments):
-        return _scheduled(lines)
+    if any(apart(value) for _, value in lines.assignments):
+        return _scheduled(lines, apart)
     parts: list[list[Assignment]] = [[]]
     for line in lines.program:
         if line is CUT:
@@ -101,12 +114,8 @@ def rounds(lines: Lines) -> list[list[Assignment]]:
     return [part for part in parts if part]
 
 
-def _reads(value: Expr) -> bool:
-    return str(value.func) == "entry"
-
-
-def _scheduled(lines: Lines) -> list[list[Assignment]]:
-    """Even rounds of arithmetic, odd ones of reads; each line in the earliest that has what it needs."""
+def _scheduled(lines: Lines, apart: Callable[[Expr], bool]) -> list[list[Assignment]]:
+    """Even rounds of arithmetic, odd ones of what stands apart; each line in the earliest that has what it needs."""
     level: dict[Expr, int] = {}
     scheduled: dict[int, list[Assignment]] = {}
     floor = 0
@@ -116,7 +125,7 @@ def _scheduled(lines: Lines) -> list[list[Assignment]]:
             continue
         name, value = line
         first = max((level.get(s, 0) for s in value.free_symbols), default=0)
-        if _reads(value):
+        if apart(value):
             index = first + (first % 2 == 0)
         else:
             first = max(first, floor)

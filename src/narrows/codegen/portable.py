@@ -11,7 +11,7 @@ from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.lowering import straight_lines
 from narrows.codegen.rates import Rates
 from narrows.codegen.shapes import OPEN
-from narrows.codegen.step import rate_here, room_left, section_here, step_of
+from narrows.codegen.step import Step, rate_here, room_left, section_here, step_of
 from narrows.codegen.tape import tape_of
 
 ORDERED = "ordered_{}".format
@@ -130,9 +130,13 @@ class Portable:
         rates = rate_here(lines, self.rates, self.choices, self._values, "")
         return Program.of(lines, [rates[name] for name in self.kept if name in rates])
 
+    @cached_property
+    def step(self) -> Step:
+        """A whole step, with the places where a loop over vessels may be parted."""
+        return step_of(self.rates, self.choices).with_whole_steps()
+
     def _step(self) -> Program:
-        step = step_of(self.rates, self.choices).with_whole_steps()
-        return Program.of(step.lines, [step.out[name] for name in (*self.kept, "room", "lean")])
+        return Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "room", "lean")])
 
     def _room(self) -> Program:
         lines = Lines()

@@ -1,6 +1,6 @@
 """Lines as C99: numbers of structures unpacked before their first use, then an assignment a line."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from textwrap import wrap
 
 from narrows.codegen.free_motion import Expr
@@ -16,7 +16,7 @@ TAKEN = frozenset({
     "false", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed",
     "sizeof", "static", "struct", "switch", "true", "typedef", "union", "unsigned", "void", "volatile", "while",
     "INFINITY", "NAN", "near", "far", "small", "main", "state", "inputs", "constants", "parameters", "waterway",
-    "result", "after", *LIBRARY.values(),
+    "result", "after", "lane", "rows", *LIBRARY.values(),
 })  # fmt: skip
 """Words that no number can be called by."""
 
@@ -77,7 +77,20 @@ def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], 
     printer : CArithmetic
         Writes expressions.
     """
-    unpacked = ", ".join(f"{c_name(name)} = {places[name]}" for name in program.asked if name != places[name])
-    whole = f"const double {unpacked};".replace(" = ", TIED)  # No line breaks within a declaration.
-    lines = [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if unpacked else []
+    lines = unpacked([name for name in program.asked if name != places[name]], places)
     return lines + statements(program, targets, printer, "const double {} = {};", "{} = {};")
+
+
+def unpacked(names: Iterable[str], places: Mapping[str, str]) -> list[str]:
+    """Write the declaration of numbers by where they are found (ours).
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of the lines.
+    places : mapping of str to str
+        Where each is found.
+    """
+    values = ", ".join(f"{c_name(name)} = {places[name]}" for name in names if name != places[name])
+    whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration.
+    return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []

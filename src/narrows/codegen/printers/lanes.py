@@ -12,9 +12,9 @@ from functools import cached_property
 
 import sympy
 
-from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Assignment
 from narrows.codegen.lowering import rounds
+from narrows.codegen.printers.lane_fields import LaneFields, names_in
 from narrows.codegen.printers.python import Arithmetic
 from narrows.codegen.step import Step
 
@@ -53,8 +53,8 @@ class Lanes:
     def inputs(self) -> tuple[str, ...]:
         """What the program asks for beside what is kept and what the queue gives."""
         made = {str(name) for part in self.parts for name, _ in part}
-        asked = {name for part in self.parts for _, value in part for name in _names(value)}
-        asked |= {name for value in self.step.out.values() for name in _names(value)}
+        asked = {name for part in self.parts for _, value in part for name in names_in(value)}
+        asked |= {name for value in self.step.out.values() for name in names_in(value)}
         asked |= set(SPEED_LIMITS.values())
         return tuple(sorted(asked - made - {*self.kept, *BOOK}))
 
@@ -69,32 +69,20 @@ class Lanes:
         return tuple(name for name in self.inputs if name not in self.varying)
 
     @cached_property
-    def _last_use(self) -> dict[str, int]:
-        """The last round in which each number is read."""
-        last = {name: number for number, part in enumerate(self.parts) for _, value in part for name in _names(value)}
-        return last | {name: len(self.parts) - 1 for value in self.step.out.values() for name in _names(value)}
+    def layout(self) -> LaneFields:
+        """Where each number of a lane lies in the block."""
+        names = (*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.vessel_inputs)
+        return LaneFields(self.parts, tuple(self.step.out.values()), names)
 
-    @cached_property
+    @property
     def fields(self) -> dict[str, int]:
-        """Where each number of a lane starts in the block; fields are used again once what was in them is dead."""
-        names = [*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.vessel_inputs]
-        index = {name: number for number, name in enumerate(names)}
-        total, free, busy = len(names), list[int](), list[str]()
-        for number, part in enumerate(self.parts):
-            for name in [name for name in busy if self._last_use[name] < number]:
-                busy.remove(name)
-                free.append(index[name])
-            for name in (str(target) for target, _ in part):
-                if self._last_use.get(name, -1) > number:
-                    index[name] = free.pop() if free else total
-                    total += index[name] == total
-                    busy.append(name)
-        return index
+        """Where each number of a lane starts in the block."""
+        return self.layout.fields
 
     @property
     def size(self) -> int:
         """Fields of a lane."""
-        return max(self.fields.values()) + 1
+        return self.layout.size
 
     def entry(self, name: str) -> str:
         """Return the text of a lane's entry in a field.
@@ -126,17 +114,13 @@ class Lanes:
 
     def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic, leaves: float) -> Iterator[str]:
         last = number == len(self.parts) - 1
-        made = {str(target) for target, _ in part}
-        read = {name for _, value in part for name in _names(value)}
-        if last:
-            read |= {name for value in self.step.out.values() for name in _names(value)} | set(self.kept)
-        for name in sorted(read - made - set(self.shared_inputs)):
+        read = self.layout.read(number) | (set(self.kept) if last else set())
+        for name in sorted(read - set(self.shared_inputs)):
             yield f"{name} = {self.entry(name)}"
         for target, value in part:
             yield f"{target} = {printer.doprint(value)}"
-        for name in sorted(made):
-            if self._last_use.get(name, -1) > number:
-                yield f"{self.entry(name)} = {name}"
+        for name in self.layout.stored(number):
+            yield f"{self.entry(name)} = {name}"
         if last:
             yield from self._close(printer, leaves)
 
@@ -167,7 +151,3 @@ def _of_round(number: int, lines: Sequence[str]) -> list[str]:
         re.sub(r"\b[A-Za-z_]\w*", lambda name: f"{name[0]}_in_{number}" if name[0] in looked_up else name[0], line)
         for line in lines
     ]
-
-
-def _names(value: Expr) -> set[str]:
-    return {str(s) for s in sympy.sympify(value).free_symbols}
