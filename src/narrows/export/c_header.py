@@ -20,9 +20,10 @@ def c_text(exported: ExportedShip) -> str:
     printer = CArithmetic(exported.prefix)
     bodies = bodies_of(exported, "{}->{}".format, "{}({})".format, c_name, partial(c_body, printer=printer))
     bodies["step_block"] = "\n    ".join(_block(exported, printer))
+    filling = ("fill_table",) if exported.waterway else ()
     return rendered(
         "model.h.j2", exported, f=bodies, water=water_of(exported, c_number), number=c_number, c_name=c_name,
-        **translated(exported, partial(CTranslation, prefix=exported.prefix)),
+        **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
     )  # fmt: skip
 
 

@@ -18,8 +18,13 @@ from narrows.export.exported_ship import ExportedShip
 WIDTH = 108
 FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED")
 """How a voyage ends, in the order of their codes."""
-PLAIN = ("narrows.codegen.kernels.event", "narrows.waterway.room", "narrows.codegen.kernels.single")
-"""Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end."""
+PLAIN = (
+    "narrows.codegen.kernels.event",
+    "narrows.waterway.room",
+    "narrows.codegen.kernels.single",
+    "narrows.codegen.kernels.filling",
+)
+"""Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables."""
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
@@ -89,7 +94,7 @@ def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body
     return bodies
 
 
-def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation]) -> dict[str, Any]:
+def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation], *more: str) -> dict[str, Any]:
     """Return the plain functions in another language, with the constants and names that stand before them (ours).
 
     Parameters
@@ -98,17 +103,19 @@ def translated(exported: ExportedShip, language: Callable[[PlainSource], Transla
         Whose.
     language : callable
         Makes the translation of their source.
+    *more : str
+        Functions beside those of ``last_functions``.
     """
     source = plain_functions(exported)
     translation = language(source)
-    plain = [translation.text(one) for one in last_functions(exported, source)]
+    plain = [translation.text(one) for one in last_functions(exported, source, *more)]
     stated = {*FATES, *(name.upper() for name in exported.portable.kept)}
     numbers = {name: source.constants[name] for name in sorted(translation.used - stated)}
     columns = [" ".join(name.split("_")) for name in COLUMNS]
     return {"plain": plain, "numbers": numbers, "columns": columns, "fates": FATES}
 
 
-def last_functions(exported: ExportedShip, source: PlainSource) -> list[ast.FunctionDef]:
+def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:
     """Return the plain functions that a file ends with: the clearance where the hull is known, and the voyage (ours).
 
     Parameters
@@ -117,8 +124,10 @@ def last_functions(exported: ExportedShip, source: PlainSource) -> list[ast.Func
         Whose.
     source : PlainSource
         As ``plain_functions`` gives it.
+    *more : str
+        Other functions.
     """
-    return source.needed(*(("clearance",) * exported.exact), "sail")
+    return source.needed(*(("clearance",) * exported.exact), "sail", *more)
 
 
 def rate_names(exported: ExportedShip) -> tuple[str, ...]:

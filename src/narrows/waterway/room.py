@@ -12,6 +12,28 @@ GAUSS = 0.7745966692414834
 """Node of Gauss and Legendre, sqrt(3/5), of three."""
 
 
+def advanced_along(bend: float, change: float, along: float) -> tuple[float, float, float]:
+    """Return how far a line of linear curvature comes ahead and across [m], and how it turns [rad].
+
+    Parameters
+    ----------
+    bend : float [1/m]
+        Curvature where it begins, ahead.
+    change : float [1/m^2]
+        Of the curvature.
+    along : float [m]
+        Its length.
+    """
+    ahead, across = 0.0, 0.0
+    for node, weight in ((1.0 - GAUSS, 5.0), (1.0, 8.0), (1.0 + GAUSS, 5.0)):
+        d = 0.5 * along * node
+        turned = d * (bend + 0.5 * d * change)
+        ahead += weight * cos(turned)
+        across += weight * sin(turned)
+    turned = along * (bend + 0.5 * along * change)
+    return ahead * along / 18.0, across * along / 18.0, turned
+
+
 def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, float, float, float, int]:
     """Return the line at a place in the table's own frame: forward, starboard [m], cosine, sine, and the cell.
 
@@ -29,16 +51,10 @@ def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, flo
     along = min(max(0.0, s - cell * step), step)
     row = (cell + 1) * ROW
     bend, change = track[row + 4], (track[row + ROW + 4] - track[row + 4]) / step
-    ahead, across = 0.0, 0.0
-    for node, weight in ((1.0 - GAUSS, 5.0), (1.0, 8.0), (1.0 + GAUSS, 5.0)):
-        d = 0.5 * along * node
-        turned = d * (bend + 0.5 * d * change)
-        ahead += weight * cos(turned)
-        across += weight * sin(turned)
-    turned = along * (bend + 0.5 * along * change)
+    ahead, across, turned = advanced_along(bend, change, along)
     beyond = s - cell * step - along
-    ahead = ahead * along / 18.0 + beyond * cos(turned)
-    across = across * along / 18.0 + beyond * sin(turned)
+    ahead += beyond * cos(turned)
+    across += beyond * sin(turned)
     c, si = track[row + 2], track[row + 3]
     return (
         track[row] + ahead * c - across * si,

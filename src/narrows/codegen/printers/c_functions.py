@@ -7,7 +7,14 @@ from narrows.codegen.printers.c import LIBRARY, c_name
 from narrows.codegen.printers.plain_source import PlainSource
 from narrows.codegen.printers.translation import Translation
 
-TYPES = {"Array": "double *{}", "Book": "double *{}", "float": "double {}", "int": "int {}", "bool": "bool {}"}
+TYPES = {
+    "Array": "double *{}",
+    "Book": "double *{}",
+    "Filled": "double *{}",
+    "float": "double {}",
+    "int": "int {}",
+    "bool": "bool {}",
+}
 STRUCTURES = {"Inputs": "inputs", "Constants": "constants", "Place": "waterway"}
 
 

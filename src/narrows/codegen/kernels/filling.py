@@ -1,0 +1,88 @@
+"""The table of a waterway from its sections: plain arithmetic, translated for callers without Python."""
+
+from math import cos, sin
+from typing import Any
+
+from narrows.waterway.room import ROW, advanced_along
+
+Array = Any
+Filled = Any
+"""An array that is written to."""
+CELL_ENTRIES = 16
+"""Numbers a cell of the table."""
+CURVATURE, KEEL_STARBOARD, KEEL_PORT = 6, 12, 14
+"""Their columns."""
+SECTION = 7
+"""Numbers a section: along the line; starboard, port, depth, curvature, keel_starboard, keel_port."""
+FAR_WIDTHS = 100.0
+"""How many widths beyond the ends the line goes straight on."""
+
+
+def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
+    """Fill the cells by sections that are straight between, in order along the line; return how long a cell is [m]."""
+    spacing = (sections[SECTION * (count - 1)] - sections[0]) / (nodes - 1)
+    before = 0
+    for node in range(nodes):
+        s = sections[0] + node * spacing
+        while before < count - 2 and sections[SECTION * (before + 1)] < s:
+            before += 1
+        row = SECTION * before
+        share = (s - sections[row]) / (sections[row + SECTION] - sections[row])
+        for column in range(1, SECTION):
+            value = sections[row + column] + share * (sections[row + SECTION + column] - sections[row + column])
+            entry = CELL_ENTRIES * node + 2 * (column - 1) + (4 if column > 4 else 0)
+            if node < nodes - 1:
+                table[entry] = value
+            if node > 0:
+                table[entry - CELL_ENTRIES + 1] = value - table[entry - CELL_ENTRIES]
+    for cell in range(nodes - 1):
+        for entry in range(8, 12):
+            table[CELL_ENTRIES * cell + entry] = 0.0
+    return spacing
+
+
+def node_value(table: Array, nodes: int, node: int, column: int) -> float:
+    """Return a column at a node: where no cell starts, at the end of the last."""
+    if node < nodes - 1:
+        return table[CELL_ENTRIES * node + column]  # type: ignore[no-any-return]
+    last = CELL_ENTRIES * (nodes - 2) + column
+    return table[last] + table[last + 1]  # type: ignore[no-any-return]
+
+
+def put_node(
+    track: Array, node: int, x: float, y: float, heading: float, bend: float, right: float, left: float
+) -> None:
+    """Write a node of the track: the line, and both banks square to it."""
+    row, c, si = ROW * node, cos(heading), sin(heading)
+    track[row], track[row + 1], track[row + 2], track[row + 3], track[row + 4] = x, y, c, si, bend
+    track[row + 5], track[row + 6] = x - right * si, y + right * c
+    track[row + 7], track[row + 8] = x + left * si, y - left * c
+
+
+def lay_track(table: Array, nodes: int, spacing: float, track: Filled) -> None:
+    """Lay the line by its curvature, with the banks at the keel, one node more far beyond either end."""
+    x, y, heading, widest = 0.0, 0.0, 0.0, 0.0
+    for node in range(nodes):
+        widest = max(widest, node_value(table, nodes, node, KEEL_STARBOARD))
+        widest = max(widest, node_value(table, nodes, node, KEEL_PORT))
+    beyond = (nodes - 1) * spacing + FAR_WIDTHS * widest
+    for node in range(nodes):
+        bend = node_value(table, nodes, node, CURVATURE)
+        right, left = node_value(table, nodes, node, KEEL_STARBOARD), node_value(table, nodes, node, KEEL_PORT)
+        c, si = cos(heading), sin(heading)
+        put_node(track, node + 1, x, y, heading, bend, right, left)
+        if node == 0:
+            put_node(track, 0, x - beyond * c, y - beyond * si, heading, bend, right, left)
+        if node == nodes - 1:
+            put_node(track, nodes + 1, x + beyond * c, y + beyond * si, heading, bend, right, left)
+            return
+        change = (node_value(table, nodes, node + 1, CURVATURE) - bend) / spacing
+        ahead, across, turned = advanced_along(bend, change, spacing)
+        x, y, heading = x + ahead * c - across * si, y + ahead * si + across * c, heading + turned
+
+
+def fill_table(sections: Array, count: int, nodes: int, table: Filled, track: Filled) -> float:
+    """Fill table and track of a waterway, and return how long a cell is [m]."""
+    spacing = fill_cells(sections, count, nodes, table)
+    lay_track(table, nodes, spacing, track)
+    return spacing
