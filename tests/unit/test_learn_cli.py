@@ -48,7 +48,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
         in learned.source.text
     )
     text = page.read_text(encoding="utf-8")
-    assert text.count("<svg") == 3
+    assert text.count("<svg") == 5
     assert "zigzag +20" in text
     assert "Motion tells of forces over inertia" in text
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
-from test_monitor import BEGAN, monitor, ticks, watched
+from watch import BEGAN, monitor, ticks, watched
 
 from narrows.warning.alerts.alert import AlertState, Command, Priority
 from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition

@@ -71,7 +71,7 @@ def forecast_figure(record: RecordAnswer) -> Figure:
             t, values = record.measured[name]
             panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
         for (colour, words), foretold in zip(BY, record.forecasts, strict=True):
-            _draw_pieces(panel, foretold, place, factor, colour, words)
+            draw_pieces(panel, foretold, foretold.t, factor * foretold.states[:, place], color=colour, label=words)
         panel.set(ylabel=label)
     _within(axes[1:, 0], record)
     for panel in axes[:, 0]:
@@ -83,12 +83,24 @@ def forecast_figure(record: RecordAnswer) -> Figure:
     return figure
 
 
-def _draw_pieces(axes: Axes, foretold: Forecast, place: int, factor: float, colour: str, words: str) -> None:
+def draw_pieces(axes: Axes, foretold: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
+    """Draw the pieces of a forecast, each a line of its own (ours).
+
+    Parameters
+    ----------
+    axes : Axes
+        Where.
+    foretold : Forecast
+        Whose.
+    across, up : array (n,)
+        What to draw, at its nodes.
+    label, color : str
+        Of all of them.
+    """
     begins = np.append(0, foretold.ends[:-1] + 1)
     for number, (begin, end) in enumerate(zip(begins, foretold.ends, strict=True)):
         piece = slice(begin, end + 1)
-        label = words if number == 0 else None
-        axes.plot(foretold.t[piece], factor * foretold.states[piece, place], color=colour, lw=1.0, label=label)
+        axes.plot(across[piece], up[piece], color=color, lw=1.0, label=None if number else label)
 
 
 def _within(axes: np.ndarray, record: RecordAnswer) -> None:

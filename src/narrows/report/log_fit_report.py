@@ -1,19 +1,22 @@
 """What a log taught, as one self-contained page."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from narrows.files import write_whole
 from narrows.logbook import LogFit
+from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.logbook.standing import ON_TWINS
 from narrows.report.fit_page import figure, render
 from narrows.report.learned_table import learned_rows, with_truth
 from narrows.report.log_fit_figures import forecast_figure, log_fit_figure
+from narrows.report.log_track_figure import log_track_figure
 
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
 """What forecasts miss: state, words, factor."""
+BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
 
 
 def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
@@ -38,7 +41,6 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         "forecasts over 3.5 ship lengths miss of each record, by the model before and by one that learned from all "
         "other records."
     )
-    beside = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
     page = render(
         "log_fit.html.j2",
         title=f"{fit.prior.configuration.ship.name or 'A ship'}: what its own log taught",
@@ -49,10 +51,17 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         missed_heads=[words for _, words, _ in MISSED],
         records=[_row(fit, number) for number in range(len(fit.records))],
         informed=list(_informed(fit)),
-        forecasts=[figure(forecast_figure(record), beside) for record in fit.records if record.forecasts],
+        forecasts=[picture for record in fit.records if record.forecasts for picture in _pictures(record)],
         notes=[note for note in fit.notes if note != ON_TWINS],
     )
     write_whole(path, page)
+
+
+def _pictures(record: RecordAnswer) -> Iterator[dict[str, str]]:
+    """A record with its forecasts: from above where its places are known, and over time."""
+    if {"x", "y"} <= set(record.measured):
+        yield figure(log_track_figure(record), f"From above. {BESIDE}")
+    yield figure(forecast_figure(record), BESIDE)
 
 
 def _informed(fit: LogFit) -> tuple[str, ...]:

@@ -39,7 +39,7 @@ class RecordAnswer:
     forecasts : tuple of Forecast, optional
         By those two models, where they are kept to be drawn.
     measured : mapping of str to (array, array)
-        Times [s] and readings of y, psi and r, where forecasts are kept.
+        Times [s] and readings of x, y, psi and r, where forecasts are kept.
     """
 
     name: str
@@ -89,5 +89,5 @@ def _answer(refined: Refined, grid: RecordGrid, told: RecordTold, drawn: bool) -
 
 
 def _measured(grid: RecordGrid) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    read = {name: grid.readings[name] for name in STATES_JUDGED if name in grid.readings}
+    read = {name: grid.readings[name] for name in ("x", *STATES_JUDGED) if name in grid.readings}
     return {name: (grid.times[grid.first[own.window]] + own.elapsed, own.values) for name, own in read.items()}

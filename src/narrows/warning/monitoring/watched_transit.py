@@ -21,6 +21,8 @@ COLUMNS = (
 )  # fmt: skip
 NEAR = 20.0
 """Of water beside the hull [m], below which it was a near miss."""
+CONTACT = 5.0
+"""Below which it counts as contact, as in scores: no nearer do the sensors know the place."""
 MOST_SECONDS, MOST_ALERTS = 86_400, 10_000
 """That are kept of a watch: a day; what was before is in the log of alerts."""
 
@@ -89,11 +91,7 @@ class WatchedTransit(Shown):
             if first:
                 lines.append(f"First {priority.words} after {first.t:.0f} s: {first.alert.text}.".replace("..", "."))
         if near is not None:
-            miss = ", a near miss" if self.columns["clearance"][near] < NEAR else ""
-            lines.append(
-                f"Nearest to a bank after {self.columns['t'][near]:.0f} s: {self.columns['clearance'][near]:.0f} m of "
-                f"water beside the hull{miss}."
-            )
+            lines.append(_nearness(float(self.columns["t"][near]), float(self.columns["clearance"][near])))
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
@@ -117,6 +115,14 @@ class WatchedTransit(Shown):
     def _nearest(self) -> int | None:
         clearance = self.columns["clearance"]
         return int(np.nanargmin(clearance)) if np.isfinite(clearance).any() else None
+
+
+def _nearness(t: float, clearance: float) -> str:
+    if clearance <= CONTACT:
+        how = "in contact with it" if clearance <= 0 else "in contact with it, or too near to tell"
+        return f"At a bank after {t:.0f} s: {how}, as the sensors have it."
+    miss = ", a near miss" if clearance < NEAR else ""
+    return f"Nearest to a bank after {t:.0f} s: {clearance:.0f} m of water beside the hull{miss}."
 
 
 class TransitLog:

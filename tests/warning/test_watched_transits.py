@@ -1,0 +1,119 @@
+"""Transits that were watched: told, scored, and the demonstration with its verb."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from watch import ticks, watched, without
+
+import narrows as nw
+from narrows.warning.alerts.alert_log import logged
+from narrows.warning.alerts.bank_level import Thresholds
+from narrows.warning.monitoring import watched_transit
+from narrows.warning.monitoring.bridge_status import BridgeStatus
+from narrows.warning.monitoring.demonstration import MISTAKE, demonstration
+from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
+from narrows.warning.scoring.scored_transit import PREDICTORS, TransitScorer
+from narrows.warning.scoring.standing_alerts import NEEDED
+from narrows.warning.scoring.transit_scores import score_transits
+
+
+def test_recorded_transits_are_scored() -> None:
+    """Two short twins: one that stays in the middle, and one that is steered into the bank."""
+    told = {"calm": ticks(30), "aground": ticks(34, y=75.0, psi=0.25, rudder=0.5), "mute": ticks(12, without("HEHDT"))}
+    transits = []
+    for name, heard in told.items():
+        scorer = TransitScorer(name, Thresholds())
+        for status in watched(heard):
+            scorer.add(status)
+        transits.append(scorer.transit())
+    scores = score_transits(transits)
+    assert (scores.contacts, scores.near, scores.quiet, scores.unknown) == (1, 0, 1, ("mute",))
+    assert all(row.false == 0 for row in scores.rows)
+    leads = dict(zip(PREDICTORS, scores.leads["aground"], strict=True))
+    assert 30.0 > leads["caution"] >= leads["alarm"] > 10.0
+    assert scores.to_dataframe().loc["caution", "missed"] == (leads["caution"] < NEEDED)
+    assert "1 transits with a contact" in scores.summary()
+    assert any("mute" in note for note in scores.notes)
+    with pytest.raises(nw.InputError, match="cannot tell contacts"):
+        score_transits(transits, limit=25.0)
+
+
+def transit_of(said: list[BridgeStatus]) -> WatchedTransit:
+    log = TransitLog("A ship", "a canal")
+    for status in said:
+        log.add(status)
+    return log.transit()
+
+
+def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    transit = transit_of(watched(ticks(18, y=95.0, psi=0.25, rudder=0.5)))
+    assert "First" in transit.summary()
+    assert "near miss" not in transit.summary()
+    assert "in contact with it" in transit.summary().splitlines()[-1]
+    assert transit.to_dict()["least_clearance"] < 150.0
+    assert len(transit.to_dataframe()) == 18
+    assert "decision support" in transit.notes[0]
+    transit.save(tmp_path / "a.png")
+    transit.save(tmp_path / "a.csv")
+    monkeypatch.setattr(watched_transit, "MOST_SECONDS", 4)
+    kept = TransitLog("A ship", "a canal")
+    for status in watched(ticks(7)):
+        kept.add(status)
+    assert kept.transit().columns["t"].tolist() == [3.0, 4.0, 5.0, 6.0]
+    assert transit_of([]).summary() == "A ship on a canal: 0 seconds watched, 0 with a forecast."
+
+
+@pytest.mark.slow
+def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) -> None:
+    """An alarm, a minute before it is aground, as is said at last; table, page and log of alerts say the same."""
+    files = {"--report": "r.html", "-o": "t.csv", "--log": "a.db", "--recording": "b.nmea"}
+    words = [word for option, name in files.items() for word in (option, str(tmp_path / name))]
+    code, out, err = cli("monitor", "--demo", "--json", *words)
+    assert code == 1, err
+    told, table = json.loads(out), pd.read_csv(tmp_path / "t.csv")
+    alarm = next(alert for alert in told["alerts"] if alert["priority"] in ("alarm", "emergency alarm"))
+    nearest = float(table["t"][table["clearance"].idxmin()])
+    assert MISTAKE[0] < alarm["t"] < nearest - 60.0
+    assert told["foretold"] > 0.95 * told["seconds"]
+    assert told["least_clearance"] == pytest.approx(table["clearance"].min())
+    assert 0.0 < told["least_clearance"] < 20.0
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "decision support" in page
+    assert "in contact with it" in page
+    assert len(list(logged(tmp_path / "a.db"))) == len(told["alerts"])
+    assert len((tmp_path / "b.nmea").read_bytes().splitlines()) == 7 * told["seconds"]
+
+
+def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> None:
+    from narrows.warning.hearing.replay import Replay
+
+    shown = demonstration()
+    (tmp_path / "bridge.nmea").write_bytes(shown.bridge.recording())
+    again = list(Replay(tmp_path / "bridge.nmea").ticks())
+    told = list(shown.ticks())
+    assert len(again) == len(told)
+    assert sorted(repr(one.told) for one in again[5].entries) == sorted(repr(one.told) for one in told[5].entries)
+    assert again[-1].faults == {}
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ((), "give --listen with an address, --replay or --score with a recording, or --demo; one of them"),
+        (("--demo", "a.toml"), "--demo has a ship and a canal of its own"),
+        (("--replay", "a.nmea"), "give MODEL and --waterway"),
+        (("--demo", "--pace", "0"), "--pace 0 is no pace"),
+        (("--demo", "--port", "9"), "--host and --port are those of the page; give --page too"),
+        (("--demo", "--send", "ws://"), "write it as in ws://192.168.1.20:3000"),
+        (
+            ("a.toml", "--replay", "a", "--waterway", "b", "--recording", "c.nmea"),
+            "--recording writes what --demo tells",
+        ),
+    ],
+)
+def test_the_verb_says_what_it_lacks(cli, words: tuple[str, ...], sentence: str) -> None:
+    code, _, err = cli("monitor", *words)
+    assert code == 2
+    assert sentence in err

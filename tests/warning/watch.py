@@ -1,0 +1,67 @@
+"""A monitor that hears a ship in a straight canal, second by second, and what may befall what it hears."""
+
+import math
+from collections.abc import Callable, Iterator
+from functools import cache
+
+from transit import canal, ship
+
+from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.readers.nmea.nmea_lines import sentences
+from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.hearing.tick import Tick
+from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
+from narrows.warning.monitoring.bridge_sentences import bridge_sentences
+from narrows.warning.monitoring.bridge_status import BridgeStatus
+
+SPEED, BEGAN = 4.2, 1_777_680_000.0
+Lines = list[str]
+Fault = Callable[[int, Lines], Lines]
+
+
+@cache
+def forecaster() -> Forecaster:
+    return Forecaster(monitor(shared=False).estimator, members=20)
+
+
+def monitor(shared: bool = True, **options: object) -> BridgeMonitor:
+    one = BridgeMonitor(ship(), canal(), members=20, **options)
+    if shared:
+        one.forecaster = forecaster()
+    return one
+
+
+def indicated(t: float, y: float = 0.0, psi: float = 0.0, rudder: float = 0.0) -> dict[str, float]:
+    still = {"r": 0.0, "u": SPEED, "course": psi, "speed": SPEED, "rudder": rudder}
+    return {**still, "x": 600.0 + SPEED * t, "y": y + SPEED * math.sin(psi) * t, "psi": psi}
+
+
+def ticks(seconds: int, fault: Fault | None = None, **where: float) -> Iterator[Tick]:
+    hearing = Hearing()
+    for t in range(seconds):
+        lines = bridge_sentences(canal(), indicated(float(t), **where), BEGAN + t)
+        lines = fault(t, lines) if fault else lines
+        told = [hearing.told(one, float(t)) for one in sentences([line.encode() for line in lines], hearing.faults)]
+        yield Tick(BEGAN + t, [Entry(BEGAN + t, one) for one in told if one], dict(hearing.faults))
+
+
+@cache
+def calm_forecast() -> BankForecast:
+    return forecaster()(watched(ticks(5))[-1].estimate, {"rudder": 0.0})
+
+
+def calm(estimate: object, positions: object) -> BankForecast:
+    return calm_forecast()
+
+
+def watched(told: Iterator[Tick], one: BridgeMonitor | None = None) -> list[BridgeStatus]:
+    one = one or monitor()
+    return [one.update(tick, tick.t) for tick in told]
+
+
+def without(*kinds: str, start: int = 0, stop: int = 10**9) -> Fault:
+    return lambda t, lines: [
+        line for line in lines if not (start <= t < stop and any(kind in line[:8] for kind in kinds))
+    ]
