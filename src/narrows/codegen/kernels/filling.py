@@ -38,7 +38,7 @@ def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
     for cell in range(nodes - 1):
         for entry in range(8, 12):
             table[CELL_ENTRIES * cell + entry] = 0.0
-    return spacing
+    return spacing  # type: ignore[no-any-return]
 
 
 def node_value(table: Array, nodes: int, node: int, column: int) -> float:
