@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from compiled import needs_compiler
 from exported import bent, model_of, speed_of
+from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 import narrows as nw
@@ -89,15 +90,49 @@ def test_a_rudder_is_turned_by_its_gear_in_a_waterway(steered: Path) -> None:
         np.testing.assert_allclose(rows[name][:many], getattr(voyage, name)[:many], rtol=1e-10, atol=1e-10)
 
 
+@pytest.fixture(scope="module")
+def truth() -> dict[str, np.ndarray]:
+    """The same equations by Dormand and Prince's eighth order, each second."""
+    times = np.arange(1.0, 10.0)
+    solved = solve_ivp(
+        lambda t, z: nw.derivative(model_of("paper"), z), (0.0, 9.0), [START.get(name, 0.0) for name in POSE],
+        method="DOP853", t_eval=times, rtol=1e-12, atol=1e-13,
+    )  # fmt: skip
+    return {"time": times, **dict(zip(POSE, solved.y, strict=True))}
+
+
 @pytest.mark.parametrize("name", ["paper", "third"])
-def test_model_exchange_is_the_voyage_by_another_integrator(name: str, request: pytest.FixtureRequest) -> None:
-    paper = request.getfixturevalue(name)
-    voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=0.005, at=np.arange(1, 10, 1.0).tolist())
-    rows = sailed(paper, "ModelExchange", start_values=START, relative_tolerance=1e-10)
-    for name in POSE:
-        ours = np.interp(np.arange(1, 10, 1.0), rows["time"], rows[name])
-        np.testing.assert_allclose(ours, getattr(voyage, name)[1:10], rtol=1e-6, atol=1e-6)
+def test_model_exchange_is_the_solution_by_other_integrators(
+    name: str, request: pytest.FixtureRequest, truth: dict[str, np.ndarray]
+) -> None:
+    rows = sailed(request.getfixturevalue(name), "ModelExchange", start_values=START, relative_tolerance=1e-11)
+    there = np.isin(rows["time"].round(9), truth["time"])
+    for one in POSE:
+        np.testing.assert_allclose(rows[one][there], truth[one], rtol=1e-8, atol=1e-8)
     assert rows["aground"][-1] == 1
+
+
+def test_libcosim_sails_the_voyage(paper: Path) -> None:
+    """The Open Simulation Platform's co-simulation, FMI 2.0."""
+    pytest.importorskip("libcosimpy", reason="libcosimpy is not installed")
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    places = {one.name: one.valueReference for one in fmpy.read_model_description(str(paper)).modelVariables}
+    execution = CosimExecution.from_step_size(step_size=round(DT * 1e9))
+    ship = execution.add_local_slave(CosimLocalSlave(fmu_path=str(paper), instance_name="ship"))
+    for name, value in START.items():
+        execution.real_initial_value(ship, places[name], value)
+    seen = CosimObserver.create_last_value()
+    execution.add_observer(seen)
+    voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=DT)
+    for number in range(1, len(voyage.t) - 1):
+        execution.simulate_until(target_time=number * round(DT * 1e9))
+        values = seen.last_real_values(slave_index=ship, variable_references=[places[name] for name in POSE])
+        np.testing.assert_allclose(values, [getattr(voyage, name)[number] for name in POSE], rtol=1e-12, atol=1e-12)
+    execution.simulate_until(target_time=20_000_000_000)
+    assert seen.last_boolean_values(slave_index=ship, variable_references=[places["aground"]]) == [True]
 
 
 def test_derivatives_and_state(paper: Path) -> None:
