@@ -28,7 +28,7 @@ lint: .venv/dev
 
 # What CI runs: the demo, lint, types, the import contracts, the package, the newest Python, the site's pages and links, the
 # tests with README, docs, examples and small benchmarks.
-check: .venv/dev .venv/docs .venv/package
+check: .venv/dev .venv/docs .venv/package .venv/zig
 	$(MAKE) -j2 --output-sync=target demo lint package newest site-check
 	$(MAKE) test
 
@@ -93,6 +93,11 @@ lock:
 		--group package -o requirements/package.txt
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
 		pyproject.toml --group build --group docs -c requirements/dev.txt -o requirements/docs.txt
+
+# The same beside the environment, for the tests of WebAssembly alone: FMUs are then built for this machine, in seconds.
+.venv/zig: .venv/base requirements/compiler.txt
+	$(BIN)/python -m pip install --quiet --require-hashes --upgrade --target $@ -r requirements/compiler.txt
+	@touch $@
 
 clean:
 	rm -rf .venv out build dist docs/gallery docs/pictures docs/_static/ready docs/reference/api .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,8 +1,10 @@
 """Pages and their scripts: modules that Node runs, and pages that a headless Chromium opens."""
 
 import json
+import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +16,17 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.export.page.page_helm import helm_of
 from narrows.export.page.page_text import model_script
 from narrows.export.page.script_bundle import bundled
-from narrows.export.page.wasm_build import SHIP, lacks_zig
+from narrows.export.page.wasm_build import SHIP, lacks_zig, wasm_of
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 
 NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="no Node is here to run the scripts of a page with")
-needs_zig = pytest.mark.skipif(bool(lacks_zig()), reason="no ziglang is here to compile WebAssembly with")
+ZIG = Path(sys.prefix, "zig")
+"""Where ``make check`` has the compiler, for WebAssembly alone: the first FMU for every platform takes it minutes."""
+needs_zig = pytest.mark.skipif(
+    bool(lacks_zig()) and not (ZIG / "ziglang").exists(), reason="no ziglang is here to compile WebAssembly with"
+)
 SHAPE = {"most": 4096, "paths": 1024, "samples": 96}
 RUN = """
 import {{ readFileSync }} from "fs";
@@ -38,6 +44,13 @@ def on_page(model: nw.Model, speed: float) -> ExportedShip:
     """A ship as a page has it."""
     ship = SimulatedShip(model)
     return ExportedShip(ship, None, SHIP, steering_of(helm_of(model, speed)[0], ship.actuators))
+
+
+def wasm_here(exported: ExportedShip, single: bool = False) -> bytes:
+    """The module of a ship, by the compiler that is here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.pathsep.join([str(ZIG), *filter(None, [os.environ.get("PYTHONPATH")])]))
+        return wasm_of(exported, single)
 
 
 def fleet_ends(exported: ExportedShip, starts: np.ndarray, steps: int, wasm: Path | None, **told: float) -> np.ndarray:

@@ -160,7 +160,7 @@ def test_the_helm_of_a_page_steers_as_the_regulator_does(tmp_path: Path, browser
     helm = helm_of(model, 1.0)[0]
     assert helm is not None
     outcome = nw.simulate(
-        model, y=0.2, u=0.9, dt=3.984 / 200 / 0.9, duration=7 * 3.984 / 0.9, controller=helm.regulator
+        model, y=0.2, u=0.9, dt=3.984 / 200 / 0.9, duration=7 * 3.984 / 0.9, controller=helm.law
     ).outcome
     alone = page.evaluate("narrowsPage.scene.now.alone")
     assert (alone["kind"], outcome.kind) == ("sails", "afloat")

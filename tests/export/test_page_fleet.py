@@ -5,12 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from exported import model_of
-from pages import answer, fleet_ends, needs_node, needs_zig, on_page
+from pages import answer, fleet_ends, needs_node, needs_zig, on_page, wasm_here
 
 import narrows as nw
 from narrows.export.page.page_helm import helm_of
 from narrows.export.page.script_bundle import bundled
-from narrows.export.page.wasm_build import wasm_of
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.samples import _within
@@ -37,7 +36,7 @@ def test_ships_end_where_those_of_the_kernel_do(kind: str, tmp_path: Path) -> No
     exported, wasm = on_page(model, 1.0), None
     if kind != "plain":
         wasm = tmp_path / "fleet.wasm"
-        wasm.write_bytes(wasm_of(exported, kind == "single"))
+        wasm.write_bytes(wasm_here(exported, kind == "single"))
     starts, chosen = starts_of(7)
     ends = fleet_ends(exported, starts, STEPS, wasm)
     values = {**START, "X": 0.0, "Y": 0.0, "N": 0.0, "y": chosen["y"], "u": chosen["u"]}
@@ -52,35 +51,33 @@ def test_ships_end_where_those_of_the_kernel_do(kind: str, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("kind", ["plain", pytest.param("double", marks=needs_zig)])
-@pytest.mark.parametrize("steers", [True, False])
-def test_a_helm_steers_as_it_does_in_a_voyage(kind: str, steers: bool, tmp_path: Path) -> None:
+def test_a_helm_steers_as_it_does_in_a_voyage(kind: str, tmp_path: Path) -> None:
     model = model_of("steered")
     exported, wasm = on_page(model, 1.0), None
     if kind != "plain":
         wasm = tmp_path / "fleet.wasm"
-        wasm.write_bytes(wasm_of(exported, False))
+        wasm.write_bytes(wasm_here(exported))
     helm = helm_of(model, 1.0)[0]
     assert helm is not None
-    starts = np.zeros((2, 10))
-    starts[:, 1], starts[:, 2], starts[:, 4], starts[:, -1] = [0.5, -1.1], 1.0, 0.9, 0.02
-    told = {"law_steers": 1.0 if steers else -1.0, "law_ordered": 0.05}
-    if not steers:
-        starts[:, 7] = 0.05
-    ends = fleet_ends(exported, starts, 1000, wasm, **told)
-    for row, end in zip(starts, ends, strict=True):
-        controller = helm.law if steers else nw.ConstantRudder(0.05)
-        start = {"y": row[1], "u": 0.9, "rudder": row[7]}
-        outcome = nw.simulate(model, **start, duration=20.0, dt=0.02, controller=controller).outcome
-        assert outcome.kind == {0: "afloat", 1: "grounded", 3: "outside"}[int(end[-1])]
-        # The helm is asked once more within the step that ends a voyage: for the shorter step.
-        assert np.abs(end[:2] - [outcome.state["x"], outcome.state["y"]]).max() < 1e-5
+    for steers in (True, False):
+        starts = np.zeros((2, 10))
+        starts[:, 1], starts[:, 2], starts[:, 4], starts[:, -1] = [0.5, -1.1], 1.0, 0.9, 0.02
+        starts[:, 7] = 0.0 if steers else 0.05
+        told = {"law_steers": 1.0 if steers else -1.0, "law_ordered": 0.05}
+        for row, end in zip(starts, fleet_ends(exported, starts, 1000, wasm, **told), strict=True):
+            controller = helm.law if steers else nw.ConstantRudder(0.05)
+            start = {"y": row[1], "u": 0.9, "rudder": row[7]}
+            outcome = nw.simulate(model, **start, duration=20.0, dt=0.02, controller=controller).outcome
+            assert outcome.kind == {0: "afloat", 1: "grounded", 3: "outside"}[int(end[-1])]
+            # The helm is asked once more within the step that ends a voyage: for the shorter step.
+            assert np.abs(end[:2] - [outcome.state["x"], outcome.state["y"]]).max() < 1e-5
 
 
 @needs_zig
 def test_roots_and_odd_powers_are_those_of_the_library(tmp_path: Path) -> None:
     """By a table of one's own that asks for both: WebAssembly has no C library to call."""
     exported, wasm = on_page(model_of("own"), 1.0), tmp_path / "fleet.wasm"
-    wasm.write_bytes(wasm_of(exported, False))
+    wasm.write_bytes(wasm_here(exported))
     starts = starts_of(7)[0][::100]
     plain, ends = (fleet_ends(exported, starts, 500, path) for path in (None, wasm))
     assert np.array_equal(ends[:, -1], plain[:, -1])
