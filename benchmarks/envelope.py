@@ -12,7 +12,7 @@ from common import median_seconds, show, sizes
 from scipy.optimize import root
 
 import narrows as nw
-from narrows.captive.measured import measured_files
+from narrows.identification.bundled_ship import bundled_ship
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.held_trials import LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
@@ -21,14 +21,11 @@ from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
 
 OFFSETS, SPEEDS = np.linspace(-60, 60, 41), np.linspace(2.0, 7.0, 25)
-TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 
 
 def full_scale() -> nw.Model:
     """The KCS at 50 % clearance, 230 m long in a canal 300 m wide."""
-    terms = table_named("speed+helm")
-    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    return nw.scale_model(nw.identify(tests, terms).model, 230.0, 1025.0, width=300.0, depth=16.2).model
+    return bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm"))
 
 
 def one_by_one(model: nw.Model, y: float, u: float) -> None:

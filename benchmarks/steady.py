@@ -14,9 +14,8 @@ from common import interleaved, show, sizes
 from scipy.optimize import least_squares
 
 import narrows as nw
-from narrows.captive.measured import measured_files
+from narrows.identification.bundled_ship import bundled_ship
 
-TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 LENGTH, WIDTH, SPEED, OFFSET = 399.94, 205.0, 4.1, 5.0
 CONDITIONS = nw.SteadyConditions(
     wind_change=0.0, heading_zero_deg=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0
@@ -28,8 +27,7 @@ SHARED = (0, 1, 2, 3, 5)
 
 def ship() -> nw.Model:
     """The KCS at 50 % clearance and at full size, of whose covariance some coefficients are free."""
-    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    model = nw.scale_model(nw.identify(tests, nw.STEERED).model, LENGTH, 1025.0, width=WIDTH).model
+    model = bundled_ship(LENGTH, WIDTH)
     free = np.array([name in FREE for name in model.terms.names])
     return replace(model, covariance=model.covariance * np.outer(free, free))
 

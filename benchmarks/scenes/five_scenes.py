@@ -16,11 +16,17 @@ Push = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Scene:
-    """What happens in ten minutes: the lines to hold (time, offset), pushes (from, to, Y, N), where."""
+    """What happens in ten minutes: the lines to hold (time, offset), pushes (from, to, Y, N), where it begins."""
 
     lines: tuple[tuple[float, float], ...]
     pushes: tuple[Push, ...] = ()
     waterway: Waterway | None = None
+    begins: float | None = None
+
+    @property
+    def start(self) -> float:
+        """The offset at the start: on the first line unless it begins elsewhere."""
+        return self.wanted(0.0) if self.begins is None else self.begins
 
     def wanted(self, t: float) -> float:
         """The offset to hold."""
@@ -30,6 +36,12 @@ class Scene:
         """Sway force and yaw moment."""
         acting = [(Y, N) for start, stop, Y, N in self.pushes if start <= t < stop]
         return (sum(Y for Y, _ in acting), sum(N for _, N in acting))
+
+    def forces(self) -> dict[str, list[tuple[float, float]]]:
+        """Sway force and yaw moment as ``simulate`` takes them: each from a time on."""
+        times = sorted({time for start, stop, *_ in self.pushes for time in (start, stop)})
+        each = [(float(time), self.push(time)) for time in times]
+        return {name: [(time, push[place]) for time, push in each] for place, name in enumerate("YN") if each}
 
 
 def bend(model: nw.Model) -> Waterway:
@@ -43,11 +55,16 @@ def bend(model: nw.Model) -> Waterway:
     return Waterway(line, Bank("starboard", ends, half), Bank("port", ends, half), (ends, np.full(2, canal.depth)))
 
 
-def scenes(model: nw.Model) -> dict[str, Scene]:
-    """The five scenes of one ship."""
+def moment_of_rudder(model: nw.Model) -> float:
+    """Of a radian [N m], by the linear system."""
     linear = nw.control.linearize(model, y=0.0, u=SPEED)
     turn = linear.states.index("r")
-    moment = float(linear.B[turn, 0] / linear.G[turn, linear.disturbances.index("N")])  # of a radian of rudder
+    return float(linear.B[turn, 0] / linear.G[turn, linear.disturbances.index("N")])
+
+
+def scenes(model: nw.Model, moment: float | None = None) -> dict[str, Scene]:
+    """The five scenes of one ship; pushes by the yaw moment of a radian of rudder, the linear system's unless given."""
+    moment = moment_of_rudder(model) if moment is None else moment
     gust, storm = nw.wind_force(15.0, AREA), nw.wind_force(18.0, AREA)
     six, five = np.radians(6) * moment, np.radians(5) * moment
     return {

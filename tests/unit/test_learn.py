@@ -73,6 +73,21 @@ def test_what_was_left_out_is_foretold_better() -> None:
     assert all(0 < share < 1 for share in shares)
 
 
+@pytest.mark.parametrize("ratio", [0.65, 1.3])
+def test_the_log_of_another_ship_is_said_to_be_one_before_anything_is_learned(ratio: float) -> None:
+    """Of the same form and of another length."""
+    other = nw.scale_model(kvlcc2(), ratio * kvlcc2().ship.length).model
+    law, free = nw.Zigzag(20 * D, 20 * D), {"contact": "none", "surge": "free"}
+    voyage = nw.simulate(other, u=7.0, duration=900.0, dt=1.0, controller=law, **free)
+    turns = np.full(len(voyage), other.configuration.propeller.revolutions)
+    told = {name: nw.Signal(voyage.t, voyage[name]) for name in MANOEUVRES} | {
+        "revolutions": nw.Signal(voyage.t, turns)
+    }
+    found = nw.learn(kvlcc2(), [nw.ShipRecord("another", told)], sensors="basin", spread=0.1)
+    assert found.disagrees
+    assert "another ship" in found.summary().splitlines()[0]
+
+
 def test_the_answer_says_what_was_learned_and_what_holds_the_rest() -> None:
     found = learned()
     first = found.summary().splitlines()[0]

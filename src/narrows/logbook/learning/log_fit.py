@@ -19,6 +19,8 @@ UNLIKELY = 1e-3
 """Probability under which log and prior are said to disagree."""
 STRONG = 4.0
 """Times the usual gusts, from which pushes are said to be none: of twins in gusts alone one in fifty comes so far."""
+HEADING_LEFT = np.radians(0.5)
+"""Of readings of the heading [rad], over which more is left than a compass errs."""
 FAR = 3.0
 """Standard deviations before, from which a coefficient is named."""
 
@@ -132,9 +134,26 @@ class LogFit(LearnedAnswer):
             f"Motion tells of forces over inertia: {', '.join(self.held)} "
             f"{'holds' if len(self.held) == 1 else 'hold'} the rest, as before the log."
         )
-        search = ("The search did not come to rest; take the numbers with care.",) * (not self.settled)
         open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
-        return (*search, *self._disagreement, *self._pushed, *together, inertia, *self.about, *open_water, ON_TWINS)
+        return (*self._doubts, *together, inertia, *self.about, *open_water, ON_TWINS)
+
+    @property
+    def _doubts(self) -> tuple[str, ...]:
+        return (*self._search, *self._disagreement, *self._left, *self._pushed)
+
+    @property
+    def _search(self) -> tuple[str, ...]:
+        return ("The search did not come to rest; take the numbers with care.",) * (not self.settled)
+
+    @property
+    def _left(self) -> tuple[str, ...]:
+        if "psi" not in self.noise or self.noise["psi"].size < HEADING_LEFT:
+            return ()
+        left = np.degrees(self.noise["psi"].size)
+        return (
+            f"The model after the log still misses the heading by {left:.1f} deg, more than a compass errs: its "
+            "terms do not follow this log, as where that is of another ship or draft.",
+        )
 
     @property
     def _disagreement(self) -> tuple[str, ...]:
@@ -144,8 +163,8 @@ class LogFit(LearnedAnswer):
         named = f", most of all {', '.join(c.name for c in far)}" if far else ""
         return (
             f"The log and what was known before disagree{named}: a sum of squares of {self.disagreement:.0f}, "
-            f"{self.freedom} expected. One of them errs, or their errors are larger than they say: what the log tells "
-            f"is taken for {self.widened:.1f} times less sure.",
+            f"{self.freedom} expected. One of them errs, their errors are larger than they say, or the log is of "
+            f"another ship or draft: what the log tells is taken for {self.widened:.1f} times less sure.",
         )
 
     @property
@@ -159,7 +178,7 @@ class LogFit(LearnedAnswer):
         )
 
     def summary(self) -> str:
-        """Say what was learned, what still comes from the prior, and how much better the model foretells."""
+        """Say what is in doubt, what was learned, what still comes from the prior, and how well the model foretells."""
         bank = [c for c in self.coefficients.values() if c.from_bank and c.prior_std > 0]
         learned = [c.name for c in self.coefficients.values() if c.word == LEARNED and not c.from_bank]
         open_still = [c.name for c in self.coefficients.values() if c.word == PRIOR and c.prior_std > 0]
@@ -167,8 +186,7 @@ class LogFit(LearnedAnswer):
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
         rest = f" From the prior still: {', '.join(open_still)}." if open_still else ""
-        caveats = (*self._disagreement, *self._pushed)
-        return "\n".join(filter(None, (first + rest, *caveats, self._foretold, self._gusty, ON_TWINS)))
+        return "\n".join(filter(None, (*self._doubts, first + rest, self._foretold, self._gusty, ON_TWINS)))
 
     @property
     def _foretold(self) -> str:
@@ -176,7 +194,8 @@ class LogFit(LearnedAnswer):
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
         words = f"Forecasts over 3.5 ship lengths miss the heading by {np.degrees(after):.2g} deg"
-        return f"{words} on records that were left out, {np.degrees(before):.2g} deg before."
+        worse = ": the log made them no better" * (after >= before)
+        return f"{words} on records that were left out, {np.degrees(before):.2g} deg before{worse}."
 
     @property
     def _gusty(self) -> str:
