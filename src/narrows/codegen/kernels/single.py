@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from narrows.codegen.kernels.event import (
     BACK,
     CLOCK,
-    CLOSED,
     COUNT,
     FINISHED,
     LOST,
     NEXT,
     PLACES,
     TRIES,
+    Book,
     begin,
     cleared,
     judge,
@@ -103,6 +103,23 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
     return AFLOAT if closeness[0] == 0.0 and fate == ASTERN else fate  # The first point of a waterway is in it.
 
 
+def planned(book: Book, length: float, duration: float) -> None:
+    """Plan whole steps and, where the time is no multiple of them, the rest."""
+    count = 1.0 * floor(duration / length + 1e-9)
+    rest = duration - count * length
+    begin(book, length, count, rest if rest > 1e-9 * length else 0.0)
+
+
+def ended(fate: int, state: Array, before: float, now: float, constants: Constants, waterway: Place) -> int:
+    """What ended a voyage that is lost, closed or finished, by the room before the step and after."""
+    if fate == FINISHED:
+        return AFLOAT
+    if fate == LOST and before > constants.near_bank:
+        return DIVERGED
+    drawn = fate == LOST or now > TOLERANCE
+    return cause_of(state, constants, waterway, constants.near_bank if drawn else TOLERANCE)
+
+
 def sail(
     state: Array, inputs: Inputs, constants: Constants, waterway: Place, length: float, duration: float, end: Array
 ) -> int:
@@ -110,9 +127,7 @@ def sail(
     book = [0.0] * PLACES
     after = [0.0] * (KEPT + 2)
     closeness = [0.0] * 2
-    count = 1.0 * floor(duration / length + 1e-9)
-    rest = duration - count * length
-    begin(book, length, count, rest if rest > 1e-9 * length else 0.0)
+    planned(book, length, duration)
     fate = begun(state, closeness, constants, waterway)
     end[0], end[1] = 0.0, closeness[1]
     if fate != AFLOAT:
@@ -138,18 +153,12 @@ def sail(
             before = closeness[0]
         fate = judge(book, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
         end[0] = book[CLOCK]
-        if fate == LOST:
-            if before <= constants.near_bank:
-                return cause_of(state, constants, waterway, constants.near_bank)
-            return DIVERGED
-        if fate != BACK:
+        if fate != LOST and fate != BACK:
             for number in range(KEPT):
                 state[number] = after[number]
             end[1] = lean
-        if fate == CLOSED:
-            return cause_of(state, constants, waterway, constants.near_bank if now > TOLERANCE else TOLERANCE)
-        if fate == FINISHED:
-            return AFLOAT
+        if fate >= FINISHED:
+            return ended(fate, state, before, now, constants, waterway)
         room(state, closeness, constants, waterway)
         left, before = book[COUNT], closeness[0]
     return AFLOAT
