@@ -61,6 +61,10 @@ def test_a_current_along_the_canal_is_not_taken_for_speed() -> None:
         x = record["x"]
         over_ground = (x.values[-1] - x.values[0]) / (x.t[-1] - x.t[0])
         assert own.zeros["current_x"] == pytest.approx(over_ground - SPEED, abs=0.1)
+        assert own.forecasts is not None
+        foretold = own.forecasts[1]
+        off = (foretold.states[foretold.ends] - foretold.likely)[:, 0]
+        assert np.abs(off).max() < 40.0  # of some 1400 m
 
 
 def test_in_bends_the_yaw_rate_counts_the_turning_of_the_line() -> None:

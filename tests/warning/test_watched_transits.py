@@ -34,7 +34,7 @@ def test_recorded_transits_are_scored() -> None:
     leads = dict(zip(PREDICTORS, scores.leads["aground"], strict=True))
     assert 30.0 > leads["caution"] >= leads["alarm"] > 10.0
     assert scores.to_dataframe().loc["caution", "missed"] == (leads["caution"] < NEEDED)
-    assert "1 transits with a contact" in scores.summary()
+    assert "1 transit with a contact" in scores.summary()
     assert any("mute" in note for note in scores.notes)
     with pytest.raises(nw.InputError, match="cannot tell contacts"):
         score_transits(transits, limit=25.0)

@@ -83,7 +83,8 @@ class TransitScores(Described):
 
     def summary(self) -> str:
         """Say what became of the transits, and of each predictor what it missed and told in vain."""
-        lines = [f"{self.contacts} transits with a contact, {self.near} that came near, {self.quiet} quiet ones."]
+        met = f"{self.contacts} {'transit' if self.contacts == 1 else 'transits'} with a contact"
+        lines = [f"{met}, {self.near} that came near, {self.quiet} quiet ones."]
         for row in self.rows:
             lead = f", {row.lead:.0f} s before it (median)" if math.isfinite(row.lead) else ""
             vain = f"in vain in {row.false} of {self.quiet}"
