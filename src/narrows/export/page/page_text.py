@@ -20,6 +20,10 @@ DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", 
 """Which the page's numbers say already."""
 UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
 """Fields of a structure unpacked one after another."""
+MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
+"""Behind a number of the model's text."""
+IN_A_ROW = re.compile(r"(?:^const \w+=.*;\n){2,}", re.MULTILINE)
+"""Lines of the model's text that name a number each."""
 MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
 
 
@@ -71,8 +75,12 @@ def model_script(exported: ExportedShip) -> str:
         The ship.
     """
     text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
-    text = UNPACKED.sub(_destructured, DEFAULTS.sub("", text))
-    return MODEL.format(SUMS.sub(r"\1", text))
+    text = UNPACKED.sub(_destructured, DEFAULTS.sub("", MEANING.sub("", text)))
+    return MODEL.format(IN_A_ROW.sub(_together, SUMS.sub(r"\1", text)))
+
+
+def _together(match: re.Match[str]) -> str:
+    return match[0][:-1].replace(";\nconst ", ",\n") + "\n"
 
 
 def _destructured(match: re.Match[str]) -> str:

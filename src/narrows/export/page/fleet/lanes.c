@@ -14,7 +14,7 @@ enum { LANES = 64, STATES = LANE_STATES, PARAMETERS = sizeof(lane_parameters) / 
 
 typedef real row[LANES];
 typedef unsigned long long __attribute__((may_alias)) bits;
-static row now[STATES], before[STATES], constant[CONSTANTS], pace, stop;
+static row now[STATES], before[STATES], constant[CONSTANTS], pace, stop, lost;
 static lane_inputs lane_told;
 static ship_inputs ship_told;
 
@@ -27,7 +27,11 @@ static int march(void) {
         real *k = (real *)&own;
         UNROLLED for (int j = 0; j < CONSTANTS; ++j) k[j] = constant[j][lane];
         UNROLLED for (int j = 0; j < STATES; ++j) before[j][lane] = state[j] = now[j][lane];
+        /* The canal is straight: a step from x = 0 is as far as it comes, and is added with what rounding lost (Kahan). */
+        state[LANE_X] = 0;
         lane_step(state, state, pace[lane], &lane_told, &own);
+        const real more = state[LANE_X] - lost[lane], sum = before[LANE_X][lane] + more;
+        lost[lane] = (sum - before[LANE_X][lane]) - more, state[LANE_X] = sum;
         UNROLLED for (int j = 0; j < STATES; ++j) now[j][lane] = state[j];
         const int slow = (fabs(state[LANE_U]) < LANE_MOST_SPEED) & (fabs(state[LANE_V]) < LANE_MOST_SPEED);
         stop[lane] = slow & (fabs(state[LANE_R]) < LANE_MOST_RATE) & (state[LANE_STATES] > 0) ? (real)0 : (real)1;
@@ -46,7 +50,7 @@ static void load(int lane, const double *state, const double *parameters, double
     lane_prepare(&own, &made);
     for (int j = 0; j < CONSTANTS; ++j) constant[j][lane] = ((const real *)&made)[j];
     for (int j = 0; j < STATES; ++j) now[j][lane] = before[j][lane] = (real)state[j];
-    pace[lane] = (real)step;
+    pace[lane] = (real)step, lost[lane] = 0;
 }
 
 /* An idle lane stands in the middle, where nothing asks for attention. */
