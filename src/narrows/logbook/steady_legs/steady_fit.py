@@ -21,6 +21,12 @@ SHARED = {
 }  # fmt: skip
 """What legs share: words, unit to print it in, how many of it one in SI is."""
 
+WHOSE = (
+    "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer agree, "
+    "and a rudder of the wrong sign may; see to ship, draft and signs."
+)
+"""What a balance with so much unknown cannot tell."""
+
 
 @dataclass(frozen=True, repr=False)
 class SteadyFit(LearnedAnswer):
@@ -72,7 +78,8 @@ class SteadyFit(LearnedAnswer):
         told = [f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
                 for name, other, by in together]  # fmt: skip
         taken = f"Taken for granted: {self.conditions.summary()}."
-        return (*self.checks.findings, *told, taken, ON_TWINS)
+        whose = () if self.checks.contradicted else (WHOSE,)
+        return (*self.checks.findings, *told, taken, *whose, ON_TWINS)
 
     def summary(self) -> str:
         """Say what was learned, what still comes from the tests, and whether the legs agree."""
