@@ -47,7 +47,7 @@ def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[Nat
     fmi : int
         Of the standard, 2 or 3.
     """
-    header, variables = c_text(exported), variables_of(exported, speed, dt)
+    header, variables = c_text(exported), variables_of(exported, speed, dt, fmi)
     token = hashlib.sha256(f"{header} {speed!r} {dt!r} {fmi}".encode()).hexdigest()[:32]
     sources = {"ship.h": header, "choices.h": _choices(exported, token, speed, dt)}
     sources |= {name: (files("narrows.export") / "fmi" / name).read_text("utf-8") for name in SOURCES[fmi]}

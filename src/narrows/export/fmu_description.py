@@ -12,6 +12,7 @@ from narrows.quantities.names import MOTION
 
 HEADING = "heading, positive clockwise seen from above"
 CLEARANCES = {"clearance_starboard": "starboard", "clearance_port": "port"}
+INDICATORS = {"contact_starboard": "starboard", "contact_port": "port"}
 PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
 
 
@@ -49,7 +50,7 @@ class FmuVariable:
     truth: bool = False
 
 
-def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVariable, ...]:
+def variables_of(exported: ExportedShip, speed: float, dt: float, fmi: int) -> tuple[FmuVariable, ...]:
     """Return the variables of an FMU, by the order of their references (ours).
 
     Parameters
@@ -60,8 +61,17 @@ def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVa
         That it starts with.
     dt : float [s]
         Longest step of co-simulation.
+    fmi : int
+        Of the standard: 3 has event indicators among the variables, beside the outputs.
     """
-    return tuple(_variables(exported, speed, dt))
+    variables = tuple(_variables(exported, speed, dt))
+    return variables if fmi < 3 else (*variables, *_indicators(len(variables)))
+
+
+def _indicators(first: int) -> Iterator[FmuVariable]:
+    for place, (name, side) in enumerate(INDICATORS.items(), first):
+        meaning = f"event indicator: the room to {side}, below 0 once the hull has touched"
+        yield FmuVariable(name, place, "local", "continuous", "calculated", "m", meaning)
 
 
 def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuVariable]:
@@ -122,10 +132,13 @@ def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...],
     """
     outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
     rates = [index for index, one in enumerate(variables, 1) if one.derivative]
-    first = [index for index, one in enumerate(variables, 1) if one.initial == "calculated"]
+    first = [
+        index for index, one in enumerate(variables, 1) if one.initial == "calculated" and one.name not in INDICATORS
+    ]
     return rendered(
         f"fmi{fmi}.xml.j2", exported, variables=variables, token=token, version=version("narrows"), number=repr,
         name=commented(exported.ship.model.configuration.ship.name), about=commented(" ".join(exported.about())),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in variables)},
         structure={"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": first},
+        indicators=[one.reference for one in variables if one.name in INDICATORS],
     )  # fmt: skip

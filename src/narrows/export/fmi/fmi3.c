@@ -137,7 +137,7 @@ EXPORT S fmi3SetContinuousStates(C c, const fmi3Float64 x[], size_t n) {
     return n == STATES ? fmi3OK : fmi3Error;
 }
 EXPORT S fmi3GetContinuousStateDerivatives(C c, fmi3Float64 d[], size_t n) { EACH(n) d[i] = get(c, DER_X + (unsigned)i); return fmi3OK; }
-EXPORT S fmi3GetEventIndicators(C c, fmi3Float64 e[], size_t n) { EACH(n) e[i] = get(c, AGROUND) != 0.0 ? -1.0 : get(c, STARBOARD + (unsigned)i); return fmi3OK; }
+EXPORT S fmi3GetEventIndicators(C c, fmi3Float64 e[], size_t n) { EACH(n) e[i] = get(c, INDICATORS + (unsigned)i); return fmi3OK; }
 EXPORT S fmi3GetContinuousStates(C c, fmi3Float64 x[], size_t n) { EACH(n) x[i] = get(c, X + (unsigned)i); return fmi3OK; }
 EXPORT S fmi3GetNominalsOfContinuousStates(C c, fmi3Float64 x[], size_t n) { EACH(n) x[i] = 1; return ok(c); }
 EXPORT S fmi3GetNumberOfEventIndicators(C c, size_t *n) { *n = 2; return ok(c); }

@@ -9,7 +9,8 @@ enum {
     TIME, X, Y, PSI, U, V, R, DER_X, DER_Y, DER_PSI, DER_U, DER_V, DER_R, STARBOARD, PORT, AGROUND, STEP, GEAR,
     INPUTS = GEAR + GEARED,
     PARAMETERS = INPUTS + sizeof(ship_inputs) / sizeof(double),
-    COUNT = PARAMETERS + sizeof(ship_parameters) / sizeof(double)
+    INDICATORS = PARAMETERS + sizeof(ship_parameters) / sizeof(double),
+    COUNT = INDICATORS + 2
 };
 enum { STATES = 6, MODEL_EXCHANGE = 0 };
 static const double TOUCHED = 1e-6; /* [m] room at which an importer's event is taken for a contact */
@@ -71,6 +72,7 @@ static void refresh(Instance *m) {
     w[DER_U] = rate[4], w[DER_V] = rate[5], w[DER_R] = rate[6];
     if (w[AGROUND] != 0.0) memset(w + DER_X, 0, STATES * sizeof(double));
     ship_clearance(z, w + STARBOARD, CLEARANCE_OF);
+    for (int i = 0; i < 2; ++i) w[INDICATORS + i] = w[AGROUND] != 0.0 ? -1.0 : w[STARBOARD + i];
     m->stale = 0;
 }
 
