@@ -71,7 +71,7 @@ def _answer(refined: Refined, grid: RecordGrid, told: RecordTold, drawn: bool) -
     prior, found, problem = refined.problem.prior, refined.found, refined.problem
     whole = np.diag(scaled_covariance(prior, found.information))
     without = scaled_covariance(prior, found.information - told.information)
-    moved = np.where(prior.moves, without @ (told.pull * prior.moves), 0.0)
+    moved = np.where(prior.moves, without @ (found.pull_of(told) * prior.moves), 0.0)
     gone = np.clip(1 - whole / np.diag(without), 0.0, 1.0)
     before_it = np.zeros(len(moved))  # which is what is known without the only record, too
     without_it = found.scaled - moved if len(found.told) > 1 else before_it

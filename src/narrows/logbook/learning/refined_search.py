@@ -8,24 +8,22 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_chain
-from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.log_search import ENOUGH, NEARLY_ENOUGH, Found, RecordState, searched
+from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, Found, RecordState, searched
 from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage
 
-ROUNDS, SETTLED = 7, 0.2
+ROUNDS, SETTLED = 10, 0.2
 """Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
-SHARE = 0.7
-"""Of a change of how wide windows are left, that is taken: less is left where it was taken."""
-OF_GUSTS, FARTHEST = 3, 4.0
-"""Rounds in which gusts are estimated, and standard errors that a change of how wide windows are left may move
-coefficients by."""
-SAMPLES, SAMPLES_ALONE = 8, 64
+FIRST_STEPS = (0, 2, 4)
+"""Of the search before the first estimates: with gusts too weak many records would lead it far away."""
+OF_GUSTS = 5
+"""Rounds in which gusts are estimated."""
+SAMPLES, SAMPLES_ALONE = 24, 64
 """Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
 WORSE = 1.2
 """Over the noise of a grade, from which what is left of a signal counts instead."""
@@ -81,42 +79,36 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     sampled, least = _sampled(len(states), problem.linked), source.assumptions.least_noise
     usual = problem.chain
     for number in range(ROUNDS):
-        found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH)
+        steps = FIRST_STEPS[number] if number < len(FIRST_STEPS) else MOST_STEPS
+        found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH, steps)
         if found.interrupted:
             return Refined(problem, found, tuple(states), noise_left(source, found), usual)
         try:
             after = _reestimated(problem, source, states, found, least, usual if number < OF_GUSTS else None)
         except KeyboardInterrupt:
             return Refined(problem, replace(found, interrupted=True), tuple(states), noise_left(source, found), usual)
-        problem, scaled, moved = after, found.scaled, _moved(problem, after, found)
+        problem, scaled, moved = after, found.scaled, _moved(problem, after)
         if moved < SETTLED:
             break
-    found = _searched(problem, scaled, source, states, sampled, ENOUGH)
+    found = _searched(problem, scaled, source, states, sampled, ENOUGH, MOST_STEPS)
     return Refined(problem, found, tuple(states), noise_left(source, found), usual)
 
 
-def _far(problem: LogProblem, found: Found, turn: np.ndarray) -> float:
-    """How far a change of slope moves the coefficients, in standard errors."""
-    moves, windows = problem.prior.moves, sum(len(told.own.starts) for told in found.told)
-    whole = (found.information + problem.prior.precision)[np.ix_(moves, moves)]
-    return float(windows * np.sqrt(turn[moves] @ np.linalg.solve(whole, turn[moves])))
-
-
-def _samples(source: GridSource, found: Found, states: Sequence[RecordState]) -> list[ChainSample]:
+def _samples(found: Found) -> list[ChainSample]:
     """Records whose equations are kept."""
     return [
-        ChainSample(grid, told, state.links)
-        for grid, told, state in zip(source, found.told, states, strict=False)
-        if told.best is not None and state.links is not None
+        ChainSample(told.grid, told, told.links)
+        for told in found.told
+        if told.grid is not None and told.links is not None
     ]
 
 
 def _searched(
     problem: LogProblem, scaled: np.ndarray, source: GridSource, states: Sequence[RecordState], sampled: frozenset[int],
-    enough: float,
+    enough: float, steps: int,
 ) -> Found:  # fmt: skip
     with stage("fitting the records"):
-        found = searched(problem, scaled, source, states, sampled, enough)
+        found = searched(problem, scaled, source, states, sampled, enough, steps)
     if found is None:
         raise InputError(RUNS_AWAY)
     return found
@@ -146,12 +138,9 @@ def _reestimated(
         return problem.with_noise(_noise_alone(problem, found, left, least))
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
-    samples = _samples(source, found, states)
     if usual is not None:
-        problem = replace(problem, chain=most_likely_chain(problem, samples, usual))
-    turn = SHARE * (determinant_slope(problem, samples, found.scaled) - problem.determinant_slope)
-    turn *= min(1.0, FARTHEST / max(_far(problem, found, turn), FARTHEST))
-    return replace(problem, determinant_slope=problem.determinant_slope + turn)
+        problem = replace(problem, chain=most_likely_chain(problem, _samples(found), usual))
+    return problem
 
 
 def _noise_alone(
@@ -165,9 +154,8 @@ def _noise_alone(
     return {name: float(factor * size) for name, size in counted.items()}
 
 
-def _moved(before: LogProblem, after: LogProblem, found: Found) -> float:
-    """The largest change of a logarithm, or of the coefficients by how wide windows are left, in standard errors."""
-    far = _far(after, found, after.determinant_slope - before.determinant_slope) if after.linked else 0.0
+def _moved(before: LogProblem, after: LogProblem) -> float:
+    """The largest change of a logarithm."""
     pairs = [(before.noise[name], size) for name, size in after.noise.items()]
     pairs += list(zip(before.chain.std.tolist(), after.chain.std.tolist(), strict=True))
-    return max(far, *(abs(float(np.log(new / old))) for old, new in pairs if old > 0 and new > 0))
+    return max((abs(float(np.log(new / old))) for old, new in pairs if old > 0 and new > 0), default=0.0)

@@ -100,6 +100,18 @@ class Eliminated:
         step: np.ndarray = self.alone - self.by_border[:, : len(border)] @ border
         return step.reshape(-1, self.size)
 
+    def followed(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return how the windows and the first of the border follow the rest of it, (windows, m, b - k) and (k, b - k).
+
+        Parameters
+        ----------
+        count : int
+            How many of the border, k, are at their best as well.
+        """
+        first = -np.linalg.solve(self.corner[:count, :count], self.corner[:count, count:])
+        windows = -(self.by_border[:, count:] + self.by_border[:, :count] @ first)
+        return windows.reshape(-1, self.size, windows.shape[1]), first
+
     def without(self, count: int) -> "Eliminated":
         """Solve for the first of the border as well, and return what is left of it.
 

@@ -5,49 +5,68 @@ the coefficients err by it. Integrated out instead, they leave the determinant o
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from narrows.logbook.shooting.chain_likelihood import ChainSample
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.window_equations import window_equations
-from narrows.logbook.shooting.window_links import banded
+from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.window_equations import RecordUnknowns, window_equations
+from narrows.logbook.shooting.window_links import WindowLinks, banded
 
 STEP = 0.02
 """Of a difference, in standard deviations before."""
 
 
-def determinant_slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> np.ndarray:
+class WindowedRecord(NamedTuple):
+    """A record with its windows.
+
+    Parameters
+    ----------
+    grid : RecordGrid
+        The record.
+    own : RecordUnknowns
+        Where its windows stand.
+    links : WindowLinks
+        Between them.
+    """
+
+    grid: RecordGrid
+    own: RecordUnknowns
+    links: WindowLinks
+
+
+def determinant_slope(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.ndarray) -> np.ndarray:
     """Return the slope of half the logarithm of the determinant of a window by the coefficients, (p,) [1] (ours).
 
     Parameters
     ----------
     problem : LogProblem
         What is solved for.
-    samples : sequence of ChainSample
-        Records, with their equations at their best.
+    samples : sequence of WindowedRecord
+        Records, at their best.
     scaled : array (p,) [1]
         The coefficients there.
 
     Returns
     -------
     array (p,)
-        As it was known before where the windows or their motion have no finite one.
+        None where the windows or their motion have no finite one.
 
     References
     ----------
     Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
     81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
     """
-    before = problem.determinant_slope + np.zeros(len(scaled))
+    none = np.zeros(len(scaled))
     try:
         slope = _slope(problem, samples, scaled)
     except np.linalg.LinAlgError:  # Windows of which nothing is known.
-        return before
-    return slope if np.isfinite(slope).all() else before
+        return none
+    return slope if np.isfinite(slope).all() else none
 
 
-def _slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> np.ndarray:
+def _slope(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.ndarray) -> np.ndarray:
     slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
     at = _determinant(problem, samples, scaled)
     for place in np.flatnonzero(problem.prior.moves):
@@ -56,12 +75,11 @@ def _slope(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarr
     return slope / (2 * STEP * max(windows, 1))
 
 
-def _determinant(problem: LogProblem, samples: Sequence[ChainSample], scaled: np.ndarray) -> float:
+def _determinant(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.ndarray) -> float:
     """The logarithm of that of all that records have of their own, where they stood."""
     motion, whole = problem.at(scaled).of_records, 0.0
-    for sample in samples:
-        own = sample.told.own
-        found = window_equations(problem, motion, scaled, sample.grid, own)
-        left = banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros))
+    for grid, own, links in samples:
+        found = window_equations(problem, motion, scaled, grid, own)
+        left = banded(problem, grid, own, found, links).eliminated().without(len(own.zeros))
         whole += left.determinant
     return whole

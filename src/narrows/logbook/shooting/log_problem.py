@@ -121,8 +121,6 @@ class LogProblem:
         Whether a window begins where the one before ends.
     outlier : float [1]
         Residual over its noise beyond which a reading counts less (Huber).
-    determinant_slope : array (p,) [1]
-        How half the logarithm of the determinant of a window moves with the coefficients, where windows are linked.
     """
 
     motion: RecordedMotion
@@ -133,7 +131,6 @@ class LogProblem:
     noise: Mapping[str, float] = field(default_factory=dict)
     linked: bool = False
     outlier: float = 4.0
-    determinant_slope: np.ndarray = field(default_factory=lambda: np.zeros(1))
 
     @property
     def local(self) -> int:

@@ -10,19 +10,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from narrows.identification.regression.solve import solve
+from narrows.logbook.shooting.determinant_slope import WindowedRecord, determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import RecordGrid
-from narrows.logbook.shooting.record_search import RecordBest, record_best
+from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordBest, record_best
 from narrows.logbook.shooting.window_equations import RecordUnknowns
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.progress import bar, is_shown
 
-ROUNDS = 30
+MOST_STEPS = 30
 ENOUGH, NEARLY_ENOUGH = 0.02, 1.0
 """Of a sum of squares, which a step is to gain; else the search is done, or done for an estimate of noise."""
-FIRST, GENTLER, HARDER, LEAST, MOST = 1e-4, 0.1, 10.0, 1e-9, 1e6
-"""Damping over the information of the log: at first, after a step that helped, after one that did not, at least and at
-most."""
+FIRST, GENTLER, HARDER, LEAST, FELT, MOST = 1e-4, 0.1, 10.0, 1e-9, 0.1, 1e3
+"""Damping over the information of the log: at first, after a step that helped, after one that did not, at least, at
+least after one that did not, and at most."""
+TINY = 1e-12
+"""Of a square of a step, which is none."""
+LED = 50_000
+"""Windows of a log up to which records keep how they follow the coefficients; those of a longer one begin where they
+were."""
 
 Grids = Iterable[RecordGrid]
 """Records, each laid out when its turn comes, again and again."""
@@ -38,10 +44,13 @@ class RecordState:
         Where it stands.
     links : WindowLinks, optional
         Between its windows.
+    near : bool
+        Whether it is likely to be at its best.
     """
 
     own: RecordUnknowns
     links: WindowLinks | None
+    near: bool = False
 
 
 @dataclass(frozen=True)
@@ -55,21 +64,43 @@ class RecordTold:
     pull : array (p,) [1]
         Half the slope of its sum of squares, downhill.
     cost : float [1]
-        Its sum of squares, all of its own at its best, and what its windows are left to be.
+        Its sum of squares, all of its own at its best, and how wide its windows are left.
+    wide : float [1]
+        Of that, the logarithm of the determinant of its windows.
     own : RecordUnknowns
         What it has of its own.
     residuals : mapping of str to array, optional
         Read less predicted, where the equations are kept.
     best : RecordBest, optional
         All of it, where it was asked to be kept.
+    follows : FollowingUnknowns, optional
+        How what it has of its own follows the coefficients, where that is kept.
+    grid : RecordGrid, optional
+        The record, where the equations are kept.
+    links : WindowLinks, optional
+        Between its windows, where the equations are kept.
     """
 
     information: np.ndarray
     pull: np.ndarray
     cost: float
+    wide: float
     own: RecordUnknowns
     residuals: Mapping[str, np.ndarray] | None = None
     best: RecordBest | None = None
+    follows: FollowingUnknowns | None = None
+    grid: RecordGrid | None = None
+    links: WindowLinks | None = None
+
+    def own_after(self, step: np.ndarray) -> RecordUnknowns:
+        """Return what it has of its own where the coefficients are a step on, to the first order.
+
+        Parameters
+        ----------
+        step : array (p,) [1]
+            Of the coefficients.
+        """
+        return self.own if self.follows is None else self.follows.moved(self.own, step)
 
 
 @dataclass(frozen=True)
@@ -83,7 +114,9 @@ class Found:
     told : tuple of RecordTold
         By record.
     cost : float [1]
-        Sum of squares with the prior.
+        Sum of squares with the prior, and how wide windows are left.
+    slope : array (p,) [1]
+        How half the logarithm of the determinant of all windows goes with the coefficients.
     rounds : int
         Steps that it took.
     settled : bool
@@ -95,6 +128,7 @@ class Found:
     scaled: np.ndarray
     told: tuple[RecordTold, ...]
     cost: float
+    slope: np.ndarray
     rounds: int = 0
     settled: bool = False
     interrupted: bool = False
@@ -106,8 +140,19 @@ class Found:
 
     @property
     def pull(self) -> np.ndarray:
-        """Of all records, (p,) [1]."""
-        return np.asarray(sum(told.pull for told in self.told))
+        """Of all records, how wide windows are left included, (p,) [1]."""
+        return np.asarray(sum(told.pull for told in self.told) - self.slope)
+
+    def pull_of(self, told: RecordTold) -> np.ndarray:
+        """Return that of one record, (p,) [1].
+
+        Parameters
+        ----------
+        told : RecordTold
+            Of these.
+        """
+        windows = sum(len(each.own.starts) for each in self.told)
+        return np.asarray(told.pull - len(told.own.starts) / windows * self.slope)
 
 
 def evaluated(
@@ -129,26 +174,39 @@ def evaluated(
         Records whose equations are kept.
     """
     motion, told, stopped = problem.at(scaled), list[RecordTold](), False
+    short = sum(len(state.own.starts) for state in states) <= LED
     with bar(len(states), is_shown(), "records") as done:
         try:
             for number, (grid, state) in enumerate(zip(grids, states, strict=True)):
-                best = record_best(problem, motion, scaled, grid, state.own, state.links)
+                best = record_best(problem, motion, scaled, grid, state.own, state.links, state.near)
                 if best is None:
                     return None
-                of_it = (best.found.residuals, best) if number in kept else (None, None)
-                slope = len(grid) * problem.determinant_slope
-                cost = best.band.cost + 2 * float(np.sum(slope * scaled))
-                told.append(RecordTold(best.left.corner, best.left.right - slope, cost, best.own, *of_it))
+                wide = best.left.determinant if problem.linked else 0.0
+                part = RecordTold(best.left.corner, best.left.right, best.band.cost + wide, wide, best.own)
+                if number in kept:
+                    part = replace(part, residuals=best.found.residuals, best=best, grid=grid, links=state.links)
+                told.append(replace(part, follows=best.follows if short else None))
                 done(1)
         except KeyboardInterrupt:
             stopped = True
     cost = sum(part.cost for part in told) + float(scaled @ problem.prior.precision @ scaled)
-    return Found(scaled, tuple(told), cost, interrupted=stopped)
+    return Found(scaled, tuple(told), cost, np.zeros(len(scaled)), interrupted=stopped)
+
+
+def _sloped(problem: LogProblem, found: Found) -> Found:
+    """With the slope of how wide windows are left, by the records whose equations are kept."""
+    if not problem.linked:
+        return found
+    samples = [
+        WindowedRecord(told.grid, told.own, told.links) for told in found.told if told.grid and told.links is not None
+    ]
+    windows = sum(len(told.own.starts) for told in found.told)
+    return replace(found, slope=windows * determinant_slope(problem, samples, found.scaled))
 
 
 def searched(
     problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = (),
-    enough: float = ENOUGH,
+    enough: float = ENOUGH, steps: int = MOST_STEPS,
 ) -> Found | None:  # fmt: skip
     """Search for the most likely coefficients; None where the motion goes to infinity from the start (ours).
 
@@ -168,6 +226,8 @@ def searched(
         Records whose equations are kept.
     enough : float [1]
         Of a sum of squares, that a step is to gain at least.
+    steps : int
+        At most.
 
     References
     ----------
@@ -181,21 +241,42 @@ def searched(
         if not found.told:
             raise KeyboardInterrupt
         return replace(found, scaled=found.scaled + _step(problem, found, FIRST)[0])
-    damping = FIRST
-    for number in range(1, ROUNDS + 1):
+    found, damping, fresh = _sloped(problem, found), FIRST, True
+    for number in range(1, steps + 1):
         _remember(states, found)
-        step, gain = _step(problem, found, damping)
-        if gain < enough:
-            return replace(found, rounds=number, settled=True)
-        after = evaluated(problem, found.scaled + step, grids, states, kept)
+        if _step(problem, found, FIRST)[1] < enough:
+            if fresh:
+                return replace(found, rounds=number, settled=True)
+            found, fresh = _sloped(problem, found), True
+        step, _ = _step(problem, found, damping)
+        after = evaluated(problem, found.scaled + step, grids, _led(states, found, step), kept)
         if after is not None and after.interrupted:
             return replace(found, rounds=number, interrupted=True)
         if after is not None and after.cost < found.cost + ENOUGH / 10:
-            found, damping = after, max(damping * GENTLER, LEAST)
-        elif (damping := damping * HARDER) > MOST:
+            found, damping, fresh = _carried(problem, found, after), max(damping * GENTLER, LEAST), False
+        elif not fresh:
+            found, fresh = _sloped(problem, found), True
+        elif (damping := max(damping * HARDER, FELT)) > MOST:
             break
     _remember(states, found)
-    return replace(found, rounds=ROUNDS)
+    return replace(found, rounds=steps)
+
+
+def _led(states: Sequence[RecordState], found: Found, step: np.ndarray) -> list[RecordState]:
+    """Where records begin at coefficients a step on."""
+    return [
+        replace(state, own=told.own_after(step), near=told.follows is not None)
+        for state, told in zip(states, found.told, strict=True)
+    ]
+
+
+def _carried(problem: LogProblem, before: Found, after: Found) -> Found:
+    """With the slope of how wide windows are left carried on: turned by what it foretold wrongly of the step."""
+    step = after.scaled - before.scaled
+    wider = sum(new.wide - old.wide for new, old in zip(after.told, before.told, strict=True)) / 2
+    heavy = (after.information + problem.prior.precision) @ step
+    turn = 2 * (wider - before.slope @ step) / max(step @ heavy, TINY) * heavy
+    return replace(after, slope=before.slope + turn)
 
 
 def _remember(states: Sequence[RecordState], found: Found) -> None:

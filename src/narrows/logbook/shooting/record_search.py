@@ -1,7 +1,8 @@
 """What a record has of its own, at its best where the coefficients stay: a damped Gauss-Newton search."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -21,6 +22,34 @@ SETTLED = 0.05
 
 
 @dataclass(frozen=True)
+class FollowingUnknowns:
+    """How what a record has of its own follows the coefficients, at its best.
+
+    Parameters
+    ----------
+    windows : array (windows, m, p)
+        Of the windows.
+    zeros : array (q, p)
+        Of what is the same all through.
+    """
+
+    windows: np.ndarray
+    zeros: np.ndarray
+
+    def moved(self, own: RecordUnknowns, step: np.ndarray) -> RecordUnknowns:
+        """Return what a record has of its own where the coefficients are a step on.
+
+        Parameters
+        ----------
+        own : RecordUnknowns
+            Before.
+        step : array (p,) [1]
+            Of the coefficients.
+        """
+        return own.moved(self.windows @ step, self.zeros @ step)
+
+
+@dataclass(frozen=True)
 class RecordBest:
     """A record at its best.
 
@@ -32,19 +61,29 @@ class RecordBest:
         Of its readings, there.
     band : BorderedBand
         The normal equations, there.
-    left : Eliminated
-        Of them, the coefficients alone.
+    eliminated : Eliminated
+        Of them, without the windows.
     """
 
     own: RecordUnknowns
     found: WindowEquations
     band: BorderedBand
-    left: Eliminated
+    eliminated: Eliminated
+
+    @cached_property
+    def left(self) -> Eliminated:
+        """Of its equations, the coefficients alone."""
+        return self.eliminated.without(len(self.own.zeros))
+
+    @property
+    def follows(self) -> FollowingUnknowns:
+        """How what it has of its own follows the coefficients, to the first order."""
+        return FollowingUnknowns(*self.eliminated.followed(len(self.own.zeros)))
 
 
 def record_best(
     problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns,
-    links: WindowLinks | None,
+    links: WindowLinks | None, near: bool = False,
 ) -> RecordBest | None:  # fmt: skip
     """Return a record at its best for coefficients, None where the motion goes to infinity (ours).
 
@@ -62,50 +101,81 @@ def record_best(
         Where to begin.
     links : WindowLinks, optional
         Between its windows.
+    near : bool
+        Whether it is likely to begin where it is best: then slopes by the coefficients are asked for at once.
     """
 
-    def at(there: RecordUnknowns, coefficients: bool) -> tuple[WindowEquations, BorderedBand]:
+    def at(there: RecordUnknowns, coefficients: bool = False) -> RecordPlace:
         with np.errstate(all="ignore"):  # A motion that runs away is noticed by its cost, or by its equations.
             found = window_equations(problem, motion if coefficients else motion.of_records, scaled, grid, there)
-            return found, banded(problem, grid, there, found, links)
+            return RecordPlace(there, found, banded(problem, grid, there, found, links), coefficients)
 
     try:
-        return _best(at, own)
+        return _best(at, at(own, near))
     except np.linalg.LinAlgError:
         return None
 
 
-Equations = Callable[[RecordUnknowns, bool], tuple[WindowEquations, BorderedBand]]
-"""Of a record where it stands, the coefficients among their unknowns or not: those are dear, and asked for once."""
+@dataclass(frozen=True)
+class RecordPlace:
+    """Where the search for the best of a record stands.
+
+    Parameters
+    ----------
+    own : RecordUnknowns
+        What the record has of its own.
+    found : WindowEquations
+        Of its readings, there.
+    band : BorderedBand
+        The normal equations, there.
+    coefficients : bool
+        Whether the coefficients are among their unknowns: they are dear.
+    """
+
+    own: RecordUnknowns
+    found: WindowEquations
+    band: BorderedBand
+    coefficients: bool
+
+    @cached_property
+    def eliminated(self) -> Eliminated:
+        """The equations without the windows."""
+        return self.band.eliminated()
 
 
-def _best(at: Equations, own: RecordUnknowns) -> RecordBest:
-    _, band = at(own, False)
-    if not np.isfinite(band.cost):
+class PlaceAt(Protocol):
+    """The equations of a record at a place, with slopes by the coefficients or without."""
+
+    def __call__(self, there: RecordUnknowns, coefficients: bool = False) -> RecordPlace:
+        """Return them."""
+
+
+def _best(at: PlaceAt, place: RecordPlace) -> RecordBest:
+    if not np.isfinite(place.band.cost):
         raise np.linalg.LinAlgError("the motion goes to infinity")
     for _ in range(STEPS):
-        moved = _moved(at, own, band)
+        moved = _moved(at, place)
         if moved is None:
             break
-        own, band = moved
-    found, band = at(own, True)
-    return RecordBest(own, found, band, band.eliminated().without(len(own.zeros)))
+        place = moved
+    if not place.coefficients:
+        place = at(place.own, coefficients=True)
+    return RecordBest(place.own, place.found, place.band, place.eliminated)
 
 
-def _moved(at: Equations, own: RecordUnknowns, band: BorderedBand) -> tuple[RecordUnknowns, BorderedBand] | None:
+def _moved(at: PlaceAt, place: RecordPlace) -> RecordPlace | None:
     """A step on, or the share of it that helps; None where nothing is to be gained."""
-    inner = band.eliminated()
-    gain = band.cost - inner.without(len(own.zeros)).cost
+    inner, zeros_count = place.eliminated, len(place.own.zeros)
+    gain = place.band.cost - inner.without(zeros_count).cost
     if gain < SETTLED:
         return None
-    zeros = np.linalg.solve(inner.corner, inner.right)
+    zeros = np.linalg.solve(inner.corner[:zeros_count, :zeros_count], inner.right[:zeros_count])
     windows, share = inner.windows(zeros), 1.0
     for _ in range(SHRINKS):
-        there = own.moved(windows, zeros, share)
-        _, after = at(there, False)
-        if after.cost < band.cost:
-            return there, after
-        share = _shrunk(share, gain, after.cost - band.cost)
+        after = at(place.own.moved(windows, zeros, share))
+        if after.band.cost < place.band.cost:
+            return after
+        share = _shrunk(share, gain, after.band.cost - place.band.cost)
     return None
 
 
