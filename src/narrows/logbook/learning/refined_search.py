@@ -79,7 +79,7 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     sampled, least = _sampled(len(states), problem.linked), source.assumptions.least_noise
     usual = problem.chain
     for number in range(ROUNDS):
-        steps = FIRST_STEPS[number] if number < len(FIRST_STEPS) else MOST_STEPS
+        steps = FIRST_STEPS[number] if problem.linked and number < len(FIRST_STEPS) else MOST_STEPS
         found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH, steps)
         if found.interrupted:
             return Refined(problem, found, tuple(states), noise_left(source, found), usual)
@@ -94,12 +94,12 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     return Refined(problem, found, tuple(states), noise_left(source, found), usual)
 
 
-def _samples(found: Found) -> list[ChainSample]:
+def _samples(source: GridSource, found: Found, states: Sequence[RecordState]) -> list[ChainSample]:
     """Records whose equations are kept."""
     return [
-        ChainSample(told.grid, told, told.links)
-        for told in found.told
-        if told.grid is not None and told.links is not None
+        ChainSample(grid, told, state.links)
+        for grid, told, state in zip(source, found.told, states, strict=False)
+        if told.best is not None and state.links is not None
     ]
 
 
@@ -139,7 +139,7 @@ def _reestimated(
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
     if usual is not None:
-        problem = replace(problem, chain=most_likely_chain(problem, _samples(found), usual))
+        problem = replace(problem, chain=most_likely_chain(problem, _samples(source, found, states), usual))
     return problem
 
 

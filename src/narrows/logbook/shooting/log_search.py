@@ -65,32 +65,26 @@ class RecordTold:
         Half the slope of its sum of squares, downhill.
     cost : float [1]
         Its sum of squares, all of its own at its best, and how wide its windows are left.
-    wide : float [1]
-        Of that, the logarithm of the determinant of its windows.
     own : RecordUnknowns
         What it has of its own.
+    wide : float [1]
+        Of the cost, the logarithm of the determinant of its windows.
     residuals : mapping of str to array, optional
         Read less predicted, where the equations are kept.
     best : RecordBest, optional
         All of it, where it was asked to be kept.
     follows : FollowingUnknowns, optional
         How what it has of its own follows the coefficients, where that is kept.
-    grid : RecordGrid, optional
-        The record, where the equations are kept.
-    links : WindowLinks, optional
-        Between its windows, where the equations are kept.
     """
 
     information: np.ndarray
     pull: np.ndarray
     cost: float
-    wide: float
     own: RecordUnknowns
+    wide: float = 0.0
     residuals: Mapping[str, np.ndarray] | None = None
     best: RecordBest | None = None
     follows: FollowingUnknowns | None = None
-    grid: RecordGrid | None = None
-    links: WindowLinks | None = None
 
     def own_after(self, step: np.ndarray) -> RecordUnknowns:
         """Return what it has of its own where the coefficients are a step on, to the first order.
@@ -115,8 +109,8 @@ class Found:
         By record.
     cost : float [1]
         Sum of squares with the prior, and how wide windows are left.
-    slope : array (p,) [1]
-        How half the logarithm of the determinant of all windows goes with the coefficients.
+    slope : array (p,) or float [1]
+        How half the logarithm of the determinant of windows goes with the coefficients; 0 where these stand alone.
     rounds : int
         Steps that it took.
     settled : bool
@@ -128,7 +122,7 @@ class Found:
     scaled: np.ndarray
     told: tuple[RecordTold, ...]
     cost: float
-    slope: np.ndarray
+    slope: np.ndarray | float = 0.0
     rounds: int = 0
     settled: bool = False
     interrupted: bool = False
@@ -182,23 +176,25 @@ def evaluated(
                 if best is None:
                     return None
                 wide = best.left.determinant if problem.linked else 0.0
-                part = RecordTold(best.left.corner, best.left.right, best.band.cost + wide, wide, best.own)
+                part = RecordTold(best.left.corner, best.left.right, best.left.cost + wide, best.own, wide)
                 if number in kept:
-                    part = replace(part, residuals=best.found.residuals, best=best, grid=grid, links=state.links)
+                    part = replace(part, residuals=best.found.residuals, best=best)
                 told.append(replace(part, follows=best.follows if short else None))
                 done(1)
         except KeyboardInterrupt:
             stopped = True
     cost = sum(part.cost for part in told) + float(scaled @ problem.prior.precision @ scaled)
-    return Found(scaled, tuple(told), cost, np.zeros(len(scaled)), interrupted=stopped)
+    return Found(scaled, tuple(told), cost, interrupted=stopped)
 
 
-def _sloped(problem: LogProblem, found: Found) -> Found:
+def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[RecordState]) -> Found:
     """With the slope of how wide windows are left, by the records whose equations are kept."""
     if not problem.linked:
         return found
     samples = [
-        WindowedRecord(told.grid, told.own, told.links) for told in found.told if told.grid and told.links is not None
+        WindowedRecord(grid, told.own, state.links)
+        for grid, told, state in zip(grids, found.told, states, strict=False)
+        if told.best is not None and state.links is not None
     ]
     windows = sum(len(told.own.starts) for told in found.told)
     return replace(found, slope=windows * determinant_slope(problem, samples, found.scaled))
@@ -241,21 +237,22 @@ def searched(
         if not found.told:
             raise KeyboardInterrupt
         return replace(found, scaled=found.scaled + _step(problem, found, FIRST)[0])
-    found, damping, fresh = _sloped(problem, found), FIRST, True
+    found, damping, fresh = _sloped(problem, found, grids, states), FIRST, True
     for number in range(1, steps + 1):
         _remember(states, found)
         if _step(problem, found, FIRST)[1] < enough:
             if fresh:
                 return replace(found, rounds=number, settled=True)
-            found, fresh = _sloped(problem, found), True
+            found, fresh = _sloped(problem, found, grids, states), True
+            continue
         step, _ = _step(problem, found, damping)
         after = evaluated(problem, found.scaled + step, grids, _led(states, found, step), kept)
         if after is not None and after.interrupted:
             return replace(found, rounds=number, interrupted=True)
         if after is not None and after.cost < found.cost + ENOUGH / 10:
-            found, damping, fresh = _carried(problem, found, after), max(damping * GENTLER, LEAST), False
+            found, damping, fresh = _carried(problem, found, after), max(damping * GENTLER, LEAST), not problem.linked
         elif not fresh:
-            found, fresh = _sloped(problem, found), True
+            found, fresh = _sloped(problem, found, grids, states), True
         elif (damping := max(damping * HARDER, FELT)) > MOST:
             break
     _remember(states, found)
@@ -275,7 +272,7 @@ def _carried(problem: LogProblem, before: Found, after: Found) -> Found:
     step = after.scaled - before.scaled
     wider = sum(new.wide - old.wide for new, old in zip(after.told, before.told, strict=True)) / 2
     heavy = (after.information + problem.prior.precision) @ step
-    turn = 2 * (wider - before.slope @ step) / max(step @ heavy, TINY) * heavy
+    turn = 2 * (wider - np.sum(before.slope * step)) / max(step @ heavy, TINY) * heavy
     return replace(after, slope=before.slope + turn)
 
 
