@@ -82,13 +82,18 @@ KINDS = (
     Kind("ais and the rudder, 1 transit", sensors="ais and the rudder"),
     Kind("no bank in the moment", truth="no c_bank"),
     Kind("bank of the form y_B", truth="distance"),
-    Kind("banks 5 m from where they are charted", shifted=5.0, twins=166),
-    Kind("water 5 % less deep than charted", deeper=0.95, twins=182),
+    Kind("banks 5 m from where they are charted", shifted=5.0),
+    Kind("water 5 % less deep than charted", deeper=0.95),
     Kind("draft a tenth less, and not said", lighter=0.9),
-    Kind("a ship passes every ten minutes", passing="not marked", twins=60),
+    Kind("a ship passes every ten minutes", passing="not marked"),
     Kind("a ship passes every ten minutes, marked in the log", passing="marked"),
     Kind("round bends of 3 km", bends=True),
-    Kind("vdr, 5 transits", 5, twins=60),
+    Kind("vdr, 5 transits", 5),
+    Kind("rtk, 5 transits", 5, sensors="rtk"),
+    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder"),
+    Kind("rtk, 20 transits", 20, sensors="rtk"),
+    Kind("vdr, 20 transits", 20),
+    Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder"),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""
 

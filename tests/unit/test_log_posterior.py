@@ -8,7 +8,7 @@ from engine_models import steered
 from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_prior import coefficient_prior
 from narrows.logbook.shooting.log_problem import CoefficientPrior
-from narrows.logbook.shooting.log_search import Found, RecordTold
+from narrows.logbook.shooting.search_state import Found, RecordTold
 
 FREE = frozenset(("b_bank", "c_bank", "b_uv"))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import CoefficientPrior
-from narrows.logbook.shooting.log_search import Found
+from narrows.logbook.shooting.search_state import Found
 from narrows.model.model import Model
 
 TOLD = 1e-3

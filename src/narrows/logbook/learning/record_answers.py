@@ -8,8 +8,8 @@ import numpy as np
 from narrows.logbook.learning.forecasts import STATES_JUDGED, Forecast, forecast, missed
 from narrows.logbook.learning.log_posterior import scaled_covariance
 from narrows.logbook.learning.refined_search import Refined
-from narrows.logbook.shooting.log_search import RecordTold
 from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.search_state import RecordTold
 
 MOST_DRAWN = 4
 """Records whose forecasts are kept to be drawn."""

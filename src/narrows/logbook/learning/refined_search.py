@@ -10,9 +10,10 @@ from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_chain
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, Found, RecordState, searched
+from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, searched
 from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
 from narrows.logbook.shooting.push_chain import WindowChain
+from narrows.logbook.shooting.search_state import Found, RecordState
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage

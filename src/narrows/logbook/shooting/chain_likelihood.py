@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.log_search import RecordTold
 from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_motion import PUSHES
+from narrows.logbook.shooting.search_state import RecordTold
 from narrows.logbook.shooting.window_links import WindowLinks, banded, link_determinant
 
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0

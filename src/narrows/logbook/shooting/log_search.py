@@ -4,8 +4,8 @@ Each record is brought to its best for the coefficients and leaves a matrix of t
 out when its turn comes, so that memory does not grow with records.
 """
 
-from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Container, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,9 +13,8 @@ from narrows.identification.regression.solve import solve
 from narrows.logbook.shooting.determinant_slope import WindowedRecord, determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import RecordGrid
-from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordBest, record_best
-from narrows.logbook.shooting.window_equations import RecordUnknowns
-from narrows.logbook.shooting.window_links import WindowLinks
+from narrows.logbook.shooting.record_search import record_best
+from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 30
@@ -32,121 +31,6 @@ were."""
 
 Grids = Iterable[RecordGrid]
 """Records, each laid out when its turn comes, again and again."""
-
-
-@dataclass
-class RecordState:
-    """A record in the search.
-
-    Parameters
-    ----------
-    own : RecordUnknowns
-        Where it stands.
-    links : WindowLinks, optional
-        Between its windows.
-    near : bool
-        Whether it is likely to be at its best.
-    """
-
-    own: RecordUnknowns
-    links: WindowLinks | None
-    near: bool = False
-
-
-@dataclass(frozen=True)
-class RecordTold:
-    """What one record tells of the coefficients, where the search stands.
-
-    Parameters
-    ----------
-    information : array (p, p) [1]
-        In units of the standard deviations before.
-    pull : array (p,) [1]
-        Half the slope of its sum of squares, downhill.
-    cost : float [1]
-        Its sum of squares, all of its own at its best, and how wide its windows are left.
-    own : RecordUnknowns
-        What it has of its own.
-    wide : float [1]
-        Of the cost, the logarithm of the determinant of its windows.
-    residuals : mapping of str to array, optional
-        Read less predicted, where the equations are kept.
-    best : RecordBest, optional
-        All of it, where it was asked to be kept.
-    follows : FollowingUnknowns, optional
-        How what it has of its own follows the coefficients, where that is kept.
-    """
-
-    information: np.ndarray
-    pull: np.ndarray
-    cost: float
-    own: RecordUnknowns
-    wide: float = 0.0
-    residuals: Mapping[str, np.ndarray] | None = None
-    best: RecordBest | None = None
-    follows: FollowingUnknowns | None = None
-
-    def own_after(self, step: np.ndarray) -> RecordUnknowns:
-        """Return what it has of its own where the coefficients are a step on, to the first order.
-
-        Parameters
-        ----------
-        step : array (p,) [1]
-            Of the coefficients.
-        """
-        return self.own if self.follows is None else self.follows.moved(self.own, step)
-
-
-@dataclass(frozen=True)
-class Found:
-    """Where a search stands.
-
-    Parameters
-    ----------
-    scaled : array (p,) [1]
-        Coefficients in units of their standard deviations before.
-    told : tuple of RecordTold
-        By record.
-    cost : float [1]
-        Sum of squares with the prior, and how wide windows are left.
-    slope : array (p,) or float [1]
-        How half the logarithm of the determinant of windows goes with the coefficients; 0 where these stand alone.
-    rounds : int
-        Steps that it took.
-    settled : bool
-        Whether a further step would gain nothing.
-    interrupted : bool
-        Whether it was stopped by hand, perhaps before all records were looked at.
-    """
-
-    scaled: np.ndarray
-    told: tuple[RecordTold, ...]
-    cost: float
-    slope: np.ndarray | float = 0.0
-    rounds: int = 0
-    settled: bool = False
-    interrupted: bool = False
-
-    @property
-    def information(self) -> np.ndarray:
-        """Of all records, without the prior, (p, p) [1]."""
-        return np.asarray(sum(told.information for told in self.told))
-
-    @property
-    def pull(self) -> np.ndarray:
-        """Of all records, how wide windows are left included, (p,) [1]."""
-        return np.asarray(sum(told.pull for told in self.told) - self.slope)
-
-    def pull_of(self, told: RecordTold) -> np.ndarray:
-        """Return that of one record, (p,) [1].
-
-        Parameters
-        ----------
-        told : RecordTold
-            Of these.
-        """
-        windows = sum(len(each.own.starts) for each in self.told)
-        return np.asarray(told.pull - len(told.own.starts) / windows * self.slope)
 
 
 def evaluated(
@@ -188,7 +72,7 @@ def evaluated(
 
 
 def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[RecordState]) -> Found:
-    """With the slope of how wide windows are left, by the records whose equations are kept."""
+    """With the slope of how wide windows are left, by the records whose equations are kept; interrupted, without."""
     if not problem.linked:
         return found
     samples = [
@@ -197,7 +81,10 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
         if told.best is not None and state.links is not None
     ]
     windows = sum(len(told.own.starts) for told in found.told)
-    return replace(found, slope=windows * determinant_slope(problem, samples, found.scaled))
+    try:
+        return replace(found, slope=windows * determinant_slope(problem, samples, found.scaled))
+    except KeyboardInterrupt:
+        return replace(found, interrupted=True)
 
 
 def searched(
@@ -240,6 +127,8 @@ def searched(
     found, damping, fresh = _sloped(problem, found, grids, states), FIRST, True
     for number in range(1, steps + 1):
         _remember(states, found)
+        if found.interrupted:
+            return replace(found, rounds=number)
         if _step(problem, found, FIRST)[1] < enough:
             if fresh:
                 return replace(found, rounds=number, settled=True)

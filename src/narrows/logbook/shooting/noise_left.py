@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.logbook.shooting.log_search import Found
 from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.search_state import Found
 
 FORGOTTEN = 0.05
 """Correlation under which residuals are taken to have nothing to do with each other."""

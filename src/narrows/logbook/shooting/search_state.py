@@ -1,0 +1,125 @@
+"""Where a search over records stands: what each record has of its own and tells of the coefficients."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordBest
+from narrows.logbook.shooting.window_equations import RecordUnknowns
+from narrows.logbook.shooting.window_links import WindowLinks
+
+
+@dataclass
+class RecordState:
+    """A record in the search.
+
+    Parameters
+    ----------
+    own : RecordUnknowns
+        Where it stands.
+    links : WindowLinks, optional
+        Between its windows.
+    near : bool
+        Whether it is likely to be at its best.
+    """
+
+    own: RecordUnknowns
+    links: WindowLinks | None
+    near: bool = False
+
+
+@dataclass(frozen=True)
+class RecordTold:
+    """What one record tells of the coefficients, where the search stands.
+
+    Parameters
+    ----------
+    information : array (p, p) [1]
+        In units of the standard deviations before.
+    pull : array (p,) [1]
+        Half the slope of its sum of squares, downhill.
+    cost : float [1]
+        Its sum of squares, all of its own at its best, and how wide its windows are left.
+    own : RecordUnknowns
+        What it has of its own.
+    wide : float [1]
+        Of the cost, the logarithm of the determinant of its windows.
+    residuals : mapping of str to array, optional
+        Read less predicted, where the equations are kept.
+    best : RecordBest, optional
+        All of it, where it was asked to be kept.
+    follows : FollowingUnknowns, optional
+        How what it has of its own follows the coefficients, where that is kept.
+    """
+
+    information: np.ndarray
+    pull: np.ndarray
+    cost: float
+    own: RecordUnknowns
+    wide: float = 0.0
+    residuals: Mapping[str, np.ndarray] | None = None
+    best: RecordBest | None = None
+    follows: FollowingUnknowns | None = None
+
+    def own_after(self, step: np.ndarray) -> RecordUnknowns:
+        """Return what it has of its own where the coefficients are a step on, to the first order.
+
+        Parameters
+        ----------
+        step : array (p,) [1]
+            Of the coefficients.
+        """
+        return self.own if self.follows is None else self.follows.moved(self.own, step)
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a search stands.
+
+    Parameters
+    ----------
+    scaled : array (p,) [1]
+        Coefficients in units of their standard deviations before.
+    told : tuple of RecordTold
+        By record.
+    cost : float [1]
+        Sum of squares with the prior, and how wide windows are left.
+    slope : array (p,) or float [1]
+        How half the logarithm of the determinant of windows goes with the coefficients; 0 where these stand alone.
+    rounds : int
+        Steps that it took.
+    settled : bool
+        Whether a further step would gain nothing.
+    interrupted : bool
+        Whether it was stopped by hand, perhaps before all records were looked at.
+    """
+
+    scaled: np.ndarray
+    told: tuple[RecordTold, ...]
+    cost: float
+    slope: np.ndarray | float = 0.0
+    rounds: int = 0
+    settled: bool = False
+    interrupted: bool = False
+
+    @property
+    def information(self) -> np.ndarray:
+        """Of all records, without the prior, (p, p) [1]."""
+        return np.asarray(sum(told.information for told in self.told))
+
+    @property
+    def pull(self) -> np.ndarray:
+        """Of all records, how wide windows are left included, (p,) [1]."""
+        return np.asarray(sum(told.pull for told in self.told) - self.slope)
+
+    def pull_of(self, told: RecordTold) -> np.ndarray:
+        """Return that of one record, (p,) [1].
+
+        Parameters
+        ----------
+        told : RecordTold
+            Of these.
+        """
+        windows = sum(len(each.own.starts) for each in self.told)
+        return np.asarray(told.pull - len(told.own.starts) / windows * self.slope)

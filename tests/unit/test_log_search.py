@@ -1,0 +1,100 @@
+"""The search over the records of a log: each piece by differences of what it is the slope of."""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from test_learn_transits import ship, twin
+
+import narrows as nw
+from narrows.logbook.learning import learn_log
+from narrows.logbook.learning.grid_source import GridSource
+from narrows.logbook.learning.refined_search import Refined
+from narrows.logbook.shooting import log_search, record_search
+from narrows.logbook.shooting.log_search import evaluated, searched
+from narrows.logbook.shooting.search_state import Found
+
+pytestmark = pytest.mark.slow
+SHORT = 300.0
+
+
+class Searched(NamedTuple):
+    """A search that is done, with its records."""
+
+    refined: Refined
+    source: GridSource
+
+    def at(self, scaled: np.ndarray, found: Found | None = None) -> Found:
+        """The records at their best for other coefficients, led there where it is told from where."""
+        states = self.refined.states
+        if found is not None:
+            step = scaled - found.scaled
+            states = tuple(replace(s, own=t.own_after(step)) for s, t in zip(states, found.told, strict=True))
+        best = evaluated(self.refined.problem, scaled, self.source, states, range(9))
+        assert best is not None
+        return best
+
+
+@pytest.fixture(scope="module")
+def done() -> Searched:
+    kept: list[Searched] = []
+    usual = learn_log.refined_search
+
+    def watched(problem: Any, source: GridSource) -> Refined:
+        kept.append(Searched(usual(problem, source), source))
+        return kept[-1].refined
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(learn_log, "refined_search", watched)
+        nw.learn(ship(), [record.between(0.0, SHORT) for record in twin()[1]])
+    return kept[0]
+
+
+def test_records_that_follow_the_coefficients_begin_nearly_at_their_best(
+    done: Searched, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nearer by far than where they were."""
+    found = done.at(done.refined.found.scaled)
+    beside = found.scaled + 0.2 * done.refined.problem.prior.moves
+    best = done.at(beside, found)
+    monkeypatch.setattr(record_search, "SETTLED", np.inf)
+    stayed, led = done.at(beside), done.at(beside, found)
+    missed = [[own.best.band.cost - least.best.band.cost for own, least in zip(each.told, best.told, strict=True)]
+              for each in (stayed, led)]  # fmt: skip
+    assert sum(missed[1]) < 0.05 * sum(missed[0])
+
+
+def test_the_pull_is_the_slope_of_the_likelihood(done: Searched) -> None:
+    """Half of it, downhill, by central differences; how wide windows are left included."""
+    problem, scaled = done.refined.problem, done.refined.found.scaled
+    found = log_search._sloped(problem, done.at(scaled), done.source, done.refined.states)
+    downhill = found.pull - problem.prior.precision @ scaled
+    for place in np.flatnonzero(problem.prior.moves)[:4]:
+        beside = 0.02 * (np.arange(len(scaled)) == place)
+        up, down = (done.at(scaled + sign * beside).cost for sign in (1, -1))
+        assert downhill[place] == pytest.approx((down - up) / 0.08, abs=0.05)
+
+
+def test_a_slope_that_is_carried_on_foretells_the_step_behind_it(done: Searched) -> None:
+    """As of a parabola: the mean of the slopes at both ends is what was gone."""
+    problem, scaled = done.refined.problem, done.refined.found.scaled
+    before = log_search._sloped(problem, done.at(scaled), done.source, done.refined.states)
+    step = 0.1 * problem.prior.moves
+    after = log_search._carried(problem, before, done.at(scaled + step))
+    gone = sum(new.wide - old.wide for new, old in zip(after.told, before.told, strict=True)) / 2
+    assert (before.slope + after.slope) @ step / 2 == pytest.approx(gone)
+
+
+def test_interrupted_where_slopes_are_taken_a_search_keeps_what_is_done(
+    done: Searched, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(log_search, "determinant_slope", stopped)
+    refined = done.refined
+    found = searched(refined.problem, refined.found.scaled, done.source, refined.states, range(9))
+    assert found is not None
+    assert found.interrupted
+    assert len(found.told) == 2
