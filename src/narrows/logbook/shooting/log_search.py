@@ -18,8 +18,9 @@ from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 30
-ENOUGH, NEARLY_ENOUGH = 0.02, 1.0
-"""Of a sum of squares, which a step is to gain; else the search is done, or done for an estimate of noise."""
+ENOUGH, NEARLY_ENOUGH, FAINT = 0.02, 1.0, 0.1
+"""Of a sum of squares, which a step is to gain; else the search is done, or done for an estimate of noise; and what a
+step that does not help may have promised for it to be done all the same: sums are not known better."""
 FIRST, GENTLER, HARDER, LEAST, FELT, MOST = 1e-4, 0.1, 10.0, 1e-9, 0.1, 1e3
 """Damping over the information of the log: at first, after a step that helped, after one that did not, at least, at
 least after one that did not, and at most."""
@@ -129,7 +130,7 @@ def searched(
         _remember(states, found)
         if found.interrupted:
             return replace(found, rounds=number)
-        if _step(problem, found, FIRST)[1] < enough:
+        if (gain := _step(problem, found, FIRST)[1]) < enough:
             if fresh:
                 return replace(found, rounds=number, settled=True)
             found, fresh = _sloped(problem, found, grids, states), True
@@ -142,6 +143,8 @@ def searched(
             found, damping, fresh = _carried(problem, found, after), max(damping * GENTLER, LEAST), not problem.linked
         elif not fresh:
             found, fresh = _sloped(problem, found, grids, states), True
+        elif gain < FAINT:
+            return replace(found, rounds=number, settled=True)
         elif (damping := max(damping * HARDER, FELT)) > MOST:
             break
     _remember(states, found)
