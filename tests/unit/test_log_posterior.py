@@ -1,5 +1,7 @@
 """What is known after a log: a sum of squares as expected of one ship, and wider errors where it is larger."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,20 @@ def test_a_log_that_disagrees_is_taken_for_less_sure() -> None:
     place = model.terms.names.index("c_bank")
     before, one, other = (matrix[place, place] for matrix in (covariance, near.covariance, far.covariance))
     assert one < other < before
+
+
+def test_how_wide_windows_are_left_is_not_believed_to_the_end() -> None:
+    """By half of what it moves the coefficients: with more records alike this is what stays."""
+    model, covariance = ship()
+    prior = coefficient_prior(model, covariance, "held")
+    count = len(prior.names)
+    slope, information = np.linspace(-1.0, 1.0, count), 50 * np.eye(count)
+    without, *more = (
+        log_posterior(model, covariance, prior, replace(found(prior, np.zeros(count), n * information), slope=own))
+        for n, own in ((1, 0.0), (1, slope), (400, 400 * slope))
+    )
+    by_it = 0.5 * (without.scaled * prior.moves) @ (slope * prior.moves)
+    np.testing.assert_allclose(more[0].scaled, without.scaled + np.outer(by_it, by_it))
+    assert not without.alike.any()
+    assert (more[1].alike[prior.moves] >= more[0].alike[prior.moves]).all()
+    assert np.diag(more[1].scaled).max() > 0.9 * by_it.max() ** 2

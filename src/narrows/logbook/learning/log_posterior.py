@@ -10,6 +10,9 @@ from narrows.model.model import Model
 
 TOLD = 1e-3
 """Of a variance before, by which a log is to move a combination at least where it tells something."""
+OF_WIDTH = 0.5
+"""Standard deviation of the share of how wide windows are left that moves the coefficients as it should: pilots see
+more than a poor sensor does, and what they steer tells it. It errs alike in every record."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,8 @@ class LogPosterior:
         How many combinations of them the log tells.
     widened : float [1]
         Factor of standard errors for what the model gets wrong.
+    alike : array (p,) [1]
+        Share of each variance that errs alike in every record.
     """
 
     values: np.ndarray
@@ -38,6 +43,7 @@ class LogPosterior:
     disagreement: float
     freedom: int
     widened: float
+    alike: np.ndarray
 
     @property
     def probability(self) -> float:
@@ -69,12 +75,15 @@ def log_posterior(model: Model, before: np.ndarray, prior: CoefficientPrior, fou
     disagreement, freedom = _disagreement(prior, found.information, found.scaled)
     widened = float(np.sqrt(max(1.0, disagreement / max(freedom, 1))))
     scaled = scaled_covariance(prior, found.information / widened**2)
+    doubt = OF_WIDTH * (scaled * prior.moves) @ (found.slope * prior.moves)
+    scaled = scaled + np.outer(doubt, doubt)
+    alike = doubt**2 / np.diag(scaled)
     shift, known = prior.scale * found.scaled, scaled * np.outer(prior.scale, prior.scale)
     weights = _weights(model, before, prior)
     places = [model.terms.names.index(name) for name in prior.names]
     covariance = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
     values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ shift
-    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom, widened)
+    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom, widened, alike)
 
 
 def scaled_covariance(prior: CoefficientPrior, information: np.ndarray) -> np.ndarray:

@@ -18,6 +18,9 @@ from narrows.model.data_range import Range
 from narrows.model.model import Model
 from narrows.terms.about import TermKind
 
+MOSTLY = 0.5
+"""Share of a variance."""
+
 
 def log_result(
     model: Model, before: np.ndarray, refined: Refined, source: GridSource, log: LogSource, free: Sequence[str]
@@ -45,12 +48,24 @@ def log_result(
     answers = record_answers(refined, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))
     stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
-    about = (*_held(free), *source.left_out, *stopped * found.interrupted)
+    alike = _alike(refined.problem.prior.names, after.alike)
+    about = (*alike, *_held(free), *source.left_out, *stopped * found.interrupted)
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
         _gusts(refined), refined.left, after.disagreement, after.freedom, after.probability,
         after.widened, _inertia(model, refined), about, found.settled,
     )  # fmt: skip
+
+
+def _alike(names: Sequence[str], shares: np.ndarray) -> tuple[str, ...]:
+    """What is said where more records of the kind would teach little more."""
+    stuck = [name for name, share in zip(names, shares, strict=True) if share > MOSTLY]
+    if not stuck:
+        return ()
+    return (
+        f"Most of what is left unknown of {', '.join(stuck)} errs alike in every record by these sensors: more of them "
+        "will sharpen it little, better sensors would.",
+    )
 
 
 def _held(free: Sequence[str]) -> tuple[str, ...]:
