@@ -88,12 +88,12 @@ KINDS = (
     Kind("a ship passes every ten minutes", passing="not marked"),
     Kind("a ship passes every ten minutes, marked in the log", passing="marked"),
     Kind("round bends of 3 km", bends=True),
-    Kind("vdr, 5 transits", 5),
-    Kind("rtk, 5 transits", 5, sensors="rtk"),
-    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder"),
-    Kind("rtk, 20 transits", 20, sensors="rtk"),
-    Kind("vdr, 20 transits", 20),
-    Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder"),
+    Kind("vdr, 5 transits", 5, twins=28),
+    Kind("rtk, 5 transits", 5, sensors="rtk", twins=28),
+    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder", twins=27),
+    Kind("rtk, 20 transits", 20, sensors="rtk", twins=6),
+    Kind("vdr, 20 transits", 20, twins=5),
+    Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder", twins=5),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""
 
