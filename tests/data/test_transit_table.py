@@ -10,8 +10,8 @@ ROOT = Path(__file__).parents[2]
 NOT_COVERED = {"a ship passes every ten minutes"}
 """Which the page says is not: every such answer says that it is in doubt."""
 LESS_COVERED = {
-    "water 5 % less deep than charted", "draft a tenth less, and not said", "rtk, 5 transits", "rtk, 20 transits", "vdr, 20 transits",
-    "a ship passes every ten minutes, marked in the log",
+    "water 5 % less deep than charted", "draft a tenth less, and not said", "rtk, 5 transits", "rtk, 20 transits",
+    "vdr, 20 transits", "a ship passes every ten minutes, marked in the log",
 }  # fmt: skip
 """Of which the page says that intervals hold somewhat less often than they say."""
 
