@@ -50,8 +50,8 @@ class FollowingUnknowns:
 
 
 @dataclass(frozen=True)
-class RecordBest:
-    """A record at its best.
+class RecordPlace:
+    """A record where the search for its best stands, or at its best.
 
     Parameters
     ----------
@@ -61,18 +61,23 @@ class RecordBest:
         Of its readings, there.
     band : BorderedBand
         The normal equations, there.
-    eliminated : Eliminated
-        Of them, without the windows.
+    coefficients : bool
+        Whether the coefficients are among their unknowns: they are dear.
     """
 
     own: RecordUnknowns
     found: WindowEquations
     band: BorderedBand
-    eliminated: Eliminated
+    coefficients: bool
+
+    @cached_property
+    def eliminated(self) -> Eliminated:
+        """The equations without the windows."""
+        return self.band.eliminated()
 
     @cached_property
     def left(self) -> Eliminated:
-        """Of its equations, the coefficients alone."""
+        """Of its equations, the coefficients alone, where they are among them."""
         return self.eliminated.without(len(self.own.zeros))
 
     @property
@@ -84,7 +89,7 @@ class RecordBest:
 def record_best(
     problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns,
     links: WindowLinks | None, near: bool = False,
-) -> RecordBest | None:  # fmt: skip
+) -> RecordPlace | None:  # fmt: skip
     """Return a record at its best for coefficients, None where the motion goes to infinity (ours).
 
     Parameters
@@ -116,33 +121,6 @@ def record_best(
         return None
 
 
-@dataclass(frozen=True)
-class RecordPlace:
-    """Where the search for the best of a record stands.
-
-    Parameters
-    ----------
-    own : RecordUnknowns
-        What the record has of its own.
-    found : WindowEquations
-        Of its readings, there.
-    band : BorderedBand
-        The normal equations, there.
-    coefficients : bool
-        Whether the coefficients are among their unknowns: they are dear.
-    """
-
-    own: RecordUnknowns
-    found: WindowEquations
-    band: BorderedBand
-    coefficients: bool
-
-    @cached_property
-    def eliminated(self) -> Eliminated:
-        """The equations without the windows."""
-        return self.band.eliminated()
-
-
 class PlaceAt(Protocol):
     """The equations of a record at a place, with slopes by the coefficients or without."""
 
@@ -150,7 +128,7 @@ class PlaceAt(Protocol):
         """Return them."""
 
 
-def _best(at: PlaceAt, place: RecordPlace) -> RecordBest:
+def _best(at: PlaceAt, place: RecordPlace) -> RecordPlace:
     if not np.isfinite(place.band.cost):
         raise np.linalg.LinAlgError("the motion goes to infinity")
     for _ in range(STEPS):
@@ -158,15 +136,16 @@ def _best(at: PlaceAt, place: RecordPlace) -> RecordBest:
         if moved is None:
             break
         place = moved
-    if not place.coefficients:
-        place = at(place.own, coefficients=True)
-    return RecordBest(place.own, place.found, place.band, place.eliminated)
+    best = place if place.coefficients else at(place.own, coefficients=True)
+    if not np.isfinite(best.left.cost):  # Here, where equations that cannot be solved are caught.
+        raise np.linalg.LinAlgError("the motion goes to infinity")
+    return best
 
 
 def _moved(at: PlaceAt, place: RecordPlace) -> RecordPlace | None:
     """A step on, or the share of it that helps; None where nothing is to be gained."""
     inner, zeros_count = place.eliminated, len(place.own.zeros)
-    gain = place.band.cost - inner.without(zeros_count).cost
+    gain = place.band.cost - place.left.cost
     if gain < SETTLED:
         return None
     zeros = np.linalg.solve(inner.corner[:zeros_count, :zeros_count], inner.right[:zeros_count])

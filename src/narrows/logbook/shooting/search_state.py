@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordBest
+from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordPlace
 from narrows.logbook.shooting.window_equations import RecordUnknowns
 from narrows.logbook.shooting.window_links import WindowLinks
 
@@ -47,7 +47,7 @@ class RecordTold:
         Of the cost, the logarithm of the determinant of its windows.
     residuals : mapping of str to array, optional
         Read less predicted, where the equations are kept.
-    best : RecordBest, optional
+    best : RecordPlace, optional
         All of it, where it was asked to be kept.
     follows : FollowingUnknowns, optional
         How what it has of its own follows the coefficients, where that is kept.
@@ -59,7 +59,7 @@ class RecordTold:
     own: RecordUnknowns
     wide: float = 0.0
     residuals: Mapping[str, np.ndarray] | None = None
-    best: RecordBest | None = None
+    best: RecordPlace | None = None
     follows: FollowingUnknowns | None = None
 
     def own_after(self, step: np.ndarray) -> RecordUnknowns:
