@@ -7,13 +7,13 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.learning.grid_source import GridSource
-from narrows.logbook.shooting.chain_likelihood import ChainSample, most_likely_chain
+from narrows.logbook.shooting.chain_likelihood import most_likely_chain
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, searched
 from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
 from narrows.logbook.shooting.push_chain import WindowChain
-from narrows.logbook.shooting.search_state import Found, RecordState
+from narrows.logbook.shooting.search_state import Found, RecordState, samples_of
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage
@@ -95,15 +95,6 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     return Refined(problem, found, tuple(states), noise_left(source, found), usual)
 
 
-def _samples(source: GridSource, found: Found, states: Sequence[RecordState]) -> list[ChainSample]:
-    """Records whose equations are kept."""
-    return [
-        ChainSample(grid, told, state.links)
-        for grid, told, state in zip(source, found.told, states, strict=False)
-        if told.best is not None and state.links is not None
-    ]
-
-
 def _searched(
     problem: LogProblem, scaled: np.ndarray, source: GridSource, states: Sequence[RecordState], sampled: frozenset[int],
     enough: float, steps: int,
@@ -140,7 +131,7 @@ def _reestimated(
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
     if usual is not None:
-        problem = replace(problem, chain=most_likely_chain(problem, _samples(source, found, states), usual))
+        problem = replace(problem, chain=most_likely_chain(problem, samples_of(source, found, states), usual))
     return problem
 
 

@@ -1,17 +1,16 @@
 """How strong gusts are and how long they stay: by the likelihood of the records, their own unknowns integrated out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
-from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_motion import PUSHES
-from narrows.logbook.shooting.search_state import RecordTold
-from narrows.logbook.shooting.window_links import WindowLinks, banded, link_determinant
+from narrows.logbook.shooting.search_state import SampledRecord
+from narrows.logbook.shooting.window_links import banded, link_determinant
 
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
 """How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm."""
@@ -27,26 +26,7 @@ ASKED, ENOUGH = 60, 0.1
 """How often the likelihood is asked for, at most; its logarithm, which a step is to gain."""
 
 
-@dataclass(frozen=True)
-class ChainSample:
-    """A record by which gusts are judged.
-
-    Parameters
-    ----------
-    grid : RecordGrid
-        The record.
-    told : RecordTold
-        With its equations.
-    links : WindowLinks
-        Between its windows.
-    """
-
-    grid: RecordGrid
-    told: RecordTold
-    links: WindowLinks
-
-
-def likelihood(problem: LogProblem, samples: Sequence[ChainSample]) -> float:
+def likelihood(problem: LogProblem, samples: Sequence[SampledRecord]) -> float:
     """Return the logarithm of the likelihood of a chain, to a constant, by the equations where the search stood (ours).
 
     The coefficients stay: with weaker gusts they would move farther than these equations are straight.
@@ -55,7 +35,7 @@ def likelihood(problem: LogProblem, samples: Sequence[ChainSample]) -> float:
     ----------
     problem : LogProblem
         With the chain to judge.
-    samples : sequence of ChainSample
+    samples : sequence of SampledRecord
         Records.
     """
     cost = 0.0
@@ -68,14 +48,14 @@ def likelihood(problem: LogProblem, samples: Sequence[ChainSample]) -> float:
     return -0.5 * cost
 
 
-def most_likely_chain(problem: LogProblem, samples: Sequence[ChainSample], usual: WindowChain) -> WindowChain:
+def most_likely_chain(problem: LogProblem, samples: Sequence[SampledRecord], usual: WindowChain) -> WindowChain:
     """Return the chain with the pushes that the records make most likely (ours).
 
     Parameters
     ----------
     problem : LogProblem
         With the chain to begin with.
-    samples : sequence of ChainSample
+    samples : sequence of SampledRecord
         Records.
     usual : WindowChain
         As strong as gusts are before anything is known.

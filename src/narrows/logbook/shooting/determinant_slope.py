@@ -5,45 +5,26 @@ the coefficients err by it. Integrated out instead, they leave the determinant o
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.record_grid import RecordGrid
-from narrows.logbook.shooting.window_equations import RecordUnknowns, window_equations
-from narrows.logbook.shooting.window_links import WindowLinks, banded
+from narrows.logbook.shooting.search_state import SampledRecord
+from narrows.logbook.shooting.window_equations import window_equations
+from narrows.logbook.shooting.window_links import banded
 
 STEP = 0.02
 """Of a difference, in standard deviations before."""
 
 
-class WindowedRecord(NamedTuple):
-    """A record with its windows.
-
-    Parameters
-    ----------
-    grid : RecordGrid
-        The record.
-    own : RecordUnknowns
-        Where its windows stand.
-    links : WindowLinks
-        Between them.
-    """
-
-    grid: RecordGrid
-    own: RecordUnknowns
-    links: WindowLinks
-
-
-def determinant_slope(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.ndarray) -> np.ndarray:
+def determinant_slope(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
     """Return the slope of half the logarithm of the determinant of a window by the coefficients, (p,) [1] (ours).
 
     Parameters
     ----------
     problem : LogProblem
         What is solved for.
-    samples : sequence of WindowedRecord
+    samples : sequence of SampledRecord
         Records, at their best.
     scaled : array (p,) [1]
         The coefficients there.
@@ -66,7 +47,7 @@ def determinant_slope(problem: LogProblem, samples: Sequence[WindowedRecord], sc
     return slope if np.isfinite(slope).all() else none
 
 
-def _slope(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.ndarray) -> np.ndarray:
+def _slope(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
     slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
     at = _determinant(problem, samples, scaled)
     for place in np.flatnonzero(problem.prior.moves):
@@ -75,11 +56,11 @@ def _slope(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.nd
     return slope / (2 * STEP * max(windows, 1))
 
 
-def _determinant(problem: LogProblem, samples: Sequence[WindowedRecord], scaled: np.ndarray) -> float:
+def _determinant(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> float:
     """The logarithm of that of all that records have of their own, where they stood."""
     motion, whole = problem.at(scaled).of_records, 0.0
-    for grid, own, links in samples:
-        found = window_equations(problem, motion, scaled, grid, own)
-        left = banded(problem, grid, own, found, links).eliminated().without(len(own.zeros))
+    for grid, told, links in samples:
+        found = window_equations(problem, motion, scaled, grid, told.own)
+        left = banded(problem, grid, told.own, found, links).eliminated().without(len(told.own.zeros))
         whole += left.determinant
     return whole

@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from narrows.identification.regression.solve import solve
-from narrows.logbook.shooting.determinant_slope import WindowedRecord, determinant_slope
+from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.record_search import record_best
-from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold
+from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold, samples_of
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 30
@@ -76,14 +76,11 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
     """With the slope of how wide windows are left, by the records whose equations are kept; interrupted, without."""
     if not problem.linked:
         return found
-    samples = [
-        WindowedRecord(grid, told.own, state.links)
-        for grid, told, state in zip(grids, found.told, states, strict=False)
-        if told.best is not None and state.links is not None
-    ]
     windows = sum(len(told.own.starts) for told in found.told)
     try:
-        return replace(found, slope=windows * determinant_slope(problem, samples, found.scaled))
+        return replace(
+            found, slope=windows * determinant_slope(problem, samples_of(grids, found, states), found.scaled)
+        )
     except KeyboardInterrupt:
         return replace(found, interrupted=True)
 

@@ -1,10 +1,12 @@
 """Where a search over records stands: what each record has of its own and tells of the coefficients."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordPlace
 from narrows.logbook.shooting.window_equations import RecordUnknowns
 from narrows.logbook.shooting.window_links import WindowLinks
@@ -123,3 +125,40 @@ class Found:
         """
         windows = sum(len(each.own.starts) for each in self.told)
         return np.asarray(told.pull - len(told.own.starts) / windows * self.slope)
+
+
+class SampledRecord(NamedTuple):
+    """A record by which gusts, and how wide windows are left, are judged.
+
+    Parameters
+    ----------
+    grid : RecordGrid
+        The record.
+    told : RecordTold
+        With its equations.
+    links : WindowLinks
+        Between its windows.
+    """
+
+    grid: RecordGrid
+    told: RecordTold
+    links: WindowLinks
+
+
+def samples_of(grids: Iterable[RecordGrid], found: Found, states: Sequence[RecordState]) -> list[SampledRecord]:
+    """Return the records whose equations are kept (ours).
+
+    Parameters
+    ----------
+    grids : iterable of RecordGrid
+        All of them.
+    found : Found
+        Where the search stands.
+    states : sequence of RecordState
+        Of the records.
+    """
+    return [
+        SampledRecord(grid, told, state.links)
+        for grid, told, state in zip(grids, found.told, states, strict=False)
+        if told.best is not None and state.links is not None
+    ]
