@@ -36,6 +36,10 @@ EVERY = 600.0
 PASSES = np.arange(EVERY / 2, 60 * MINUTES, EVERY)
 
 
+USUAL = nw.TransitConditions()
+OFF_MIDSHIP = nw.TransitConditions(gust_time=90.0, gust_correlation=0.8)
+
+
 @dataclass(frozen=True)
 class Kind:
     """A row: what a twin has that the fit does not know.
@@ -60,6 +64,8 @@ class Kind:
         Whether another ship passes every ten minutes, and whether the log says so.
     bends : bool
         Whether the canal has bends, which the fit knows.
+    gusts : TransitConditions
+        Wind, gusts and aim; fits begin with gusts that stay 40 s, force and moment uncorrelated, which is the usual.
     twins : int
         How many.
     """
@@ -73,6 +79,7 @@ class Kind:
     lighter: float = 1.0
     passing: str = ""
     bends: bool = False
+    gusts: nw.TransitConditions = USUAL
     twins: int = 200
 
 
@@ -94,6 +101,7 @@ KINDS = (
     Kind("rtk, 20 transits", 20, sensors="rtk", twins=6),
     Kind("vdr, 20 transits", 20, twins=5),
     Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder", twins=5),
+    Kind("gusts that stay 90 s and act ahead of midship", gusts=OFF_MIDSHIP),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""
 
@@ -149,7 +157,8 @@ def kept_figures(kind: Kind, count: int, folder: Path | None) -> Iterator[dict[s
 
 def _conditions(kind: Kind) -> TransitTwin:
     passes = PASSES if kind.passing else ()
-    return TransitTwin(ship(), SPEED, 60 * MINUTES, passes=passes, waterway=winding() if kind.bends else None)
+    waterway = winding() if kind.bends else None
+    return TransitTwin(ship(), SPEED, 60 * MINUTES, kind.gusts, passes, waterway)
 
 
 def _marked(log: nw.ShipLog) -> nw.ShipLog:

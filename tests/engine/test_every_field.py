@@ -205,7 +205,7 @@ def built() -> dict[str, Built]:
             nw.TransitConditions(0.5, 0.5, 0.1, 0.3, 2.0, 0.05, 9.0),
             lambda conditions: foretold(nw.SensorGrade("own", "", ours), conditions=conditions),
             {"wind": 0.4, "windage": 0.4, "wind_lever": 0.2, "gust": 0.5, "gust_time": 4.0, "wander": 0.1,
-             "wander_time": 20.0},
+             "wander_time": 20.0, "gust_correlation": 0.5},
         ),
         "SteadyConditions": Built(
             nw.SteadyConditions(),

@@ -14,7 +14,7 @@ from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
 from narrows.logbook.transits.transit_filter import FELT, START, TransitSystem, Unknowns
 from pictures import assert_readable
 
-BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0)
+BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0, gust_correlation=0.4)
 SPEED = 0.7
 OWN = nw.SensorGrade(
     "own", "a tank's",
@@ -95,7 +95,7 @@ def by_joint_distribution(system: TransitSystem, unknowns: Unknowns) -> np.ndarr
         new[[0, 1], [4 + 2 * k, 5 + 2 * k]] = 1.0
         gust = new if k == 0 else kept * gust + np.sqrt(1 - kept**2) * new
         rows.append(state[[FELT.index(name) for name in ("y", "psi", "r")]])
-        moved = system.transition[k] @ state + system.driven[k][:, :2] @ (unknowns.gust[:, None] * gust)
+        moved = system.transition[k] @ state + system.driven[k][:, :2] @ unknowns.gust @ gust
         moved[:, wind : wind + 2] += system.driven[k][:, :2] * unknowns.wind
         moved[:, zero] += system.driven[k][:, 2] * grades["rudder"].zero
         moved[:, reading + k] += system.driven[k][:, 2] * grades["rudder"].noise / np.sqrt(system.step)

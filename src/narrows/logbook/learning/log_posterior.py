@@ -53,7 +53,9 @@ class LogPosterior:
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
 
 
-def log_posterior(model: Model, before: np.ndarray, prior: CoefficientPrior, found: Found) -> LogPosterior:
+def log_posterior(
+    model: Model, before: np.ndarray, prior: CoefficientPrior, found: Found, gust_doubt: np.ndarray
+) -> LogPosterior:
     """Return what is known after a log (Bayes; of coefficients that were held, that they may be wrong).
 
     Parameters
@@ -66,6 +68,8 @@ def log_posterior(model: Model, before: np.ndarray, prior: CoefficientPrior, fou
         Of those that were solved for.
     found : Found
         What the records tell.
+    gust_doubt : array (p, k) [1]
+        How far the coefficients go with each independent standard deviation of what gusts may be.
 
     References
     ----------
@@ -74,7 +78,7 @@ def log_posterior(model: Model, before: np.ndarray, prior: CoefficientPrior, fou
     """
     disagreement, freedom = _disagreement(prior, found.information, found.scaled)
     widened = float(np.sqrt(max(1.0, disagreement / max(freedom, 1))))
-    scaled = scaled_covariance(prior, found.information / widened**2)
+    scaled = scaled_covariance(prior, found.information / widened**2) + gust_doubt @ gust_doubt.T
     doubt = OF_WIDTH * (scaled * prior.moves) @ (found.slope * prior.moves)
     scaled = scaled + np.outer(doubt, doubt)
     alike = doubt**2 / np.diag(scaled)

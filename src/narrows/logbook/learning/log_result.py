@@ -43,7 +43,7 @@ def log_result(
         Coefficients that alone might move; all where none is named.
     """
     found, prior = refined.found, replace(model, covariance=before)
-    after = log_posterior(model, before, refined.problem.prior, found)
+    after = log_posterior(model, before, refined.problem.prior, found, refined.gust_doubt)
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(refined, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))

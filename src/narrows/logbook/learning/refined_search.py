@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.learning.grid_source import GridSource
-from narrows.logbook.shooting.chain_likelihood import most_likely_chain
+from narrows.logbook.shooting.chain_likelihood import GustJudge, gust_doubt, likely_gusts
 from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, searched
@@ -49,6 +49,8 @@ class Refined:
         What the model leaves of each signal.
     usual : WindowChain
         Gusts as they are taken to be before a log tells.
+    gust_doubt : array (p, k) [1]
+        How far the coefficients go with each independent standard deviation of what gusts may be.
     """
 
     problem: LogProblem
@@ -56,6 +58,7 @@ class Refined:
     states: tuple[RecordState, ...]
     left: dict[str, NoiseLeft]
     usual: WindowChain
+    gust_doubt: np.ndarray
 
 
 def refined_search(problem: LogProblem, source: GridSource) -> Refined:
@@ -83,16 +86,27 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
         steps = FIRST_STEPS[number] if problem.linked and number < len(FIRST_STEPS) else MOST_STEPS
         found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH, steps)
         if found.interrupted:
-            return Refined(problem, found, tuple(states), noise_left(source, found), usual)
+            return _refined(problem, found, states, source, usual)
         try:
             after = _reestimated(problem, source, states, found, least, usual if number < OF_GUSTS else None)
         except KeyboardInterrupt:
-            return Refined(problem, replace(found, interrupted=True), tuple(states), noise_left(source, found), usual)
+            return _refined(problem, replace(found, interrupted=True), states, source, usual)
         problem, scaled, moved = after, found.scaled, _moved(problem, after)
         if moved < SETTLED:
             break
     found = _searched(problem, scaled, source, states, sampled, ENOUGH, MOST_STEPS)
-    return Refined(problem, found, tuple(states), noise_left(source, found), usual)
+    return _refined(problem, found, states, source, usual)
+
+
+def _refined(
+    problem: LogProblem, found: Found, states: Sequence[RecordState], source: GridSource, usual: WindowChain
+) -> Refined:
+    """A search that is done or interrupted, with what doubts of the gusts do to it."""
+    doubt = np.zeros((len(found.scaled), 0))
+    if problem.linked and not found.interrupted:
+        judge = GustJudge(problem, found, samples_of(source, found, states), usual)
+        doubt = gust_doubt(judge)
+    return Refined(problem, found, tuple(states), noise_left(source, found), usual, doubt)
 
 
 def _searched(
@@ -131,7 +145,8 @@ def _reestimated(
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
     if usual is not None:
-        problem = replace(problem, chain=most_likely_chain(problem, samples_of(source, found, states), usual))
+        judge = GustJudge(problem, found, samples_of(source, found, states), usual)
+        problem = replace(problem, chain=likely_gusts(judge))
     return problem
 
 

@@ -1,15 +1,18 @@
 """How strong gusts are and how long they stay: by the likelihood of the records, their own unknowns integrated out."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from narrows.logbook.shooting.bordered_band import Eliminated
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
 from narrows.logbook.shooting.recorded_motion import PUSHES
-from narrows.logbook.shooting.search_state import SampledRecord
+from narrows.logbook.shooting.search_state import Found, SampledRecord
+from narrows.logbook.shooting.window_equations import WindowEquations
 from narrows.logbook.shooting.window_links import banded, link_determinant
 
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
@@ -24,41 +27,121 @@ UNLIKELY = 1e12
 """Where a chain has no likelihood."""
 ASKED, ENOUGH = 60, 0.1
 """How often the likelihood is asked for, at most; its logarithm, which a step is to gain."""
+KNOWN = max(SPREAD_OF_STRENGTH, SPREAD_OF_MEMORY, SPREAD_OF_CORRELATION) ** -2.0
+"""Least curvature of the logarithm of the likelihood: of what is known before."""
 
 
-def likelihood(problem: LogProblem, samples: Sequence[SampledRecord]) -> float:
-    """Return the logarithm of the likelihood of a chain, to a constant, by the equations where the search stood (ours).
-
-    The coefficients stay: with weaker gusts they would move farther than these equations are straight.
-
-    Parameters
-    ----------
-    problem : LogProblem
-        With the chain to judge.
-    samples : sequence of SampledRecord
-        Records.
-    """
-    cost = 0.0
-    for sample in samples:
-        best = sample.told.best
-        assert best is not None
-        band = banded(problem, sample.grid, best.own, best.found.without_coefficients(problem), sample.links)
-        left = band.eliminated().without(len(best.own.zeros))
-        cost += left.cost + left.determinant + link_determinant(problem, sample.grid, sample.links)
-    return -0.5 * cost
-
-
-def most_likely_chain(problem: LogProblem, samples: Sequence[SampledRecord], usual: WindowChain) -> WindowChain:
-    """Return the chain with the pushes that the records make most likely (ours).
+@dataclass(frozen=True)
+class GustJudge:
+    """What records say of gusts, by the equations where the search stood.
 
     Parameters
     ----------
     problem : LogProblem
         With the chain to begin with.
+    found : Found
+        Where the search stood.
     samples : sequence of SampledRecord
-        Records.
+        Records that are asked.
     usual : WindowChain
         As strong as gusts are before anything is known.
+    """
+
+    problem: LogProblem
+    found: Found
+    samples: Sequence[SampledRecord]
+    usual: WindowChain
+
+    @cached_property
+    def pushes(self) -> list[str]:
+        """Those of the chain."""
+        return [name for name in self.problem.chain.names if name in PUSHES]
+
+    @cached_property
+    def places(self) -> list[int]:
+        """Of the pushes, in the chain."""
+        return [self.problem.chain.names.index(name) for name in self.pushes]
+
+    @cached_property
+    def share(self) -> float:
+        """How many windows there are for each that is asked."""
+        asked = sum(len(sample.grid) for sample in self.samples)
+        return sum(len(told.own.starts) for told in self.found.told) / max(asked, 1)
+
+    @property
+    def start(self) -> np.ndarray:
+        """The free numbers of the chain to begin with: logarithms of strengths and of the memory, a correlation."""
+        chain = self.problem.chain
+        logarithms = np.log([*chain.std[self.places], chain.memory[self.places[0]]])
+        return np.append(logarithms, free_correlation(chain.correlation))
+
+    def chain(self, numbers: np.ndarray) -> WindowChain:
+        """Return the chain of free numbers.
+
+        Parameters
+        ----------
+        numbers : array (k,)
+            As of ``start``.
+        """
+        sizes = dict(zip(self.pushes, np.exp(numbers[: len(self.pushes)]).tolist(), strict=True))
+        memory, correlation = float(np.exp(numbers[-2])), bounded_correlation(float(numbers[-1]))
+        return self.problem.chain.with_pushes(sizes, memory, correlation)
+
+    def unlikely(self, numbers: np.ndarray) -> float:
+        """Return less the logarithm of the likelihood, to a constant, the coefficients where they are.
+
+        With weaker gusts they would move farther than these equations are straight.
+
+        Parameters
+        ----------
+        numbers : array (k,)
+            As of ``start``.
+        """
+        count = len(self.pushes)
+        strong = (numbers[:count] - np.log(self.usual.std[self.places])) / SPREAD_OF_STRENGTH
+        stays = (numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY
+        known = strong @ strong + stays**2 + (numbers[-1] / SPREAD_OF_CORRELATION) ** 2
+        problem, cost = replace(self.problem, chain=self.chain(numbers)), 0.0
+        try:
+            for sample in self.samples:
+                left = _left(problem, sample, sample.found.without_coefficients(problem))
+                cost += left.cost + left.determinant + link_determinant(problem, sample.grid, sample.links)
+        except np.linalg.LinAlgError:
+            return UNLIKELY
+        return 0.5 * float(known + cost)
+
+    def followed(self, numbers: np.ndarray) -> np.ndarray:
+        """Return how far the best coefficients go, (p,): all records are taken to go as those that are asked.
+
+        Parameters
+        ----------
+        numbers : array (k,)
+            As of ``start``.
+        """
+        problem, prior, found = replace(self.problem, chain=self.chain(numbers)), self.problem.prior, self.found
+        information, pull = found.information + prior.precision, found.pull - prior.precision @ found.scaled
+        for sample in self.samples:
+            left = _left(problem, sample, sample.found)
+            information = information + self.share * (left.corner - sample.told.information)
+            pull = pull + self.share * (left.right - sample.told.pull)
+        step, moves = np.zeros(len(pull)), prior.moves
+        step[moves] = np.linalg.solve(information[np.ix_(moves, moves)], pull[moves])
+        return step
+
+
+def _left(problem: LogProblem, sample: SampledRecord, found: WindowEquations) -> Eliminated:
+    """What is left of the equations of a record without all that it has of its own."""
+    own = sample.told.own
+    return banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros))
+
+
+def likely_gusts(judge: GustJudge) -> WindowChain:
+    """Return the chain with the pushes that the records make most likely (ours).
+
+    Parameters
+    ----------
+    judge : GustJudge
+        What the records say.
 
     References
     ----------
@@ -67,26 +150,36 @@ def most_likely_chain(problem: LogProblem, samples: Sequence[SampledRecord], usu
     """
     from scipy.optimize import minimize
 
-    chain = problem.chain
-    pushes = [name for name in chain.names if name in PUSHES]
-    places = [chain.names.index(name) for name in pushes]
-    start = np.append(np.log([*chain.std[places], chain.memory[places[0]]]), free_correlation(chain.correlation))
-
-    def chain_of(numbers: np.ndarray) -> WindowChain:
-        sizes = dict(zip(pushes, np.exp(numbers[: len(pushes)]).tolist(), strict=True))
-        return chain.with_pushes(sizes, float(np.exp(numbers[-2])), bounded_correlation(float(numbers[-1])))
-
-    def unlikely(numbers: np.ndarray) -> float:
-        strong = (numbers[: len(pushes)] - np.log(usual.std[places])) / SPREAD_OF_STRENGTH
-        stays = (numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY
-        known = strong @ strong + stays**2 + (numbers[-1] / SPREAD_OF_CORRELATION) ** 2
-        try:
-            told = likelihood(replace(problem, chain=chain_of(numbers)), samples)
-        except np.linalg.LinAlgError:
-            return UNLIKELY
-        return float(0.5 * known - told)
-
+    start = judge.start
     bounds = [(number - MOST_MOVE, number + MOST_MOVE) for number in start]
-    first = unlikely(start)
+    first = judge.unlikely(start)
     options: Any = {"maxfun": ASKED, "eps": SLOPE_STEP, "ftol": ENOUGH / max(abs(first), 1.0), "gtol": 0.0}
-    return chain_of(minimize(unlikely, start, method="L-BFGS-B", bounds=bounds, options=options).x)
+    return judge.chain(minimize(judge.unlikely, start, method="L-BFGS-B", bounds=bounds, options=options).x)
+
+
+def gust_doubt(judge: GustJudge) -> np.ndarray:
+    """Return how far the coefficients go with each independent standard deviation of what gusts may be, (p, k) (ours).
+
+    What gusts may be is told where the coefficients stay, so that the doubt is the least that there is.
+
+    Parameters
+    ----------
+    judge : GustJudge
+        What the records say, where the search is done.
+    """
+    start, beside = judge.start, SLOPE_STEP * np.eye(len(judge.start))
+    follows = np.stack([judge.followed(start + one) - judge.followed(start - one) for one in beside], axis=1)
+    root = np.linalg.cholesky(_curvature(judge.unlikely, start, beside))
+    return np.asarray(np.linalg.solve(root, follows.T).T / (2 * SLOPE_STEP))
+
+
+def _curvature(function: Callable[[np.ndarray], float], at: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Second slopes by differences, none less than what is known before."""
+    value = function(at)
+    up, down = (np.array([function(at + sign * one) for one in beside]) for sign in (1, -1))
+    curvature = np.diag(up - 2 * value + down)
+    for i in range(len(at)):
+        for j in range(i):
+            curvature[i, j] = curvature[j, i] = function(at + beside[i] + beside[j]) - up[i] - up[j] + value
+    sizes, axes = np.linalg.eigh(curvature / SLOPE_STEP**2)
+    return np.asarray(axes @ np.diag(np.maximum(sizes, KNOWN)) @ axes.T)

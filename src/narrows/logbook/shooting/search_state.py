@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordPlace
-from narrows.logbook.shooting.window_equations import RecordUnknowns
+from narrows.logbook.shooting.window_equations import RecordUnknowns, WindowEquations
 from narrows.logbook.shooting.window_links import WindowLinks
 
 
@@ -143,6 +143,12 @@ class SampledRecord(NamedTuple):
     grid: RecordGrid
     told: RecordTold
     links: WindowLinks
+
+    @property
+    def found(self) -> WindowEquations:
+        """Its equations."""
+        assert self.told.best is not None
+        return self.told.best.found
 
 
 def samples_of(grids: Iterable[RecordGrid], found: Found, states: Sequence[RecordState]) -> list[SampledRecord]:

@@ -151,7 +151,7 @@ class PlannedTransit:
         """Gusts about no wind: what is steady moves the rudder alone."""
         piece, memory = self.conditions.gust_time / PIECES, self.conditions.gust_time
         times = np.arange(0.0, self.duration, piece).tolist()
-        gusts = wandering(1.0, memory, piece, len(times), draw, 2) * self.conditions.gust_push(self.model)
+        gusts = wandering(1.0, memory, piece, len(times), draw, 2) @ self.conditions.gust_push(self.model).T
         return {
             name: list(zip(times, column, strict=True)) for name, column in zip("YN", gusts.T.tolist(), strict=True)
         }

@@ -32,11 +32,13 @@ class TransitConditions(Described):
         Of a pilot's aim about the middle.
     wander_time : float [s]
         How long an aim stays.
+    gust_correlation : float [1]
+        Between force and moment of gusts: 1 where they act at one place ahead of midship all through.
 
     Raises
     ------
     InputError
-        Where a number is negative or not finite, or a time is 0.
+        Where a number is negative or not finite, a time is 0, or a correlation is more than 1.
     """
 
     wind: float = 8.0
@@ -46,6 +48,7 @@ class TransitConditions(Described):
     gust_time: float = 40.0
     wander: float = 3.0
     wander_time: float = 400.0
+    gust_correlation: float = 0.0
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -56,6 +59,8 @@ class TransitConditions(Described):
                 raise InputError(
                     f"conditions of transits: {entry.name} = {shown(value)}: give a finite number {from_where} 0"
                 )
+        if self.gust_correlation > 1:
+            raise InputError(f"gust_correlation = {shown(self.gust_correlation)}: a correlation is 1 at most")
 
     def summary(self) -> str:
         """Say them."""
@@ -75,14 +80,15 @@ class TransitConditions(Described):
         return np.array(beam_wind(model.configuration.ship.length, self.wind, self.windage, self.wind_lever))
 
     def gust_push(self, model: Model) -> np.ndarray:
-        """Return sway force [N] and yaw moment [N m] of gusts, (2,).
+        """Return sway force [N] and yaw moment [N m] of two independent gusts of size one, (2, 2).
 
         Parameters
         ----------
         model : Model
             The ship.
         """
-        return self.gust * self.steady_push(model)
+        along, apart = self.gust_correlation, math.sqrt(1 - self.gust_correlation**2)
+        return np.asarray(self.gust * self.steady_push(model)[:, None] * [[1.0, 0.0], [along, apart]])
 
 
 def wandering(

@@ -98,7 +98,9 @@ class Unknowns:
 
     Parameters
     ----------
-    gust, wind : array (2,) [N, N m]
+    gust : array (2, 2) [N, N m]
+        Force and moment of two independent gusts of size one.
+    wind : array (2,) [N, N m]
         Standard deviations of force and moment.
     gust_time : float [s]
         How long a gust stays.
@@ -151,7 +153,7 @@ class Unknowns:
         first, size = len(FELT), self._size()
         whole = np.broadcast_to(np.eye(size), (len(system.transition), size, size)).copy()
         whole[:, :first, :first] = system.transition
-        whole[:, :first, first : first + 2] = system.driven[:, :, :2] * self.gust
+        whole[:, :first, first : first + 2] = system.driven[:, :, :2] @ self.gust
         whole[:, :first, first + 2 : first + 4] = system.driven[:, :, :2] * self.wind
         whole[:, :first, first + 4] = system.driven[:, :, 2] * self.grade.signals["rudder"].zero
         whole[:, :first, -self.prior.root.shape[1] :] = system.by_coefficients @ self.prior.root

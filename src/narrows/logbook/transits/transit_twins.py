@@ -114,7 +114,7 @@ class TransitTwin:
     def _pushes(self, draw: np.random.Generator) -> list[list[tuple[float, float]]]:
         """Sway force and yaw moment through the transit: wind, gusts, and ships that pass."""
         told, times = self.conditions, np.arange(0.0, self.duration, PIECE)
-        gusts = wandering(1.0, told.gust_time, PIECE, len(times), draw, 2) * told.gust_push(self.truth)
+        gusts = wandering(1.0, told.gust_time, PIECE, len(times), draw, 2) @ told.gust_push(self.truth).T
         pushes = gusts + draw.standard_normal(2) * told.steady_push(self.truth)
         for passed in self.passes:
             pushes += _passing(self.truth, self.u, times - passed)
