@@ -23,6 +23,11 @@ def ship() -> tuple[nw.Model, np.ndarray]:
     return model, mixed * np.outer(sizes, sizes)
 
 
+def sure(prior: CoefficientPrior) -> np.ndarray:
+    """No doubt of gusts."""
+    return np.zeros((len(prior.names), 0))
+
+
 def found(prior: CoefficientPrior, scaled: np.ndarray, information: np.ndarray) -> Found:
     told = RecordTold(information, np.zeros(len(scaled)), 0.0, None)
     return Found(scaled, (told,), 0.0)
@@ -42,7 +47,7 @@ def test_a_log_of_the_same_ship_moves_as_far_as_expected(free: frozenset[str] | 
         pull = information @ truth + np.linalg.cholesky(information) @ draw.normal(size=count)
         scaled = np.zeros(count)
         scaled[moves] = np.linalg.solve((information + prior.precision)[np.ix_(moves, moves)], pull[moves])
-        after = log_posterior(model, covariance, prior, found(prior, scaled, information))
+        after = log_posterior(model, covariance, prior, found(prior, scaled, information), sure(prior))
         squares.append(after.disagreement / after.freedom)
     assert np.mean(squares) == pytest.approx(1.0, abs=0.1)
 
@@ -52,7 +57,7 @@ def test_a_log_that_disagrees_is_taken_for_less_sure() -> None:
     prior = coefficient_prior(model, covariance, "held")
     count = len(prior.names)
     near, far = (
-        log_posterior(model, covariance, prior, found(prior, np.full(count, size), 50 * np.eye(count)))
+        log_posterior(model, covariance, prior, found(prior, np.full(count, size), 50 * np.eye(count)), sure(prior))
         for size in (0.5, 5.0)
     )
     assert near.widened == 1.0
@@ -70,7 +75,9 @@ def test_how_wide_windows_are_left_is_not_believed_to_the_end() -> None:
     count = len(prior.names)
     slope, information = np.linspace(-1.0, 1.0, count), 50 * np.eye(count)
     without, *more = (
-        log_posterior(model, covariance, prior, replace(found(prior, np.zeros(count), n * information), slope=own))
+        log_posterior(
+            model, covariance, prior, replace(found(prior, np.zeros(count), n * information), slope=own), sure(prior)
+        )
         for n, own in ((1, 0.0), (1, slope), (400, 400 * slope))
     )
     by_it = 0.5 * (without.scaled * prior.moves) @ (slope * prior.moves)
@@ -78,3 +85,14 @@ def test_how_wide_windows_are_left_is_not_believed_to_the_end() -> None:
     assert not without.alike.any()
     assert (more[1].alike[prior.moves] >= more[0].alike[prior.moves]).all()
     assert np.diag(more[1].scaled).max() > 0.9 * by_it.max() ** 2
+
+
+def test_what_gusts_may_be_is_in_the_intervals() -> None:
+    """Of every coefficient, by how far it goes with them."""
+    model, covariance = ship()
+    prior = coefficient_prior(model, covariance, "held")
+    count = len(prior.names)
+    told, doubt = found(prior, np.zeros(count), 50 * np.eye(count)), np.linspace(0.0, 1.0, 2 * count).reshape(count, 2)
+    without, other = (log_posterior(model, covariance, prior, told, own) for own in (sure(prior), doubt))
+    np.testing.assert_allclose(other.scaled, without.scaled + doubt @ doubt.T)
+    assert not other.alike.any()

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.logbook.shooting.bordered_band import Eliminated
+from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
 from narrows.logbook.shooting.recorded_motion import PUSHES
@@ -68,6 +69,15 @@ class GustJudge:
         asked = sum(len(sample.grid) for sample in self.samples)
         return sum(len(told.own.starts) for told in self.found.told) / max(asked, 1)
 
+    @cached_property
+    def turned(self) -> np.ndarray:
+        """How the slope of how wide windows are left goes with the free numbers, (p, k)."""
+        beside = self.start + SLOPE_STEP * np.eye(len(self.start))
+        chains = [self.problem.chain, *(self.chain(numbers) for numbers in beside)]
+        slopes = determinant_slope(self.problem, self.samples, self.found.scaled, chains)
+        windows = sum(len(told.own.starts) for told in self.found.told)
+        return np.asarray(windows * (slopes[1:] - slopes[0]).T / SLOPE_STEP)
+
     @property
     def start(self) -> np.ndarray:
         """The free numbers of the chain to begin with: logarithms of strengths and of the memory, a correlation."""
@@ -120,6 +130,7 @@ class GustJudge:
         """
         problem, prior, found = replace(self.problem, chain=self.chain(numbers)), self.problem.prior, self.found
         information, pull = found.information + prior.precision, found.pull - prior.precision @ found.scaled
+        pull = pull - self.turned @ (numbers - self.start)
         for sample in self.samples:
             left = _left(problem, sample, sample.found)
             information = information + self.share * (left.corner - sample.told.information)

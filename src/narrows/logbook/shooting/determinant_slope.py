@@ -5,10 +5,12 @@ the coefficients err by it. Integrated out instead, they leave the determinant o
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import LogProblem
+from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.search_state import SampledRecord
 from narrows.logbook.shooting.window_equations import window_equations
 from narrows.logbook.shooting.window_links import banded
@@ -17,8 +19,10 @@ STEP = 0.02
 """Of a difference, in standard deviations before."""
 
 
-def determinant_slope(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
-    """Return the slope of half the logarithm of the determinant of a window by the coefficients, (p,) [1] (ours).
+def determinant_slope(
+    problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray, chains: Sequence[WindowChain] = ()
+) -> np.ndarray:
+    """Return the slope of half the logarithm of the determinant of a window by the coefficients, (chains, p) (ours).
 
     Parameters
     ----------
@@ -28,10 +32,12 @@ def determinant_slope(problem: LogProblem, samples: Sequence[SampledRecord], sca
         Records, at their best.
     scaled : array (p,) [1]
         The coefficients there.
+    chains : sequence of WindowChain, optional
+        By each of which windows may be linked; that of the problem alone unless given.
 
     Returns
     -------
-    array (p,)
+    array (chains, p) [1]
         None where the windows or their motion have no finite one.
 
     References
@@ -39,28 +45,30 @@ def determinant_slope(problem: LogProblem, samples: Sequence[SampledRecord], sca
     Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
     81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
     """
-    none = np.zeros(len(scaled))
+    linked = [replace(problem, chain=chain) for chain in chains] or [problem]
+    none = np.zeros((len(linked), len(scaled)))
     try:
-        slope = _slope(problem, samples, scaled)
+        slope = _slope(linked, samples, scaled)
     except np.linalg.LinAlgError:  # Windows of which nothing is known.
         return none
     return slope if np.isfinite(slope).all() else none
 
 
-def _slope(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
-    slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
-    at = _determinant(problem, samples, scaled)
-    for place in np.flatnonzero(problem.prior.moves):
+def _slope(linked: Sequence[LogProblem], samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
+    slope, windows = np.zeros((len(linked), len(scaled))), sum(len(sample.grid) for sample in samples)
+    at = _determinants(linked, samples, scaled)
+    for place in np.flatnonzero(linked[0].prior.moves):
         beside = scaled + STEP * (np.arange(len(scaled)) == place)
-        slope[place] = _determinant(problem, samples, beside) - at
+        slope[:, place] = _determinants(linked, samples, beside) - at
     return slope / (2 * STEP * max(windows, 1))
 
 
-def _determinant(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> float:
-    """The logarithm of that of all that records have of their own, where they stood."""
-    motion, whole = problem.at(scaled).of_records, 0.0
+def _determinants(linked: Sequence[LogProblem], samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
+    """The logarithms of those of all that records have of their own, where they stood, by each linkage."""
+    motion, whole = linked[0].at(scaled).of_records, np.zeros(len(linked))
     for grid, told, links in samples:
-        found = window_equations(problem, motion, scaled, grid, told.own)
-        left = banded(problem, grid, told.own, found, links).eliminated().without(len(told.own.zeros))
-        whole += left.determinant
+        found = window_equations(linked[0], motion, scaled, grid, told.own)
+        for place, problem in enumerate(linked):
+            left = banded(problem, grid, told.own, found, links).eliminated().without(len(told.own.zeros))
+            whole[place] += left.determinant
     return whole

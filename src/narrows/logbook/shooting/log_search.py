@@ -78,9 +78,8 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
         return found
     windows = sum(len(told.own.starts) for told in found.told)
     try:
-        return replace(
-            found, slope=windows * determinant_slope(problem, samples_of(grids, found, states), found.scaled)
-        )
+        slope = determinant_slope(problem, samples_of(grids, found, states), found.scaled)[0]
+        return replace(found, slope=windows * slope)
     except KeyboardInterrupt:
         return replace(found, interrupted=True)
 
