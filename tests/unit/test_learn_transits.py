@@ -132,7 +132,7 @@ def test_where_windows_have_no_slope_it_stays(monkeypatch: pytest.MonkeyPatch) -
 
     monkeypatch.setattr(determinant_slope, "_slope", unknown)
     problem = LogProblem(*3 * (None,))  # type: ignore[arg-type]
-    np.testing.assert_array_equal(determinant_slope.determinant_slope(problem, [], np.ones(4)), np.zeros(4))
+    np.testing.assert_array_equal(determinant_slope.determinant_slope(problem, [], np.ones(4)), np.zeros((1, 4)))
 
 
 def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:

@@ -6,10 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y
 from narrows.logbook.shooting.record_grid import RecordGrid
-from narrows.logbook.shooting.recorded_motion import CURRENT
-from narrows.logbook.shooting.window_equations import Pushes, RecordUnknowns
+from narrows.logbook.shooting.window_equations import Pushes, RecordUnknowns, drifting
 
 AHEAD = 3.5
 """Times of a ship length that a forecast reaches."""
@@ -69,21 +67,12 @@ def forecast(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, own: Rec
         )
     nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(first)])
     pieces = np.repeat(grid.times[first[:-1]], np.diff(first) + 1)
-    states = _over_ground(problem, own.zeros, states, grid.times[nodes] - pieces)
+    for state, place in drifting(problem):
+        states[:, state] += own.zeros[place] * (grid.times[nodes] - pieces)
     offset = float(pushes.rudder[0]) if len(pushes.rudder) else 0.0
     rudder = grid.positions.get("rudder", np.zeros(len(grid.times)))[nodes] + offset
     ends = first[1:] - first[0] + np.arange(len(first) - 1)
     return Forecast(grid.times[nodes], states, ends, own.starts[begun[1:]], rudder)
-
-
-def _over_ground(problem: LogProblem, zeros: np.ndarray, states: np.ndarray, elapsed: np.ndarray) -> np.ndarray:
-    """What a current that the motion does not know carries on."""
-    if CURRENT in problem.motion.directions:
-        return states
-    known = dict(zip(problem.zeros, zeros.tolist(), strict=True))
-    drift = np.zeros(states.shape[1])
-    drift[:2] = known.get(CURRENT_X, 0.0), known.get(CURRENT_Y, 0.0)
-    return np.asarray(states + elapsed[:, None] * drift)
 
 
 def missed(foretold: Forecast) -> dict[str, float]:

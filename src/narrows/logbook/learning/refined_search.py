@@ -1,7 +1,9 @@
 """The search with noise and gusts estimated between: until neither moves."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, searched
 from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
 from narrows.logbook.shooting.push_chain import WindowChain
+from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.search_state import Found, RecordState, samples_of
 from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
@@ -22,6 +25,8 @@ ROUNDS, SETTLED = 10, 0.2
 """Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
 FIRST_STEPS = (0, 2, 4)
 """Of the search before the first estimates: with gusts too weak many records would lead it far away."""
+MANY, FEW = 6, 3
+"""Records beyond which so many of the first are searched alone before: the others then begin near."""
 OF_GUSTS = 5
 """Rounds in which gusts are estimated."""
 SAMPLES, SAMPLES_ALONE = 24, 64
@@ -61,8 +66,27 @@ class Refined:
     gust_doubt: np.ndarray
 
 
+Slope = np.ndarray | float | None
+"""Of how wide windows are left, as far as it is known."""
+
+
+class Records(NamedTuple):
+    """Records that are searched.
+
+    Parameters
+    ----------
+    grids : iterable of RecordGrid
+        Each laid out when its turn comes, again and again.
+    states : sequence of RecordState
+        Where each stands.
+    """
+
+    grids: Iterable[RecordGrid]
+    states: Sequence[RecordState]
+
+
 def refined_search(problem: LogProblem, source: GridSource) -> Refined:
-    """Search for coefficients, noise and gusts (ours).
+    """Search for coefficients, noise and gusts (ours): of a long log by its first records, then by all of them.
 
     Parameters
     ----------
@@ -76,45 +100,61 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
     InputError
         Where no record can be used, or the model cannot follow them.
     """
-    scaled = np.zeros(len(problem.prior.groups))
+    scaled, least, usual = np.zeros(len(problem.prior.groups)), source.assumptions.least_noise, problem.chain
     states = _begun(problem, source, scaled)
     if not states:
         raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")
-    sampled, least = _sampled(len(states), problem.linked), source.assumptions.least_noise
-    usual = problem.chain
-    for number in range(ROUNDS):
-        steps = FIRST_STEPS[number] if problem.linked and number < len(FIRST_STEPS) else MOST_STEPS
-        found = _searched(problem, scaled, source, states, sampled, NEARLY_ENOUGH, steps)
+    steps, slope = FIRST_STEPS if problem.linked else (), None
+    if problem.linked and len(states) > MANY:
+        part = Records(tuple(islice(source, FEW)), states[:FEW])
+        problem, found = _in_rounds(problem, scaled, part, least, usual, steps)
         if found.interrupted:
-            return _refined(problem, found, states, source, usual)
+            return _refined(problem, found, part, states, usual)
+        scaled, steps, slope = found.scaled, (), found.slope_of(states)
+    every = Records(source, states)
+    problem, found = _in_rounds(problem, scaled, every, least, usual, steps, slope)
+    if not found.interrupted:
+        found = _searched(problem, found.scaled, every, ENOUGH, MOST_STEPS, found.slope)
+    return _refined(problem, found, every, states, usual)
+
+
+def _in_rounds(
+    problem: LogProblem, scaled: np.ndarray, records: Records, least: dict[str, float], usual: WindowChain,
+    steps: Sequence[int], slope: Slope = None,
+) -> tuple[LogProblem, Found]:  # fmt: skip
+    """Search, and estimate noise and gusts, in turn; the first searches of so many steps."""
+    for number in range(ROUNDS):
+        most = steps[number] if number < len(steps) else MOST_STEPS
+        found = _searched(problem, scaled, records, NEARLY_ENOUGH, most, slope)
+        if found.interrupted:
+            break
         try:
-            after = _reestimated(problem, source, states, found, least, usual if number < OF_GUSTS else None)
+            after = _reestimated(problem, records, found, least, usual if number < OF_GUSTS else None)
         except KeyboardInterrupt:
-            return _refined(problem, replace(found, interrupted=True), states, source, usual)
+            return problem, replace(found, interrupted=True)
         problem, scaled, moved = after, found.scaled, _moved(problem, after)
+        slope = found.slope if number >= len(steps) else None
         if moved < SETTLED:
             break
-    found = _searched(problem, scaled, source, states, sampled, ENOUGH, MOST_STEPS)
-    return _refined(problem, found, states, source, usual)
+    return problem, found
 
 
 def _refined(
-    problem: LogProblem, found: Found, states: Sequence[RecordState], source: GridSource, usual: WindowChain
+    problem: LogProblem, found: Found, records: Records, states: Sequence[RecordState], usual: WindowChain
 ) -> Refined:
     """A search that is done or interrupted, with what doubts of the gusts do to it."""
     doubt = np.zeros((len(found.scaled), 0))
     if problem.linked and not found.interrupted:
-        judge = GustJudge(problem, found, samples_of(source, found, states), usual)
-        doubt = gust_doubt(judge)
-    return Refined(problem, found, tuple(states), noise_left(source, found), usual, doubt)
+        doubt = gust_doubt(GustJudge(problem, found, samples_of(records.grids, found, records.states), usual))
+    return Refined(problem, found, tuple(states), noise_left(records.grids, found), usual, doubt)
 
 
 def _searched(
-    problem: LogProblem, scaled: np.ndarray, source: GridSource, states: Sequence[RecordState], sampled: frozenset[int],
-    enough: float, steps: int,
-) -> Found:  # fmt: skip
+    problem: LogProblem, scaled: np.ndarray, records: Records, enough: float, steps: int, slope: Slope
+) -> Found:
+    sampled = _sampled(len(records.states), problem.linked)
     with stage("fitting the records"):
-        found = searched(problem, scaled, source, states, sampled, enough, steps)
+        found = searched(problem, scaled, records.grids, records.states, sampled, enough, steps, slope)
     if found is None:
         raise InputError(RUNS_AWAY)
     return found
@@ -135,17 +175,16 @@ def _sampled(count: int, linked: bool) -> frozenset[int]:
 
 
 def _reestimated(
-    problem: LogProblem, source: GridSource, states: Sequence[RecordState], found: Found, least: dict[str, float],
-    usual: WindowChain | None,
-) -> LogProblem:  # fmt: skip
+    problem: LogProblem, records: Records, found: Found, least: dict[str, float], usual: WindowChain | None
+) -> LogProblem:
     """Noise of the grade, or what the model leaves where that is more; gusts by their likelihood."""
-    left = noise_left(source, found)
+    left = noise_left(records.grids, found)
     if not problem.linked:
         return problem.with_noise(_noise_alone(problem, found, left, least))
     noise = {name: own.size if own.size > WORSE * least[name] else least[name] for name, own in left.items()}
     problem = problem.with_noise(noise)
     if usual is not None:
-        judge = GustJudge(problem, found, samples_of(source, found, states), usual)
+        judge = GustJudge(problem, found, samples_of(records.grids, found, records.states), usual)
         problem = replace(problem, chain=likely_gusts(judge))
     return problem
 

@@ -28,6 +28,8 @@ UNLIKELY = 1e12
 """Where a chain has no likelihood."""
 ASKED, ENOUGH = 60, 0.1
 """How often the likelihood is asked for, at most; its logarithm, which a step is to gain."""
+ASKED_OF_WIDTH = 4
+"""Records by which it is seen how the slope of how wide windows are left goes with gusts: it is dear."""
 KNOWN = max(SPREAD_OF_STRENGTH, SPREAD_OF_MEMORY, SPREAD_OF_CORRELATION) ** -2.0
 """Least curvature of the logarithm of the likelihood: of what is known before."""
 
@@ -74,7 +76,7 @@ class GustJudge:
         """How the slope of how wide windows are left goes with the free numbers, (p, k)."""
         beside = self.start + SLOPE_STEP * np.eye(len(self.start))
         chains = [self.problem.chain, *(self.chain(numbers) for numbers in beside)]
-        slopes = determinant_slope(self.problem, self.samples, self.found.scaled, chains)
+        slopes = determinant_slope(self.problem, self.samples[:ASKED_OF_WIDTH], self.found.scaled, chains)
         windows = sum(len(told.own.starts) for told in self.found.told)
         return np.asarray(windows * (slopes[1:] - slopes[0]).T / SLOPE_STEP)
 

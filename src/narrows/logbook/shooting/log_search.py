@@ -86,7 +86,7 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
 
 def searched(
     problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = (),
-    enough: float = ENOUGH, steps: int = MOST_STEPS,
+    enough: float = ENOUGH, steps: int = MOST_STEPS, slope: np.ndarray | float | None = None,
 ) -> Found | None:  # fmt: skip
     """Search for the most likely coefficients; None where the motion goes to infinity from the start (ours).
 
@@ -108,6 +108,8 @@ def searched(
         Of a sum of squares, that a step is to gain at least.
     steps : int
         At most.
+    slope : array (p,) [1], optional
+        Of how wide windows are left, as far as it is known; looked at anew before the search is done.
 
     References
     ----------
@@ -121,7 +123,8 @@ def searched(
         if not found.told:
             raise KeyboardInterrupt
         return replace(found, scaled=found.scaled + _step(problem, found, FIRST)[0])
-    found, damping, fresh = _sloped(problem, found, grids, states), FIRST, True
+    damping, fresh = FIRST, slope is None or not problem.linked
+    found = replace(found, slope=slope) if slope is not None else _sloped(problem, found, grids, states)
     for number in range(1, steps + 1):
         _remember(states, found)
         if found.interrupted:

@@ -17,7 +17,7 @@ STEPS, SHRINKS = 8, 6
 """Steps of the search, and shares of a step that are tried."""
 LEAST_SHRUNK, MOST_SHRUNK = 0.1, 0.6
 """By which a share that does not help is made smaller."""
-SETTLED = 0.05
+SETTLED = 0.005
 """Of a sum of squares, less than which a step need not gain."""
 
 

@@ -115,6 +115,17 @@ class Found:
         """Of all records, how wide windows are left included, (p,) [1]."""
         return np.asarray(sum(told.pull for told in self.told) - self.slope)
 
+    def slope_of(self, states: Sequence[RecordState]) -> np.ndarray | float:
+        """Return the slope of other records, were their windows left as wide, (p,) [1].
+
+        Parameters
+        ----------
+        states : sequence of RecordState
+            Of those records.
+        """
+        windows = sum(len(told.own.starts) for told in self.told)
+        return sum(len(state.own.starts) for state in states) / windows * self.slope
+
     def pull_of(self, told: RecordTold) -> np.ndarray:
         """Return that of one record, (p,) [1].
 

@@ -135,16 +135,27 @@ def _ends(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where windows end over ground and the slopes of that: a current that the motion does not know carries them on."""
     rows = grid.first[1:] + np.arange(len(grid))
-    ends, slopes = states[rows], along[rows]
-    if CURRENT in problem.motion.directions:
-        return ends, slopes
-    lasting, zeros = np.diff(grid.times[grid.first]), list(problem.zeros)
-    for state, name in enumerate((CURRENT_X, CURRENT_Y)):
-        if name in zeros:
-            place = zeros.index(name)
-            ends[:, state] += own.zeros[place] * lasting
-            slopes[:, state, problem.local + place] += lasting
+    ends, slopes, lasting = states[rows], along[rows], np.diff(grid.times[grid.first])
+    for state, place in drifting(problem):
+        ends[:, state] += own.zeros[place] * lasting
+        slopes[:, state, problem.local + place] += lasting
     return ends, slopes
+
+
+def drifting(problem: LogProblem) -> tuple[tuple[int, int], ...]:
+    """Return the states that a current carries on, each with the place of its speed among the zeros (ours).
+
+    There are none where the motion itself knows the current.
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    """
+    if CURRENT in problem.motion.directions:
+        return ()
+    zeros = list(problem.zeros)
+    return tuple((state, zeros.index(name)) for state, name in enumerate((CURRENT_X, CURRENT_Y)) if name in zeros)
 
 
 @dataclass(frozen=True)
