@@ -8,7 +8,7 @@ import pytest
 from test_learn_transits import ship, twin
 
 import narrows as nw
-from narrows.logbook.learning import learn_log
+from narrows.logbook.learning import learn_log, refined_search
 from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.learning.refined_search import Refined
 from narrows.logbook.shooting import log_search, record_search
@@ -98,3 +98,30 @@ def test_interrupted_where_slopes_are_taken_a_search_keeps_what_is_done(
     assert found is not None
     assert found.interrupted
     assert len(found.told) == 2
+
+
+def learned(monkeypatch: pytest.MonkeyPatch) -> nw.LogFit:
+    """By the first record, and then by both."""
+    monkeypatch.setattr(refined_search, "MANY", 1)
+    monkeypatch.setattr(refined_search, "FEW", 1)
+    return nw.learn(ship(), [record.between(0.0, SHORT) for record in twin()[1]])
+
+
+def test_a_log_that_begins_with_its_first_records_ends_where_all_of_them_do(
+    done: Searched, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fit, scaled, prior = learned(monkeypatch), done.refined.found.scaled, done.refined.problem.prior
+    values = np.array([fit.model[name] for name in prior.names])
+    off = (values - prior.mean - prior.scale * scaled) / np.array([fit.std[name] for name in prior.names])
+    assert fit.settled
+    assert np.abs(off).max() < 0.1
+
+
+def test_interrupted_among_its_first_records_a_search_keeps_what_these_tell(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(refined_search, "_reestimated", stopped)
+    fit = learned(monkeypatch)
+    assert any("1 of 2 records were looked at" in note for note in fit.notes)
+    assert len(fit.records) == 1
