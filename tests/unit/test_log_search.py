@@ -125,3 +125,13 @@ def test_interrupted_among_its_first_records_a_search_keeps_what_these_tell(monk
     fit = learned(monkeypatch)
     assert any("1 of 2 records were looked at" in note for note in fit.notes)
     assert len(fit.records) == 1
+
+
+def test_interrupted_where_gusts_are_doubted_a_search_keeps_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(refined_search, "gust_doubt", stopped)
+    fit = learned(monkeypatch)
+    assert any("2 of 2 records were looked at" in note for note in fit.notes)
+    assert len(fit.records) == 2

@@ -145,7 +145,12 @@ def _refined(
     """A search that is done or interrupted, with what doubts of the gusts do to it."""
     doubt = np.zeros((len(found.scaled), 0))
     if problem.linked and not found.interrupted:
-        doubt = gust_doubt(GustJudge(problem, found, samples_of(records.grids, found, records.states), usual))
+        try:
+            doubt = gust_doubt(GustJudge(problem, found, samples_of(records.grids, found, records.states), usual))
+        except KeyboardInterrupt:
+            found = replace(found, interrupted=True)
+        except np.linalg.LinAlgError:  # Gusts that are nearly none, or windows of which nothing is known.
+            pass
     return Refined(problem, found, tuple(states), noise_left(records.grids, found), usual, doubt)
 
 
