@@ -26,11 +26,11 @@ ROUNDS, SETTLED = 10, 0.2
 FIRST_STEPS = (0, 2, 4)
 """Of the search before the first estimates: with gusts too weak many records would lead it far away."""
 MANY, FEW = 6, 3
-"""Records beyond which so many of the first are searched alone before: the others then begin near."""
+"""SearchedRecords beyond which so many of the first are searched alone before: the others then begin near."""
 OF_GUSTS = 5
 """Rounds in which gusts are estimated."""
 SAMPLES, SAMPLES_ALONE = 24, 64
-"""Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
+"""SearchedRecords by which gusts and noise are judged, spread over the log; and where windows stand alone."""
 WORSE = 1.2
 """Over the noise of a grade, from which what is left of a signal counts instead."""
 RUNS_AWAY = (
@@ -70,8 +70,8 @@ Slope = np.ndarray | float | None
 """Of how wide windows are left, as far as it is known."""
 
 
-class Records(NamedTuple):
-    """Records that are searched.
+class SearchedRecords(NamedTuple):
+    """SearchedRecords that are searched.
 
     Parameters
     ----------
@@ -106,12 +106,12 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
         raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")
     steps, slope = FIRST_STEPS if problem.linked else (), None
     if problem.linked and len(states) > MANY:
-        part = Records(tuple(islice(source, FEW)), states[:FEW])
+        part = SearchedRecords(tuple(islice(source, FEW)), states[:FEW])
         problem, found = _in_rounds(problem, scaled, part, least, usual, steps)
         if found.interrupted:
             return _refined(problem, found, part, states, usual)
         scaled, steps, slope = found.scaled, (), found.slope_of(states)
-    every = Records(source, states)
+    every = SearchedRecords(source, states)
     problem, found = _in_rounds(problem, scaled, every, least, usual, steps, slope)
     if not found.interrupted:
         found = _searched(problem, found.scaled, every, ENOUGH, MOST_STEPS, found.slope)
@@ -119,7 +119,7 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
 
 
 def _in_rounds(
-    problem: LogProblem, scaled: np.ndarray, records: Records, least: dict[str, float], usual: WindowChain,
+    problem: LogProblem, scaled: np.ndarray, records: SearchedRecords, least: dict[str, float], usual: WindowChain,
     steps: Sequence[int], slope: Slope = None,
 ) -> tuple[LogProblem, Found]:  # fmt: skip
     """Search, and estimate noise and gusts, in turn; the first searches of so many steps."""
@@ -140,7 +140,7 @@ def _in_rounds(
 
 
 def _refined(
-    problem: LogProblem, found: Found, records: Records, states: Sequence[RecordState], usual: WindowChain
+    problem: LogProblem, found: Found, records: SearchedRecords, states: Sequence[RecordState], usual: WindowChain
 ) -> Refined:
     """A search that is done or interrupted, with what doubts of the gusts do to it."""
     doubt = np.zeros((len(found.scaled), 0))
@@ -155,7 +155,7 @@ def _refined(
 
 
 def _searched(
-    problem: LogProblem, scaled: np.ndarray, records: Records, enough: float, steps: int, slope: Slope
+    problem: LogProblem, scaled: np.ndarray, records: SearchedRecords, enough: float, steps: int, slope: Slope
 ) -> Found:
     sampled = _sampled(len(records.states), problem.linked)
     with stage("fitting the records"):
@@ -180,7 +180,7 @@ def _sampled(count: int, linked: bool) -> frozenset[int]:
 
 
 def _reestimated(
-    problem: LogProblem, records: Records, found: Found, least: dict[str, float], usual: WindowChain | None
+    problem: LogProblem, records: SearchedRecords, found: Found, least: dict[str, float], usual: WindowChain | None
 ) -> LogProblem:
     """Noise of the grade, or what the model leaves where that is more; gusts by their likelihood."""
     left = noise_left(records.grids, found)
