@@ -34,10 +34,9 @@ GRADES = {"rtk": RTK, "vdr": VDR, "ais and the rudder": STEERED_AIS}
 EVERY = 600.0
 """From one ship that passes to the next [s]."""
 PASSES = np.arange(EVERY / 2, 60 * MINUTES, EVERY)
-
-
 USUAL = nw.TransitConditions()
 OFF_MIDSHIP = nw.TransitConditions(gust_time=90.0, gust_correlation=0.8)
+"""As a fit takes gusts to be at first, and others."""
 
 
 @dataclass(frozen=True)

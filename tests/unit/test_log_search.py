@@ -86,12 +86,13 @@ def test_a_slope_that_is_carried_on_foretells_the_step_behind_it(done: Searched)
     assert (before.slope + after.slope) @ step / 2 == pytest.approx(gone)
 
 
+def stopped(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
 def test_interrupted_where_slopes_are_taken_a_search_keeps_what_is_done(
     done: Searched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
     monkeypatch.setattr(log_search, "determinant_slope", stopped)
     refined = done.refined
     found = searched(refined.problem, refined.found.scaled, done.source, refined.states, range(9))
@@ -117,21 +118,12 @@ def test_a_log_that_begins_with_its_first_records_ends_where_all_of_them_do(
     assert np.abs(off).max() < 0.1
 
 
-def test_interrupted_among_its_first_records_a_search_keeps_what_these_tell(monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(refined_search, "_reestimated", stopped)
+@pytest.mark.parametrize(("piece", "kept"), [("_reestimated", 1), ("gust_doubt", 2)], ids=["first records", "doubt"])
+def test_interrupted_in_its_rounds_a_search_keeps_what_is_done(
+    piece: str, kept: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the first records tell; or all of them, where only the gusts were to be doubted."""
+    monkeypatch.setattr(refined_search, piece, stopped)
     fit = learned(monkeypatch)
-    assert any("1 of 2 records were looked at" in note for note in fit.notes)
-    assert len(fit.records) == 1
-
-
-def test_interrupted_where_gusts_are_doubted_a_search_keeps_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(refined_search, "gust_doubt", stopped)
-    fit = learned(monkeypatch)
-    assert any("2 of 2 records were looked at" in note for note in fit.notes)
-    assert len(fit.records) == 2
+    assert any(f"{kept} of 2 records were looked at" in note for note in fit.notes)
+    assert len(fit.records) == kept

@@ -26,11 +26,11 @@ ROUNDS, SETTLED = 10, 0.2
 FIRST_STEPS = (0, 2, 4)
 """Of the search before the first estimates: with gusts too weak many records would lead it far away."""
 MANY, FEW = 6, 3
-"""SearchedRecords beyond which so many of the first are searched alone before: the others then begin near."""
+"""Records beyond which so many of the first are searched alone before: the others then begin near."""
 OF_GUSTS = 5
 """Rounds in which gusts are estimated."""
 SAMPLES, SAMPLES_ALONE = 24, 64
-"""SearchedRecords by which gusts and noise are judged, spread over the log; and where windows stand alone."""
+"""Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
 WORSE = 1.2
 """Over the noise of a grade, from which what is left of a signal counts instead."""
 RUNS_AWAY = (
@@ -71,7 +71,7 @@ Slope = np.ndarray | float | None
 
 
 class SearchedRecords(NamedTuple):
-    """SearchedRecords that are searched.
+    """Records that are searched.
 
     Parameters
     ----------

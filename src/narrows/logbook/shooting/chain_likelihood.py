@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from narrows.logbook.shooting.bordered_band import Eliminated
 from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
 from narrows.logbook.shooting.recorded_motion import PUSHES
 from narrows.logbook.shooting.search_state import Found, SampledRecord
-from narrows.logbook.shooting.window_equations import WindowEquations
-from narrows.logbook.shooting.window_links import banded, link_determinant
+from narrows.logbook.shooting.window_links import link_determinant
 
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
 """How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm."""
@@ -69,7 +67,7 @@ class GustJudge:
     def share(self) -> float:
         """How many windows there are for each that is asked."""
         asked = sum(len(sample.grid) for sample in self.samples)
-        return sum(len(told.own.starts) for told in self.found.told) / max(asked, 1)
+        return self.found.windows / max(asked, 1)
 
     @cached_property
     def turned(self) -> np.ndarray:
@@ -77,8 +75,7 @@ class GustJudge:
         beside = self.start + SLOPE_STEP * np.eye(len(self.start))
         chains = [self.problem.chain, *(self.chain(numbers) for numbers in beside)]
         slopes = determinant_slope(self.problem, self.samples[:ASKED_OF_WIDTH], self.found.scaled, chains)
-        windows = sum(len(told.own.starts) for told in self.found.told)
-        return np.asarray(windows * (slopes[1:] - slopes[0]).T / SLOPE_STEP)
+        return np.asarray(self.found.windows * (slopes[1:] - slopes[0]).T / SLOPE_STEP)
 
     @property
     def start(self) -> np.ndarray:
@@ -116,7 +113,7 @@ class GustJudge:
         problem, cost = replace(self.problem, chain=self.chain(numbers)), 0.0
         try:
             for sample in self.samples:
-                left = _left(problem, sample, sample.found.without_coefficients(problem))
+                left = sample.left(problem, sample.found.without_coefficients(problem))
                 cost += left.cost + left.determinant + link_determinant(problem, sample.grid, sample.links)
         except np.linalg.LinAlgError:
             return UNLIKELY
@@ -134,18 +131,12 @@ class GustJudge:
         information, pull = found.information + prior.precision, found.pull - prior.precision @ found.scaled
         pull = pull - self.turned @ (numbers - self.start)
         for sample in self.samples:
-            left = _left(problem, sample, sample.found)
+            left = sample.left(problem, sample.found)
             information = information + self.share * (left.corner - sample.told.information)
             pull = pull + self.share * (left.right - sample.told.pull)
         step, moves = np.zeros(len(pull)), prior.moves
         step[moves] = np.linalg.solve(information[np.ix_(moves, moves)], pull[moves])
         return step
-
-
-def _left(problem: LogProblem, sample: SampledRecord, found: WindowEquations) -> Eliminated:
-    """What is left of the equations of a record without all that it has of its own."""
-    own = sample.told.own
-    return banded(problem, sample.grid, own, found, sample.links).eliminated().without(len(own.zeros))
 
 
 def likely_gusts(judge: GustJudge) -> WindowChain:

@@ -13,7 +13,6 @@ from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.search_state import SampledRecord
 from narrows.logbook.shooting.window_equations import window_equations
-from narrows.logbook.shooting.window_links import banded
 
 STEP = 0.02
 """Of a difference, in standard deviations before."""
@@ -66,9 +65,7 @@ def _slope(linked: Sequence[LogProblem], samples: Sequence[SampledRecord], scale
 def _determinants(linked: Sequence[LogProblem], samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
     """The logarithms of those of all that records have of their own, where they stood, by each linkage."""
     motion, whole = linked[0].at(scaled).of_records, np.zeros(len(linked))
-    for grid, told, links in samples:
-        found = window_equations(linked[0], motion, scaled, grid, told.own)
-        for place, problem in enumerate(linked):
-            left = banded(problem, grid, told.own, found, links).eliminated().without(len(told.own.zeros))
-            whole[place] += left.determinant
+    for sample in samples:
+        found = window_equations(linked[0], motion, scaled, sample.grid, sample.told.own)
+        whole += [sample.left(problem, found).determinant for problem in linked]
     return whole

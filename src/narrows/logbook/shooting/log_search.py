@@ -76,10 +76,9 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
     """With the slope of how wide windows are left, by the records whose equations are kept; interrupted, without."""
     if not problem.linked:
         return found
-    windows = sum(len(told.own.starts) for told in found.told)
     try:
         slope = determinant_slope(problem, samples_of(grids, found, states), found.scaled)[0]
-        return replace(found, slope=windows * slope)
+        return replace(found, slope=found.windows * slope)
     except KeyboardInterrupt:
         return replace(found, interrupted=True)
 

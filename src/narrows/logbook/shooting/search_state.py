@@ -6,10 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.logbook.shooting.bordered_band import Eliminated
+from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.record_search import FollowingUnknowns, RecordPlace
 from narrows.logbook.shooting.window_equations import RecordUnknowns, WindowEquations
-from narrows.logbook.shooting.window_links import WindowLinks
+from narrows.logbook.shooting.window_links import WindowLinks, banded
 
 
 @dataclass
@@ -115,6 +117,11 @@ class Found:
         """Of all records, how wide windows are left included, (p,) [1]."""
         return np.asarray(sum(told.pull for told in self.told) - self.slope)
 
+    @property
+    def windows(self) -> int:
+        """How many there are in all records."""
+        return sum(len(told.own.starts) for told in self.told)
+
     def slope_of(self, states: Sequence[RecordState]) -> np.ndarray | float:
         """Return the slope of other records, were their windows left as wide, (p,) [1].
 
@@ -123,8 +130,7 @@ class Found:
         states : sequence of RecordState
             Of those records.
         """
-        windows = sum(len(told.own.starts) for told in self.told)
-        return sum(len(state.own.starts) for state in states) / windows * self.slope
+        return sum(len(state.own.starts) for state in states) / self.windows * self.slope
 
     def pull_of(self, told: RecordTold) -> np.ndarray:
         """Return that of one record, (p,) [1].
@@ -134,8 +140,7 @@ class Found:
         told : RecordTold
             Of these.
         """
-        windows = sum(len(each.own.starts) for each in self.told)
-        return np.asarray(told.pull - len(told.own.starts) / windows * self.slope)
+        return np.asarray(told.pull - len(told.own.starts) / self.windows * self.slope)
 
 
 class SampledRecord(NamedTuple):
@@ -160,6 +165,19 @@ class SampledRecord(NamedTuple):
         """Its equations."""
         assert self.told.best is not None
         return self.told.best.found
+
+    def left(self, problem: LogProblem, found: WindowEquations) -> Eliminated:
+        """Return what is left of its equations without all that it has of its own.
+
+        Parameters
+        ----------
+        problem : LogProblem
+            With the chain that links its windows.
+        found : WindowEquations
+            Its equations, or others of where it stands.
+        """
+        own = self.told.own
+        return banded(problem, self.grid, own, found, self.links).eliminated().without(len(own.zeros))
 
 
 def samples_of(grids: Iterable[RecordGrid], found: Found, states: Sequence[RecordState]) -> list[SampledRecord]:
