@@ -19,6 +19,24 @@ MOST_ANSWERS, MOST_ONLOOKERS = 16, 32
 Send = Callable[[str], Awaitable[None]]
 
 
+class _Call:
+    """A function called in a loop, asked for in any thread: once, however often asked for, until it was called."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, function: Callable[[], None]) -> None:
+        self.loop, self._function, self._waits = loop, function, False
+
+    def __call__(self) -> None:
+        if self._waits:  # A loop that is stuck is called once, and not for every message.
+            return
+        self._waits = True
+        with suppress(RuntimeError):  # It is closed: there is nobody any more.
+            self.loop.call_soon_threadsafe(self._run)
+
+    def _run(self) -> None:
+        self._waits = False
+        self._function()
+
+
 class Onlooker:
     """One of them, in the loop of the server.
 
@@ -31,7 +49,7 @@ class Onlooker:
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.awake, self.answers = asyncio.Event(), deque[str](maxlen=MOST_ANSWERS)
         self.awake.set()
-        self._loop = loop
+        self._wake = _Call(loop, self.awake.set)
 
     def answer(self, message: str) -> None:
         """Leave a message for this onlooker alone, in any thread.
@@ -41,12 +59,8 @@ class Onlooker:
         message : str
             Of those that wait, the oldest make place.
         """
-        with suppress(RuntimeError):  # The loop is closed: nobody waits for an answer.
-            self._loop.call_soon_threadsafe(self._leave, message)
-
-    def _leave(self, message: str) -> None:
         self.answers.append(message)
-        self.awake.set()
+        self._wake()
 
 
 class Onlookers:
@@ -62,8 +76,7 @@ class Onlookers:
         self.lasts, self.newest, self.number = lasts, "", 0
         self._at = -math.inf
         self._all: set[Onlooker] = set()
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._calling = False
+        self._call: _Call | None = None
 
     def __len__(self) -> int:
         return len(self._all)
@@ -75,8 +88,10 @@ class Onlookers:
 
     def enter(self) -> Onlooker:
         """Return one more, in the loop of the server."""
-        self._loop = asyncio.get_running_loop()
-        onlooker = Onlooker(self._loop)
+        loop = asyncio.get_running_loop()
+        if self._call is None or self._call.loop is not loop:
+            self._call = _Call(loop, self._wake)
+        onlooker = Onlooker(loop)
         self._all.add(onlooker)
         return onlooker
 
@@ -99,11 +114,8 @@ class Onlookers:
             For all.
         """
         self.newest, self.number, self._at = message, self.number + 1, time.monotonic()
-        if self._loop is None or self._calling:  # A loop that is stuck is called once, and not for every message.
-            return
-        self._calling = True
-        with suppress(RuntimeError):  # It is closed: there is nobody any more.
-            self._loop.call_soon_threadsafe(self._wake)
+        if self._call is not None:
+            self._call()
 
     async def tell(self, onlooker: Onlooker, send: Send) -> None:
         """Send one what there is, until that takes too long.
@@ -127,6 +139,5 @@ class Onlookers:
             await asyncio.sleep(SHORTEST)
 
     def _wake(self) -> None:
-        self._calling = False
         for onlooker in self._all:
             onlooker.awake.set()
