@@ -134,7 +134,7 @@ def figures(kind: Kind, seed: int) -> dict[str, Any]:
     known = _alike(truth, _other_form(truth)) if kind.truth == "distance" else truth
     off = {name: (fit.model[name] - known[name]) / fit.std[name] for name in BANKS}
     told = {"off": off, "std": {name: fit.std[name] for name in BANKS}, "settled": fit.settled}
-    return told | {"unresolved": fit.coefficients["c_bank"].holds_zero, "disagrees": fit.disagrees or fit.pushed}
+    return told | {"unresolved": fit.coefficients["c_bank"].unresolved, "disagrees": fit.disagrees or fit.pushed}
 
 
 def kept_figures(kind: Kind, count: int, folder: Path | None) -> Iterator[dict[str, Any]]:

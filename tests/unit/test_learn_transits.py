@@ -99,7 +99,7 @@ def winding() -> nw.Waterway:
 def test_no_bank_is_called_unresolved_and_not_small() -> None:
     _, found = learned(c_bank=0.0)
     own = found.coefficients["c_bank"]
-    assert own.holds_zero
+    assert own.unresolved
     assert "unresolved" in own.verdict
     assert "c_bank" in found.summary()
     assert "unresolved, for 0 is among it" in found.summary()

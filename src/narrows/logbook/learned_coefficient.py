@@ -1,5 +1,6 @@
 """What a record taught of each coefficient beyond what was known: one word, from thresholds stated here."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -60,10 +61,20 @@ class LearnedCoefficient:
         return self.value - WIDE * self.std, self.value + WIDE * self.std
 
     @property
-    def holds_zero(self) -> bool:
-        """Whether the interval holds 0."""
-        low, high = self.interval
-        return low <= 0 <= high
+    def by_record(self) -> tuple[float, float]:
+        """95 % interval by the record, what was known of this coefficient before taken out again; open where it is."""
+        known, all_known = (1 / size**2 if size > 0 else math.inf for size in (self.prior_std, self.std))
+        if not known < all_known < math.inf:
+            return -math.inf, math.inf
+        told = all_known - known
+        value = (self.value * all_known - self.prior * known) / told
+        return value - WIDE / math.sqrt(told), value + WIDE / math.sqrt(told)
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether the interval holds 0, or, where the record taught most that is known, what it says by itself does."""
+        intervals = (self.interval, self.by_record) if self.word == LEARNED else (self.interval,)
+        return any(low <= 0 <= high for low, high in intervals)
 
     @property
     def word(self) -> str:
@@ -72,8 +83,8 @@ class LearnedCoefficient:
 
     @property
     def verdict(self) -> str:
-        """The word, and of a bank's coefficient whose interval holds 0 that it is unresolved."""
-        return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.holds_zero else self.word
+        """The word, and of a bank's coefficient that may be 0 that it is unresolved."""
+        return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.unresolved else self.word
 
     def to_dict(self) -> dict[str, Any]:
         """Give it by name."""
@@ -84,7 +95,11 @@ class LearnedCoefficient:
         """Say what was learned of it."""
         low, high = self.interval
         told = f"{self.name} is {low:.3g} to {high:.3g} (standard error {self.std:.2g}, {self.prior_std:.2g} before)"
-        return f"{told}: unresolved, for 0 is among it" if self.from_bank and self.holds_zero else told
+        if not (self.from_bank and self.unresolved):
+            return told
+        own_low, own_high = self.by_record
+        among = "0 is among it" if low <= 0 <= high else f"by the record alone it is {own_low:.3g} to {own_high:.3g}"
+        return f"{told}: unresolved, for {among}"
 
 
 def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarray) -> dict[str, LearnedCoefficient]:

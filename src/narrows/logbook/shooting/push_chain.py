@@ -6,13 +6,14 @@ is a number a window, correlated from window to window by its memory, sway and y
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
 SWAY, YAW = "Y", "N"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WindowChain:
     """First-order processes, constant in each window.
 
@@ -76,11 +77,7 @@ class WindowChain:
         step : float [s]
             Its length.
         """
-        memory, about = self.memory[place], np.eye(steps) - 1.0 / steps
-        if memory == 0:
-            return about * steps
-        t = step * np.arange(steps)
-        return np.asarray(about @ np.exp(-np.abs(t[:, None] - t) / memory) @ about)
+        return _strays(float(self.memory[place]), steps, step)
 
     def stronger(self, factor: float) -> "WindowChain":
         """Return the chain with stronger pushes.
@@ -108,6 +105,16 @@ class WindowChain:
         sizes = np.array([std.get(name, size) for name, size in zip(self.names, self.std, strict=True)])
         stays = np.array([memory if name in std else own for name, own in zip(self.names, self.memory, strict=True)])
         return WindowChain(self.names, sizes, stays, correlation)
+
+
+@lru_cache(maxsize=64)
+def _strays(memory: float, steps: int, step: float) -> np.ndarray:
+    """How a process of unit size strays from its mean."""
+    about = np.eye(steps) - 1.0 / steps
+    if memory == 0:
+        return about * steps
+    t = step * np.arange(steps)
+    return np.asarray(about @ np.exp(-np.abs(t[:, None] - t) / memory) @ about)
 
 
 MOST_CORRELATION = 0.995

@@ -5,6 +5,7 @@ window may begin off the end of the one before.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -26,9 +27,11 @@ IN_MEETINGS = 30.0
 """How much stronger pushes are than gusts while another ship passes."""
 MOST_WINDOWS = 64
 """Whose slopes are averaged."""
+KEPT = 64
+"""Weights of links that are kept, so that memory does not grow with records."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WindowLinks:
     """What a window may miss the end of the one before by.
 
@@ -159,7 +162,7 @@ def _linked(
     border[1:] -= weighed[:, :, m:]
     right[:-1] += pulled[:, :m]
     right[1:] -= pull
-    first = _in_meetings(problem) if grid.meetings[0] else chain
+    first = _in_meetings(problem.chain) if grid.meetings[0] else chain
     known = np.linalg.inv(first.covariance) if chain.names else np.zeros((0, 0))
     diagonal[0, 6:, 6:] += known
     right[0, 6:] -= known @ own.chain[0]
@@ -178,14 +181,21 @@ def _met(grid: RecordGrid) -> np.ndarray:
 def _weights(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> np.ndarray:
     """Of what links miss, (windows - 1, m, m)."""
     loose, met = np.where(grid.whole[:-1], 1.0, LOOSE), _met(grid)
-    weight = np.linalg.inv(links.covariance(problem.chain)) * loose[:, None, None]
+    weight = _weight(links, problem.chain) * loose[:, None, None]
     if met.any():
-        weight[met] = np.linalg.inv(links.covariance(_in_meetings(problem))) * loose[met, None, None]
+        weight[met] = _weight(links, _in_meetings(problem.chain)) * loose[met, None, None]
     return np.asarray(weight)
 
 
-def _in_meetings(problem: LogProblem) -> WindowChain:
-    return problem.chain.stronger(IN_MEETINGS)
+@lru_cache(maxsize=KEPT)
+def _weight(links: WindowLinks, chain: WindowChain) -> np.ndarray:
+    """Of what one link misses: a record is linked by one chain again and again."""
+    return np.linalg.inv(links.covariance(chain))
+
+
+@lru_cache(maxsize=KEPT)
+def _in_meetings(chain: WindowChain) -> WindowChain:
+    return chain.stronger(IN_MEETINGS)
 
 
 def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> float:
@@ -203,8 +213,8 @@ def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) 
     chain, met = problem.chain, int(_met(grid).sum())
     cost = (len(grid) - 1 - met) * _log_determinant(links.covariance(chain))
     if met:
-        cost += met * _log_determinant(links.covariance(_in_meetings(problem)))
-    first = _in_meetings(problem) if grid.meetings[0] else chain
+        cost += met * _log_determinant(links.covariance(_in_meetings(problem.chain)))
+    first = _in_meetings(problem.chain) if grid.meetings[0] else chain
     return cost + (_log_determinant(first.covariance) if chain.names else 0.0)
 
 

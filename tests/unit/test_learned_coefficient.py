@@ -1,0 +1,56 @@
+"""What a record taught of a coefficient: what it says by itself is Bayes taken back, and a verdict asks for that too."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from narrows.logbook.learned_coefficient import LEARNED, PRIOR, SHARPENED, WIDE, LearnedCoefficient
+
+number, size = st.floats(-3.0, 3.0), st.floats(0.1, 3.0)
+
+
+def after(prior: float, prior_std: float, read: float, read_std: float, from_bank: bool = True) -> LearnedCoefficient:
+    """A reading put together with what was known."""
+    weights = prior_std**-2.0, read_std**-2.0
+    std = sum(weights) ** -0.5
+    value = (weights[0] * prior + weights[1] * read) * std**2
+    return LearnedCoefficient("c_bank", "1", prior, prior_std, value, std, from_bank)
+
+
+@given(number, size, number, size)
+def test_what_the_record_says_by_itself_is_the_reading(prior: float, prior_std: float, read: float, std: float) -> None:
+    low, high = after(prior, prior_std, read, std).by_record
+    assert low == pytest.approx(read - WIDE * std, abs=1e-9)
+    assert high == pytest.approx(read + WIDE * std, abs=1e-9)
+
+
+def test_what_only_the_prior_keeps_off_zero_is_unresolved() -> None:
+    """A reading 1.9 standard errors from 0, drawn farther off by a prior beyond it."""
+    found = after(0.5, 0.25, 0.19, 0.1)
+    assert found.word == LEARNED
+    assert found.interval[0] > 0
+    assert found.verdict == "learned, unresolved"
+    assert found.sentence().endswith("unresolved, for by the record alone it is -0.006 to 0.386")
+
+
+def test_what_both_keep_off_zero_is_learned_and_what_neither_does_is_not() -> None:
+    assert after(0.5, 0.25, 0.3, 0.1).verdict == LEARNED
+    assert after(0.0, 1.0, 0.1, 0.1).sentence().endswith("unresolved, for 0 is among it")
+
+
+def test_a_coefficient_of_no_bank_may_be_zero() -> None:
+    assert after(0.0, 1.0, 0.0, 0.1, from_bank=False).verdict == LEARNED
+
+
+def test_what_was_known_well_before_is_not_unresolved_by_a_record_that_tells_little() -> None:
+    assert after(1.0, 0.1, 0.2, 0.3).verdict == PRIOR
+    assert after(1.0, 0.1, 0.1, 0.12).verdict == SHARPENED
+
+
+@pytest.mark.parametrize(("prior_std", "std"), [(0.0, 0.0), (0.1, 0.1), (0.1, 0.2)])
+def test_a_record_that_tells_nothing_leaves_all_open(prior_std: float, std: float) -> None:
+    told = LearnedCoefficient("c_bank", "1", 1.0, prior_std, 1.0, std, True)
+    assert told.by_record == (-math.inf, math.inf)
+    assert told.verdict == PRIOR
