@@ -1,4 +1,4 @@
-"""What a record taught of a coefficient: what it says by itself is Bayes taken back, and a verdict asks for that too."""
+"""What a record taught of a coefficient: what it says by itself is Bayes taken back; a verdict asks for that too."""
 
 import math
 
