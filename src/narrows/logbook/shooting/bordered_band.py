@@ -1,9 +1,15 @@
-"""Normal equations of a chain of windows with a border: solved by a band's Cholesky factor, the border by Schur."""
+"""Normal equations of a chain of windows with a border: solved by Cholesky factors of blocks, the border by Schur.
+
+LAPACK's band solver takes right-hand sides one by one, which for windows as small as these is three times slower.
+"""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded
+
+from narrows.codegen.compiled_loops import compiled_loops
+from narrows.logbook.shooting import window_loops
 
 
 @dataclass(frozen=True)
@@ -44,19 +50,46 @@ class BorderedBand:
         LinAlgError
             Where the matrix is not positive definite.
         """
-        count, size, _ = self.diagonal.shape
-        whole = count * size
-        root = np.sqrt(np.einsum("kii->ki", self.diagonal)).ravel()
-        factor = cholesky_banded(_band(self.diagonal, self.below, 1 / root), lower=True, check_finite=False)
-        sides = np.concatenate([self.right.reshape(whole, 1), self.border.reshape(whole, -1)], axis=1)
-        solved = cho_solve_banded((factor, True), sides / root[:, None], check_finite=False) / root[:, None]
-        alone, by_border = solved[:, 0], solved[:, 1:]
-        border = self.border.reshape(whole, -1)
-        corner = self.corner - border.T @ by_border
-        right = self.right_border - border.T @ alone
-        determinant = 2 * float(np.sum(np.log(factor[0])) + np.sum(np.log(root)))
-        least = self.cost - float(self.right.ravel() @ alone)
-        return Eliminated(alone, by_border, (corner + corner.T) / 2, right, least, determinant, size)
+        count, size, wide = self.border.shape
+        linked = self.below is not None
+        below = self.below if self.below is not None else np.empty((0, size, size))
+        sides = np.concatenate([self.right[:, :, None], self.border], axis=2)
+        factor, across = np.empty((2, count, size, size))
+        determinant = compiled_loops(window_loops).eliminate(self.diagonal, below, factor, across, sides)
+        if not np.isfinite(determinant):
+            raise np.linalg.LinAlgError("the equations of the windows are not positive definite")
+        flat = sides.reshape(-1, 1 + wide)
+        squares = flat.T @ flat
+        corner, right = self.corner - squares[1:, 1:], self.right_border - squares[1:, 0]
+        halves = HalfSolved(factor, across, linked, sides)
+        return Eliminated(halves, (corner + corner.T) / 2, right, self.cost - float(squares[0, 0]), determinant)
+
+
+@dataclass(frozen=True)
+class HalfSolved:
+    """Windows on the way to their solution.
+
+    Parameters
+    ----------
+    factor, across : array (windows, m, m)
+        Cholesky factors of each window with itself and with the one before.
+    linked : bool
+        Whether windows have anything to do with each other.
+    sides : array (windows, m, 1 + b)
+        Right-hand sides, half solved: that of the equations, and the border.
+    """
+
+    factor: np.ndarray
+    across: np.ndarray
+    linked: bool
+    sides: np.ndarray
+
+    @cached_property
+    def solved(self) -> np.ndarray:
+        """The other half, (windows, m, 1 + b)."""
+        sides = self.sides.copy()
+        compiled_loops(window_loops).substitute_back(self.factor, self.across, self.linked, sides)
+        return sides
 
 
 @dataclass(frozen=True)
@@ -65,10 +98,8 @@ class Eliminated:
 
     Parameters
     ----------
-    alone : array (windows m,)
-        The windows where the border stays.
-    by_border : array (windows m, b)
-        How they go against the border.
+    halves : HalfSolved
+        The windows: they are solved for when they are asked for.
     corner : array (b, b)
         Of the border, the windows at their best.
     right : array (b,)
@@ -77,17 +108,18 @@ class Eliminated:
         With the windows at their best, the border where it is.
     determinant : float [1]
         Logarithm of that of the windows.
-    size : int
-        Unknowns of a window.
     """
 
-    alone: np.ndarray
-    by_border: np.ndarray
+    halves: HalfSolved
     corner: np.ndarray
     right: np.ndarray
     cost: float
     determinant: float
-    size: int
+
+    @property
+    def by_border(self) -> np.ndarray:
+        """How the windows go against the border, (windows, m, b)."""
+        return np.asarray(self.halves.solved[:, :, 1:])
 
     def windows(self, border: np.ndarray) -> np.ndarray:
         """Return the step of the windows, (windows, m), for a step of the first of the border.
@@ -97,8 +129,7 @@ class Eliminated:
         border : array (k,)
             Step of its first k; the others stay.
         """
-        step: np.ndarray = self.alone - self.by_border[:, : len(border)] @ border
-        return step.reshape(-1, self.size)
+        return np.asarray(self.halves.solved[:, :, 0] - self.by_border[:, :, : len(border)] @ border)
 
     def followed(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Return how the windows and the first of the border follow the rest of it, (windows, m, b - k) and (k, b - k).
@@ -109,8 +140,7 @@ class Eliminated:
             How many of the border, k, are at their best as well.
         """
         first = -np.linalg.solve(self.corner[:count, :count], self.corner[:count, count:])
-        windows = -(self.by_border[:, count:] + self.by_border[:, :count] @ first)
-        return windows.reshape(-1, self.size, windows.shape[1]), first
+        return -(self.by_border[:, :, count:] + self.by_border[:, :, :count] @ first), first
 
     def without(self, count: int) -> "Eliminated":
         """Solve for the first of the border as well, and return what is left of it.
@@ -128,21 +158,4 @@ class Eliminated:
         right = self.right[count:] - cross.T @ first
         determinant = self.determinant + 2 * float(np.log(np.diag(inner)).sum())
         least = self.cost - float(first @ first)
-        return Eliminated(self.alone, self.by_border, corner, right, least, determinant, self.size)
-
-
-def _band(diagonal: np.ndarray, below: np.ndarray | None, scale: np.ndarray) -> np.ndarray:
-    """The lower band of the scaled matrix, as LAPACK has it."""
-    count, size, _ = diagonal.shape
-    whole = count * size
-    band = np.zeros((size if below is None else 2 * size, whole))
-    for i in range(size):
-        for j in range(i + 1):
-            band[i - j, j::size] = diagonal[:, i, j]
-    if below is not None:
-        for i in range(size):
-            for j in range(size):
-                band[size + i - j, j : whole - size : size] = below[:, i, j]
-    for offset in range(min(len(band), whole)):
-        band[offset, : whole - offset] *= scale[: whole - offset] * scale[offset:]
-    return band
+        return Eliminated(self.halves, corner, right, least, determinant)

@@ -93,17 +93,6 @@ class RecordGrid:
         """The window of each node, the ends of windows included, (nodes + windows - 1,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.first) + 1)
 
-    @cached_property
-    def order(self) -> np.ndarray:
-        """What puts the readings of all signals, one after the other, into the order of their windows."""
-        return np.argsort(np.concatenate([read.window for read in self.readings.values()]), kind="stable")
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        """Where the readings of each window begin in that order, and the last ones end, (windows + 1,)."""
-        windows = np.concatenate([read.window for read in self.readings.values()])[self.order]
-        return np.asarray(np.searchsorted(windows, np.arange(len(self) + 1)))
-
 
 def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
     """Return a record on even times (ours).

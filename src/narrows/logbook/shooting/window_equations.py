@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from narrows.codegen.compiled_loops import compiled_loops
+from narrows.logbook.shooting import window_loops
 from narrows.logbook.shooting.log_problem import STEADY, LogProblem
-from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y, PREDICTED, SeenStates
+from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y, PREDICTED, PredictedSignal, SeenStates
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_helm import RUDDER_OFFSET
 from narrows.logbook.shooting.recorded_motion import CURRENT, PUSHES, RecordedMotion
@@ -120,12 +122,17 @@ def window_equations(
     along = slopes @ pushes.columns(motion)
     if motion.coefficients:
         along[:, :, problem.local + len(problem.zeros) :] += pushes.by_inertia(motion, slopes, grid.rows)
-    gathered = [_of_signal(problem, grid, name, states, along, errors) for name in grid.readings]
-    rows = np.concatenate([part[0] for part in gathered])[grid.order]
-    left = np.concatenate([part[1] for part in gathered])[grid.order]
-    hessian, gradient = _summed(rows, left, grid.edges)
-    cost = sum(part[2] for part in gathered)
-    residuals = {name: part[3] for name, part in zip(grid.readings, gathered, strict=True)}
+    size = along.shape[2]
+    hessian, gradient = np.zeros((len(grid), size, size)), np.zeros((len(grid), size))
+    cost, residuals = 0.0, {}
+    for name, read in grid.readings.items():
+        seen = _seen(problem, grid, name, states, errors)
+        residuals[name] = read.values - seen.value
+        weight, part = _weight(problem, residuals[name], problem.noise[name] / np.sqrt(read.counted))
+        cost += part
+        told = (*_told(problem, seen, len(weight)), weight, residuals[name])
+        compiled_loops(window_loops).add_readings(hessian, gradient, along, read.row, read.share, read.window, *told)
+    compiled_loops(window_loops).mirror(hessian)
     ends, moved = _ends(problem, grid, own, states, along)
     return WindowEquations(hessian, gradient, cost, residuals, ends, moved)
 
@@ -260,39 +267,35 @@ def _errors(problem: LogProblem, own: RecordUnknowns) -> dict[str, np.ndarray | 
     return errors
 
 
-def _of_signal(
-    problem: LogProblem, grid: RecordGrid, name: str, states: np.ndarray, along: np.ndarray,
-    errors: Mapping[str, np.ndarray | float],
-) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:  # fmt: skip
-    """Slopes and residuals of a signal over its noise, its cost, and the residuals as they are."""
+def _seen(
+    problem: LogProblem, grid: RecordGrid, name: str, states: np.ndarray, errors: Mapping[str, np.ndarray | float]
+) -> PredictedSignal:
+    """A signal at the times of its readings."""
     read = grid.readings[name]
-    before, share = (1 - read.share)[:, None], read.share[:, None]
-    there = before * states[read.row] + share * states[read.row + 1]
+    share = read.share[:, None]
+    there = (1 - share) * states[read.row] + share * states[read.row + 1]
     seen_errors = {key: value[read.window] if isinstance(value, np.ndarray) else value for key, value in errors.items()}
     drifted = np.zeros(1) if CURRENT in problem.motion.directions else read.elapsed
-    seen = PREDICTED[name](SeenStates(there, drifted, seen_errors, grid.record.antenna))
-    rows = np.zeros((len(read.values), along.shape[2]))
-    for state, slope in seen.by_state.items():
-        between = before * along[read.row, state] + share * along[read.row + 1, state]
-        rows += np.broadcast_to(slope, len(rows))[:, None] * between
-    for place, key in enumerate((*problem.chain.names, *problem.zeros), start=6):
-        if key in seen.by_error:
-            rows[:, place] += seen.by_error[key]
-    residual = read.values - seen.value
-    noise = problem.noise[name] / np.sqrt(read.counted)
-    size = np.abs(residual / noise)
-    beyond, limit = size > problem.outlier, problem.outlier
+    return PREDICTED[name](SeenStates(there, drifted, seen_errors, grid.record.antenna))
+
+
+def _weight(problem: LogProblem, residual: np.ndarray, noise: np.ndarray) -> tuple[np.ndarray, float]:
+    """By what readings are weighed, and what they cost, by Huber."""
+    size, limit = np.abs(residual / noise), problem.outlier
+    beyond = size > limit
     weight = np.sqrt(np.where(beyond, limit / np.maximum(size, limit), 1.0)) / noise
-    cost = float(np.sum(np.where(beyond, limit * (2 * size - limit), size**2)))
-    return rows * weight[:, None], residual * weight, cost, residual
+    return weight, float(np.sum(np.where(beyond, limit * (2 * size - limit), size**2)))
 
 
-def _summed(rows: np.ndarray, left: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Squares of the rows of each window, and their products with the residuals."""
-    count, size = len(edges) - 1, rows.shape[1]
-    hessian, gradient = np.empty((count, size, size)), np.empty((count, size))
-    for window in range(count):
-        part = slice(edges[window], edges[window + 1])
-        hessian[window] = rows[part].T @ rows[part]
-        gradient[window] = rows[part].T @ left[part]
-    return hessian, gradient
+def _told(problem: LogProblem, seen: PredictedSignal, count: int) -> tuple[np.ndarray, ...]:
+    """States and slopes by them, places of other unknowns and slopes by these, as loops ask for them."""
+    own = [
+        (place, seen.by_error[name])
+        for place, name in enumerate((*problem.chain.names, *problem.zeros), start=6)
+        if name in seen.by_error
+    ]
+    parts = []
+    for pairs in (seen.by_state.items(), own):
+        places, slopes = [place for place, _ in pairs], [np.broadcast_to(slope, count) for _, slope in pairs]
+        parts += [np.array(places, np.int64), np.array(slopes, float).reshape(len(places), count)]
+    return tuple(parts)
