@@ -132,7 +132,6 @@ def window_equations(
         cost += part
         told = (*_told(problem, seen, len(weight)), weight, residuals[name])
         compiled_loops(window_loops).add_readings(hessian, gradient, along, read.row, read.share, read.window, *told)
-    compiled_loops(window_loops).mirror(hessian)
     ends, moved = _ends(problem, grid, own, states, along)
     return WindowEquations(hessian, gradient, cost, residuals, ends, moved)
 

@@ -9,6 +9,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from narrows.codegen.compiled_loops import compiled_loops
+from narrows.logbook.shooting import window_loops
 from narrows.logbook.shooting.bordered_band import BorderedBand
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain
@@ -146,15 +148,12 @@ def _linked(
     alone: BorderedBand,
 ) -> BorderedBand:  # fmt: skip
     chain, m = problem.chain, problem.local
-    slopes = np.zeros((len(grid) - 1, m, found.hessian.shape[2]))
-    slopes[:, :6] = found.end_slopes[:-1]
-    kept = chain.kept(grid.window)
-    slopes[:, range(6, m), range(6, m)] += kept
+    kept, links_count, wide = chain.kept(grid.window), len(grid) - 1, found.hessian.shape[2]
     gap = np.concatenate([own.starts[1:] - found.ends[:-1], own.chain[1:] - kept * own.chain[:-1]], axis=1)
     weight = _weights(problem, grid, links)
-    weighed, pull = weight @ slopes, np.einsum("kij,kj->ki", weight, gap)
-    turned = np.swapaxes(slopes, 1, 2)
-    squares, pulled = turned @ weighed, np.einsum("kai,ki->ka", turned, pull)
+    weighed, squares = np.empty((links_count, m, wide)), np.empty((links_count, wide, wide))
+    pull, pulled = np.empty((links_count, m)), np.empty((links_count, wide))
+    compiled_loops(window_loops).weigh_links(weight, found.end_slopes, kept, gap, weighed, squares, pull, pulled)
     diagonal, border, right = alone.diagonal, alone.border, alone.right
     diagonal[:-1] += squares[:, :m, :m]
     diagonal[1:] += weight

@@ -10,7 +10,7 @@ def add_readings(
     window: np.ndarray, states: np.ndarray, by_state: np.ndarray, places: np.ndarray, by_error: np.ndarray,
     weight: np.ndarray, residual: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add a signal's readings to the squares and products of their windows, below the diagonal and on it (ours).
+    """Add a signal's readings to the squares and products of their windows (ours).
 
     Parameters
     ----------
@@ -39,37 +39,82 @@ def add_readings(
     residual : array (n,)
         Read less predicted.
     """
-    size = along.shape[2]
-    line = np.empty(size)
+    line = np.empty(along.shape[2])
     for i in range(len(row)):
         line[:] = 0.0
+        near, far = along[row[i]], along[row[i] + 1]
         for k in range(len(states)):
             slope = by_state[k, i] * weight[i]
             after = slope * share[i]
-            before = slope - after
-            for p in range(size):
-                line[p] += before * along[row[i], states[k], p] + after * along[row[i] + 1, states[k], p]
+            before, start, end = slope - after, near[states[k]], far[states[k]]
+            for p in range(len(line)):
+                line[p] += before * start[p] + after * end[p]
         for k in range(len(places)):
             line[places[k]] += by_error[k, i] * weight[i]
-        for p in range(size):
-            if line[p] != 0.0:
-                gradient[window[i], p] += line[p] * residual[i] * weight[i]
-                for q in range(p + 1):
-                    hessian[window[i], p, q] += line[p] * line[q]
+        left, squares, products = residual[i] * weight[i], hessian[window[i]], gradient[window[i]]
+        for p in range(len(line)):
+            value, target = line[p], squares[p]
+            if value != 0.0:
+                products[p] += value * left
+                for q in range(len(line)):
+                    target[q] += value * line[q]
 
 
-def mirror(hessian: np.ndarray) -> None:
-    """Copy what is below the diagonal of each window to above it (ours).
+def weigh_links(
+    weight: np.ndarray, ends: np.ndarray, kept: np.ndarray, gap: np.ndarray, weighed: np.ndarray, squares: np.ndarray,
+    pull: np.ndarray, pulled: np.ndarray,
+) -> None:  # fmt: skip
+    """Weigh what windows miss the ends of those before them by (ours).
+
+    What a window should begin with goes with the unknowns before it by S, its first six rows by ``ends``, the others
+    each by what is kept of the same number of the chain.
 
     Parameters
     ----------
-    hessian : array (windows, d, d)
-        Changed.
+    weight : array (links, m, m)
+        Of each link, W.
+    ends : array (links, 6, d)
+        Slopes of the ends.
+    kept : array (m - 6,) [1]
+        Of the chain.
+    gap : array (links, m)
+        What is missed.
+    weighed : array (links, m, d)
+        Filled with W S.
+    squares : array (links, d, d)
+        Filled with S' W S.
+    pull : array (links, m)
+        Filled with W times what is missed.
+    pulled : array (links, d)
+        Filled with S' of that.
     """
-    for k in range(hessian.shape[0]):
-        for p in range(hessian.shape[1]):
-            for q in range(p):
-                hessian[k, q, p] = hessian[k, p, q]
+    count, size, wide = weighed.shape
+    for k in range(count):
+        for i in range(size):
+            line = weighed[k, i]
+            line[:] = 0.0
+            pull[k, i] = 0.0
+            for p in range(size):
+                pull[k, i] += weight[k, i, p] * gap[k, p]
+            for p in range(6):
+                end = ends[k, p]
+                for q in range(wide):
+                    line[q] += weight[k, i, p] * end[q]
+            for p in range(6, size):
+                line[p] += weight[k, i, p] * kept[p - 6]
+        squares[k] = 0.0
+        pulled[k] = 0.0
+        for i in range(6):
+            line = weighed[k, i]
+            for p in range(wide):
+                pulled[k, p] += ends[k, i, p] * pull[k, i]
+                target = squares[k, p]
+                for q in range(wide):
+                    target[q] += ends[k, i, p] * line[q]
+        for i in range(6, size):
+            pulled[k, i] += kept[i - 6] * pull[k, i]
+            for q in range(wide):
+                squares[k, i, q] += kept[i - 6] * weighed[k, i, q]
 
 
 def eliminate(
