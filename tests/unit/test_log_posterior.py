@@ -96,3 +96,18 @@ def test_what_gusts_may_be_is_in_the_intervals() -> None:
     without, other = (log_posterior(model, covariance, prior, told, own) for own in (sure(prior), doubt))
     np.testing.assert_allclose(other.scaled, without.scaled + doubt @ doubt.T)
     assert not other.alike.any()
+
+
+def test_who_has_a_log_knows_no_less_than_who_has_none() -> None:
+    """However far the width of the windows may have led it: only where it led does the doubt of it end at the prior."""
+    model, covariance = ship()
+    prior = coefficient_prior(model, covariance, "held")
+    count = len(prior.names)
+    slope = np.where(np.array(prior.names) == "c_bank", 1e4, 0.0)
+    told = replace(found(prior, np.zeros(count), 50 * np.eye(count)), slope=slope)
+    after = log_posterior(model, covariance, prior, told, sure(prior))
+    before = np.linalg.inv(prior.precision)
+    assert np.all(np.diag(after.scaled) <= np.diag(before) + 1e-12)
+    place = prior.names.index("c_bank")
+    assert after.scaled[place, place] == pytest.approx(before[place, place])
+    assert np.linalg.eigvalsh(after.scaled).min() > 0

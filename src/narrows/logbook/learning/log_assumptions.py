@@ -21,6 +21,8 @@ LINKED_WINDOW, LINKED_STEP = 1 / 10, 1 / 50
 GUST, STEADY_PUSH = 0.005, 0.1
 """Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for
 yaw): of gusts, and of a push that stays."""
+IN_MEETINGS = 30.0
+"""How much stronger pushes are than gusts usually are while another ship passes."""
 SPREAD_OF_CURRENT = 0.3
 """Standard deviation of a current that nothing is known of [m/s]."""
 DEGREE = np.pi / 180
@@ -103,7 +105,8 @@ class LogAssumptions:
         zeros = self._zeros(signals, motion) | (
             {STEADY(name): STEADY_PUSH * size for name, size in sizes.items()} if self.gusts else {}
         )
-        return LogProblem(motion, prior, inertia, chain, zeros, noise, self.gusts, self.outlier)
+        met = chain.stronger(IN_MEETINGS)
+        return LogProblem(motion, prior, inertia, chain, met, zeros, noise, self.gusts, self.outlier)
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:
         """Of the grade; in a basin what models usually leave, to begin with."""

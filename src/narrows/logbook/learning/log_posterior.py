@@ -1,5 +1,6 @@
 """What is known of all coefficients after a log: normal, by the information of the records and the prior."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ TOLD = 1e-3
 OF_WIDTH = 0.5
 """Standard deviation of the share of how wide windows are left that moves the coefficients as it should: pilots see
 more than a poor sensor does, and what they steer tells it. It errs alike in every record."""
+MOSTLY = 0.5
+"""Share of a variance."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,8 @@ def log_posterior(
     widened = float(np.sqrt(max(1.0, disagreement / max(freedom, 1))))
     scaled = scaled_covariance(prior, found.information / widened**2) + gust_doubt @ gust_doubt.T
     doubt = OF_WIDTH * (scaled * prior.moves) @ (found.slope * prior.moves)
+    left = np.sqrt(np.maximum(np.diag(np.linalg.inv(prior.precision)) - np.diag(scaled), 0.0))
+    doubt = np.clip(doubt, -left, left)  # Who has a log knows no less than who has none.
     scaled = scaled + np.outer(doubt, doubt)
     alike = doubt**2 / np.diag(scaled)
     shift, known = prior.scale * found.scaled, scaled * np.outer(prior.scale, prior.scale)
@@ -88,6 +93,25 @@ def log_posterior(
     covariance = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
     values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ shift
     return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom, widened, alike)
+
+
+def said_alike(names: Iterable[str], shares: Iterable[float]) -> tuple[str, ...]:
+    """Return what is said where more records of the kind would teach little more (ours).
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of coefficients.
+    shares : iterable of float [1]
+        Of their variances, that err alike in every record.
+    """
+    stuck = [name for name, share in zip(names, shares, strict=True) if share > MOSTLY]
+    if not stuck:
+        return ()
+    return (
+        f"Most of what is left unknown of {', '.join(stuck)} errs alike in every record by these sensors: more of them "
+        "will sharpen it little, better sensors would.",
+    )
 
 
 def scaled_covariance(prior: CoefficientPrior, information: np.ndarray) -> np.ndarray:

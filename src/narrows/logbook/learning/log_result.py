@@ -9,7 +9,7 @@ from narrows.logbook.learned_coefficient import learned_coefficients
 from narrows.logbook.learned_model import learned_model
 from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.learning.log_fit import Gusts, LogFit
-from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_posterior import log_posterior, said_alike
 from narrows.logbook.learning.log_source import LogSource
 from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.learning.refined_search import Refined
@@ -17,9 +17,6 @@ from narrows.logbook.shooting.push_chain import SWAY, YAW
 from narrows.model.data_range import Range
 from narrows.model.model import Model
 from narrows.terms.about import TermKind
-
-MOSTLY = 0.5
-"""Share of a variance."""
 
 
 def log_result(
@@ -48,24 +45,13 @@ def log_result(
     answers = record_answers(refined, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))
     stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
-    alike = _alike(refined.problem.prior.names, after.alike)
+    alike = said_alike(refined.problem.prior.names, after.alike)
     about = (*alike, *_held(free), *source.left_out, *stopped * found.interrupted)
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
         _gusts(refined), refined.left, after.disagreement, after.freedom, after.probability,
         after.widened, _inertia(model, refined), about, found.settled,
     )  # fmt: skip
-
-
-def _alike(names: Sequence[str], shares: np.ndarray) -> tuple[str, ...]:
-    """What is said where more records of the kind would teach little more."""
-    stuck = [name for name, share in zip(names, shares, strict=True) if share > MOSTLY]
-    if not stuck:
-        return ()
-    return (
-        f"Most of what is left unknown of {', '.join(stuck)} errs alike in every record by these sensors: more of them "
-        "will sharpen it little, better sensors would.",
-    )
 
 
 def _held(free: Sequence[str]) -> tuple[str, ...]:

@@ -101,7 +101,7 @@ def refined_search(problem: LogProblem, source: GridSource) -> Refined:
         Where no record can be used, or the model cannot follow them.
     """
     scaled, least, usual = np.zeros(len(problem.prior.groups)), source.assumptions.least_noise, problem.chain
-    states = _begun(problem, source, scaled)
+    states = begun(problem, source, scaled)
     if not states:
         raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")
     steps, slope = FIRST_STEPS if problem.linked else (), None
@@ -149,23 +149,32 @@ def _refined(
             doubt = gust_doubt(GustJudge(problem, found, samples_of(records.grids, found, records.states), usual))
         except KeyboardInterrupt:
             found = replace(found, interrupted=True)
-        except np.linalg.LinAlgError:  # Gusts that are nearly none, or windows of which nothing is known.
-            pass
     return Refined(problem, found, tuple(states), noise_left(records.grids, found), usual, doubt)
 
 
 def _searched(
     problem: LogProblem, scaled: np.ndarray, records: SearchedRecords, enough: float, steps: int, slope: Slope
 ) -> Found:
-    sampled = _sampled(len(records.states), problem.linked)
+    kept = sampled(len(records.states), problem.linked)
     with stage("fitting the records"):
-        found = searched(problem, scaled, records.grids, records.states, sampled, enough, steps, slope)
+        found = searched(problem, scaled, records.grids, records.states, kept, enough, steps, slope)
     if found is None:
         raise InputError(RUNS_AWAY)
     return found
 
 
-def _begun(problem: LogProblem, source: GridSource, scaled: np.ndarray) -> list[RecordState]:
+def begun(problem: LogProblem, source: GridSource, scaled: np.ndarray) -> list[RecordState]:
+    """Return where records begin: what they say of the states themselves, and links by the motion there (ours).
+
+    Parameters
+    ----------
+    problem : LogProblem
+        What is solved for.
+    source : GridSource
+        The records.
+    scaled : array (p,) [1]
+        The coefficients.
+    """
     motion, states = problem.at(scaled), []
     for grid in source:
         own = first_guess(problem, grid)
@@ -174,7 +183,16 @@ def _begun(problem: LogProblem, source: GridSource, scaled: np.ndarray) -> list[
     return states
 
 
-def _sampled(count: int, linked: bool) -> frozenset[int]:
+def sampled(count: int, linked: bool) -> frozenset[int]:
+    """Return the records by which gusts and noise are judged (ours).
+
+    Parameters
+    ----------
+    count : int
+        Of records.
+    linked : bool
+        Whether windows hang together.
+    """
     most = min(count, SAMPLES if linked else SAMPLES_ALONE)
     return frozenset(np.linspace(0, count - 1, most).round().astype(int).tolist())
 

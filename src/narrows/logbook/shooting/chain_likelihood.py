@@ -96,7 +96,7 @@ class GustJudge:
         memory, correlation = float(np.exp(numbers[-2])), bounded_correlation(float(numbers[-1]))
         return self.problem.chain.with_pushes(sizes, memory, correlation)
 
-    def unlikely(self, numbers: np.ndarray) -> float:
+    def unlikely(self, numbers: np.ndarray, copies: float = 1.0) -> float:
         """Return less the logarithm of the likelihood, to a constant, the coefficients where they are.
 
         With weaker gusts they would move farther than these equations are straight.
@@ -105,6 +105,8 @@ class GustJudge:
         ----------
         numbers : array (k,)
             As of ``start``.
+        copies : float [1]
+            How many records of the kind there are for each.
         """
         count = len(self.pushes)
         strong = (numbers[:count] - np.log(self.usual.std[self.places])) / SPREAD_OF_STRENGTH
@@ -117,25 +119,28 @@ class GustJudge:
                 cost += left.cost + left.determinant + link_determinant(problem, sample.grid, sample.links)
         except np.linalg.LinAlgError:
             return UNLIKELY
-        return 0.5 * float(known + cost)
+        return 0.5 * float(known + copies * cost)
 
-    def followed(self, numbers: np.ndarray) -> np.ndarray:
+    def followed(self, numbers: np.ndarray, copies: float = 1.0) -> np.ndarray:
         """Return how far the best coefficients go, (p,): all records are taken to go as those that are asked.
 
         Parameters
         ----------
         numbers : array (k,)
             As of ``start``.
+        copies : float [1]
+            How many records of the kind there are for each; what they pull is chance, and adds up as its root.
         """
         problem, prior, found = replace(self.problem, chain=self.chain(numbers)), self.problem.prior, self.found
-        information, pull = found.information + prior.precision, found.pull - prior.precision @ found.scaled
-        pull = pull - self.turned @ (numbers - self.start)
+        information, pull = found.information, found.pull - self.turned @ (numbers - self.start)
         for sample in self.samples:
             left = sample.left(problem, sample.found)
             information = information + self.share * (left.corner - sample.told.information)
             pull = pull + self.share * (left.right - sample.told.pull)
         step, moves = np.zeros(len(pull)), prior.moves
-        step[moves] = np.linalg.solve(information[np.ix_(moves, moves)], pull[moves])
+        whole = copies * information + prior.precision
+        right = np.sqrt(copies) * pull - prior.precision @ found.scaled
+        step[moves] = np.linalg.solve(whole[np.ix_(moves, moves)], right[moves])
         return step
 
 
@@ -161,7 +166,7 @@ def likely_gusts(judge: GustJudge) -> WindowChain:
     return judge.chain(minimize(judge.unlikely, start, method="L-BFGS-B", bounds=bounds, options=options).x)
 
 
-def gust_doubt(judge: GustJudge) -> np.ndarray:
+def gust_doubt(judge: GustJudge, copies: float = 1.0) -> np.ndarray:
     """Return how far the coefficients go with each independent standard deviation of what gusts may be, (p, k) (ours).
 
     What gusts may be is told where the coefficients stay, so that the doubt is the least that there is.
@@ -170,10 +175,25 @@ def gust_doubt(judge: GustJudge) -> np.ndarray:
     ----------
     judge : GustJudge
         What the records say, where the search is done.
+    copies : float [1]
+        How many records of the kind there are for each.
+
+    Returns
+    -------
+    array (p, k) [1]
+        None, (p, 0), where gusts are nearly none, or nothing is known of windows.
     """
+    try:
+        return _doubt(judge, copies)
+    except np.linalg.LinAlgError:
+        return np.zeros((len(judge.found.scaled), 0))
+
+
+def _doubt(judge: GustJudge, copies: float) -> np.ndarray:
     start, beside = judge.start, SLOPE_STEP * np.eye(len(judge.start))
-    follows = np.stack([judge.followed(start + one) - judge.followed(start - one) for one in beside], axis=1)
-    root = np.linalg.cholesky(_curvature(judge.unlikely, start, beside))
+    ends = [(judge.followed(start + one, copies), judge.followed(start - one, copies)) for one in beside]
+    follows = np.stack([up - down for up, down in ends], axis=1)
+    root = np.linalg.cholesky(_curvature(lambda numbers: judge.unlikely(numbers, copies), start, beside))
     return np.asarray(np.linalg.solve(root, follows.T).T / (2 * SLOPE_STEP))
 
 

@@ -112,6 +112,8 @@ class LogProblem:
     chain : WindowChain
         What changes from window to window: gusts, what the rudder's reading misses, wander of sensors; empty where
         windows stand alone.
+    in_meetings : WindowChain
+        Instead, while another ship passes: what she does has nothing to do with how strong gusts are.
     zeros : mapping of str to float
         Standard deviations of what is the same all through a record: ``rudder_offset``, ``y_error`` ..., ``current_x``,
         ``steady_Y`` ...
@@ -127,6 +129,7 @@ class LogProblem:
     prior: CoefficientPrior
     inertia: PushInertia
     chain: WindowChain = field(default_factory=WindowChain)
+    in_meetings: WindowChain = field(default_factory=WindowChain)
     zeros: Mapping[str, float] = field(default_factory=dict)
     noise: Mapping[str, float] = field(default_factory=dict)
     linked: bool = False

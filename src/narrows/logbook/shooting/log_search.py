@@ -83,6 +83,20 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
         return replace(found, interrupted=True)
 
 
+def found_at(
+    problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = ()
+) -> Found | None:
+    """Bring every record to its best for coefficients that stay, with the slope of how wide windows are left (ours).
+
+    Parameters
+    ----------
+    problem, scaled, grids, states, kept
+        As for ``evaluated``.
+    """
+    found = evaluated(problem, scaled, grids, states, kept)
+    return found and _sloped(problem, found, grids, states)
+
+
 def searched(
     problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = (),
     enough: float = ENOUGH, steps: int = MOST_STEPS, slope: np.ndarray | float | None = None,

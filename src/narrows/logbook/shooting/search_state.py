@@ -1,7 +1,7 @@
 """Where a search over records stands: what each record has of its own and tells of the coefficients."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -131,6 +131,17 @@ class Found:
             Of those records.
         """
         return sum(len(state.own.starts) for state in states) / self.windows * self.slope
+
+    def repeated(self, copies: float) -> "Found":
+        """Return what so many records of the kind would tell for each, but for what they pull by chance.
+
+        Parameters
+        ----------
+        copies : float [1]
+            How many.
+        """
+        told = tuple(replace(told, information=copies * told.information) for told in self.told)
+        return replace(self, told=told, slope=copies * self.slope)
 
     def pull_of(self, told: RecordTold) -> np.ndarray:
         """Return that of one record, (p,) [1].

@@ -25,8 +25,6 @@ SPEED_WALK = 2e-3
 """How far a held speed walks in a second, over itself."""
 LOOSE = 1e-8
 """Weight of a link out of a window in which the actuators are not known."""
-IN_MEETINGS = 30.0
-"""How much stronger pushes are than gusts while another ship passes."""
 MOST_WINDOWS = 64
 """Whose slopes are averaged."""
 KEPT = 64
@@ -134,13 +132,20 @@ def banded(
     diagonal, border = found.hessian[:, :m, :m].copy(), found.hessian[:, :m, m:].copy()
     corner, right = found.hessian[:, m:, m:].sum(axis=0), found.gradient[:, :m].copy()
     right_border, cost = found.gradient[:, m:].sum(axis=0), found.cost
-    diagonal[:, range(6), range(6)] += START_SPREAD**-2.0
+    diagonal[:, range(6), range(6)] += _start_spread(problem, grid) ** -2.0
     q = len(own.zeros)
     corner[range(q), range(q)] += problem.zero_spread**-2.0
     right_border[:q] -= own.zeros / problem.zero_spread**2
     cost += float(np.sum((own.zeros / problem.zero_spread) ** 2))
     whole = BorderedBand(diagonal, None, border, corner, right, right_border, cost)
     return whole if links is None else _linked(problem, grid, own, found, links, whole)
+
+
+def _start_spread(problem: LogProblem, grid: RecordGrid) -> np.ndarray:
+    """Of a place that is not read, a length for each window: else a chain of them is as good as singular."""
+    length = problem.motion.model.configuration.ship.length
+    unread = np.array([name not in grid.readings for name in ("x", "y")])
+    return np.append(np.where(unread, length, START_SPREAD[:2]), START_SPREAD[2:])
 
 
 def _linked(
@@ -161,7 +166,7 @@ def _linked(
     border[1:] -= weighed[:, :, m:]
     right[:-1] += pulled[:, :m]
     right[1:] -= pull
-    first = _in_meetings(problem.chain) if grid.meetings[0] else chain
+    first = problem.in_meetings if grid.meetings[0] else chain
     known = np.linalg.inv(first.covariance) if chain.names else np.zeros((0, 0))
     diagonal[0, 6:, 6:] += known
     right[0, 6:] -= known @ own.chain[0]
@@ -182,7 +187,7 @@ def _weights(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> np.nd
     loose, met = np.where(grid.whole[:-1], 1.0, LOOSE), _met(grid)
     weight = _weight(links, problem.chain) * loose[:, None, None]
     if met.any():
-        weight[met] = _weight(links, _in_meetings(problem.chain)) * loose[met, None, None]
+        weight[met] = _weight(links, problem.in_meetings) * loose[met, None, None]
     return np.asarray(weight)
 
 
@@ -190,11 +195,6 @@ def _weights(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> np.nd
 def _weight(links: WindowLinks, chain: WindowChain) -> np.ndarray:
     """Of what one link misses: a record is linked by one chain again and again."""
     return np.linalg.inv(links.covariance(chain))
-
-
-@lru_cache(maxsize=KEPT)
-def _in_meetings(chain: WindowChain) -> WindowChain:
-    return chain.stronger(IN_MEETINGS)
 
 
 def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> float:
@@ -212,8 +212,8 @@ def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) 
     chain, met = problem.chain, int(_met(grid).sum())
     cost = (len(grid) - 1 - met) * _log_determinant(links.covariance(chain))
     if met:
-        cost += met * _log_determinant(links.covariance(_in_meetings(problem.chain)))
-    first = _in_meetings(problem.chain) if grid.meetings[0] else chain
+        cost += met * _log_determinant(links.covariance(problem.in_meetings))
+    first = problem.in_meetings if grid.meetings[0] else chain
     return cost + (_log_determinant(first.covariance) if chain.names else 0.0)
 
 

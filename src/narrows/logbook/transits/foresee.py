@@ -2,22 +2,26 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
-from narrows.logbook.gaussian_update import NormalPrior
+from narrows.logbook.learning.foretold import foretold_records
+from narrows.logbook.learning.log_posterior import said_alike
+from narrows.logbook.learning.posed_log import posed_log
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
+from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import check_covariance
 from narrows.logbook.steady_legs.steady_candidates import usual_offsets, usual_speeds
 from narrows.logbook.targets import learnable
 from narrows.logbook.transits.foresight import ForeseenTransit, Foresight
 from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
 from narrows.logbook.transits.transit_conditions import TransitConditions
-from narrows.logbook.transits.transit_filter import Unknowns
+from narrows.logbook.transits.transit_twins import recorded
 from narrows.model.model import Model
+from narrows.progress import bar, is_shown
 from narrows.safety.envelope import safe_envelope
 from narrows.simulation.inputs import check_waterway, finite_numbers
 
@@ -29,8 +33,8 @@ ROUTINE, LONGEST = 2400.0, 3600.0
 """Of a transit [s]: where no waterway says how long, and at most."""
 MOST = 86_400.0
 """Seconds of a transit."""
-SAILED = 2
-"""Transits of each kind, over whose gusts and wander what they tell is averaged."""
+SAILED = 7
+"""Transits of each kind, over whose gusts and wander standard errors are the median."""
 SHARES = (0.5, 1.0)
 """Of the safe offset, that excursions go to."""
 STAY, TURN = 5.0, 0.6
@@ -55,9 +59,9 @@ def foresee(
 ) -> Foresight:  # fmt: skip
     """Foretell how well transits will tell the bank's coefficients, before any is sailed (ours).
 
-    The ship of the most likely coefficients is sailed by a pilot whose aim wanders, in gusts. Along that voyage the
-    motion is linear in what is small, by exact derivatives, and a filter that needs no readings says what the sensors
-    leave open of the coefficients: gusts are a force with a memory, wind and zeros of sensors are each transit's own.
+    The ship of the most likely coefficients is sailed by a pilot whose aim wanders, in gusts, and recorded by the
+    sensors. What these records tell is what a fit to them would find where it is done: by the same equations, with the
+    same doubts of gusts and of what a pilot sees that sensors do not.
 
     Parameters
     ----------
@@ -99,15 +103,16 @@ def foresee(
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
-    prior = NormalPrior.of(np.zeros(len(model.terms.names)), np.asarray(model.covariance))
+    before = np.sqrt(np.diag(np.asarray(model.covariance)))
     told: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
     told |= {"duration": plan.duration, "transits": tuple(transits), "targets": names}
-    told |= {"prior_std": _std(model, names, prior.root)}
+    told |= {"prior_std": _std(model, names, before)}
     if "rudder" not in grade.signals:
         return Foresight((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
     safe = within if within is not None else safe_offset(_narrowest(model, waterway), plan.u, seed)
-    unknowns = Unknowns(conditions.gust_push(model), conditions.steady_push(model), conditions.gust_time, grade, prior)
-    kinds, reasons = _kinds(plan, unknowns, finite_numbers(within=safe)["within"], names, transits, seed)
+    safe = finite_numbers(within=safe)["within"]
+    kinds, reasons = _kinds(_Asked(plan, grade, names, tuple(transits), seed), safe)
+    reasons += said_alike(*zip(*kinds[0].alike.items(), strict=True))
     return Foresight(kinds, safe_offset=safe, reasons=reasons, **told)
 
 
@@ -123,17 +128,25 @@ def _plan(
     return PlannedTransit(model, speed, lasting, conditions, waterway)
 
 
-def _kinds(
-    plan: PlannedTransit, unknowns: Unknowns, safe: float, names: tuple[str, ...], transits: Sequence[int], seed: int
-) -> tuple[tuple[ForeseenTransit, ...], tuple[str, ...]]:
+class _Asked(NamedTuple):
+    """Of which transits, by which sensors, what is foretold."""
+
+    plan: PlannedTransit
+    grade: SensorGrade
+    names: tuple[str, ...]
+    transits: tuple[int, ...]
+    seed: int
+
+
+def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tuple[str, ...]]:
     """What routine tells, and each excursion that comes through; why others are left out."""
-    kinds, reasons = [_foreseen(plan, unknowns, Excursion("routine"), names, transits, seed)], []
-    for excursion in excursions(safe, plan.model.configuration.ship.length / plan.u):
+    kinds, reasons = [_foreseen(asked, Excursion("routine"))], []
+    for excursion in excursions(safe, asked.plan.model.configuration.ship.length / asked.plan.u):
         try:
-            kinds.append(_foreseen(plan, unknowns, excursion, names, transits, seed))
+            kinds.append(_foreseen(asked, excursion))
         except InputError as error:
             reasons.append(f"Left out: {error}.")
-    reasons += [] if safe > 0 else [NOWHERE.format(plan.u)]
+    reasons += [] if safe > 0 else [NOWHERE.format(asked.plan.u)]
     return tuple(kinds), tuple(reasons)
 
 
@@ -173,23 +186,39 @@ def excursions(safe: float, time: float) -> list[Excursion]:
     ]  # fmt: skip
 
 
-def _foreseen(
-    plan: PlannedTransit, unknowns: Unknowns, excursion: Excursion, names: tuple[str, ...], transits: Sequence[int],
-    seed: int,
-) -> ForeseenTransit:  # fmt: skip
-    voyages = [plan.sailed(excursion, seed + number) for number in range(SAILED)]
-    told = np.mean([unknowns.information(plan.system(voyage)) for voyage in voyages], axis=0)
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for count in transits:
-        inner = np.linalg.cholesky(np.eye(len(told)) + count * (told + told.T) / 2)
-        root = np.linalg.solve(inner, unknowns.prior.root.T).T
-        for name, std in _std(plan.model, names, root).items():
-            columns[name].append(std)
-    return ForeseenTransit(excursion, {name: np.array(column) for name, column in columns.items()})
+def _foreseen(asked: _Asked, excursion: Excursion) -> ForeseenTransit:
+    told = []
+    with bar(SAILED, is_shown(), excursion.words) as done:
+        for number in range(asked.seed, asked.seed + SAILED):
+            told.append(_foretold(asked, excursion, number))
+            done(1)
+    std, alike = np.median([one.std for one in told], axis=0), np.median([one.alike for one in told], axis=0)
+    columns = dict(zip(asked.names, std.T, strict=True))
+    return ForeseenTransit(excursion, columns, dict(zip(asked.names, alike.tolist(), strict=True)))
 
 
-def _std(model: Model, names: Sequence[str], root: np.ndarray) -> dict[str, float]:
-    return {name: float(np.linalg.norm(root[model.terms.names.index(name)])) for name in names}
+class _Foretold(NamedTuple):
+    """Standard errors, (counts, names), and of the last ones, squared, what errs alike in every transit."""
+
+    std: list[list[float]]
+    alike: list[float]
+
+
+def _foretold(asked: _Asked, excursion: Excursion, number: int) -> _Foretold:
+    """What transits like one would tell, as a fit would find it."""
+    plan = asked.plan
+    record = recorded(f"transit {number}", plan.sailed(excursion, number), asked.grade, number, current=0.0)
+    posed = posed_log(plan.model, ShipLog((record,), plan.waterway), asked.grade, gusts=True)
+    push, solved = plan.conditions.gust_push(plan.model), posed.problem.prior.names
+    told = foretold_records(plan.model, posed, push @ push.T, plan.conditions.gust_time)
+    after = [told.after(count) for count in asked.transits]
+    std = [_std(plan.model, asked.names, np.sqrt(np.diag(one.covariance))) for one in after]
+    shares = dict(zip(solved, after[int(np.argmax(asked.transits))].alike.tolist(), strict=True))
+    return _Foretold([list(one.values()) for one in std], [shares.get(name, 0.0) for name in asked.names])
+
+
+def _std(model: Model, names: Sequence[str], std: np.ndarray) -> dict[str, float]:
+    return {name: float(std[model.terms.names.index(name)]) for name in names}
 
 
 def _duration(waterway: "Waterway | None", u: float) -> float:

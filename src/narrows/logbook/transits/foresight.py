@@ -28,10 +28,13 @@ class ForeseenTransit:
         From the middle; the first kind of a foresight has none.
     std : mapping of str to array (transits,)
         Standard error of each target after so many, in the coefficient's unit.
+    alike : mapping of str to float [1]
+        Of its square after the most, what errs alike in every transit.
     """
 
     excursion: Excursion
     std: Mapping[str, np.ndarray]
+    alike: Mapping[str, float]
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,7 +64,7 @@ class Foresight(Shown):
     safe_offset : float [m]
         How far off the middle the safe envelope lets it go on purpose.
     reasons : tuple of str
-        Why nothing is foretold, or why no excursion is among the kinds.
+        Why nothing is foretold, why no excursion is among the kinds, what more transits would not sharpen.
     """
 
     kinds: tuple[ForeseenTransit, ...]

@@ -1,4 +1,4 @@
-"""A transit before it is sailed: an aim that wanders and goes aside, the voyage of the most likely ship, its system."""
+"""A transit before it is sailed: an aim that wanders and goes aside, and the voyage of the most likely ship."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -7,9 +7,7 @@ import numpy as np
 
 from narrows.control.self_propulsion import self_propulsion
 from narrows.errors import InputError
-from narrows.logbook.steady_legs.steady_balance import felt_on
 from narrows.logbook.transits.transit_conditions import TransitConditions, wandering
-from narrows.logbook.transits.transit_filter import TransitSystem
 from narrows.logbook.transits.transit_pilot import TransitPilot
 from narrows.model.model import Model
 from narrows.simulation.voyage import Voyage, simulate
@@ -21,8 +19,8 @@ AIMED = 0.2
 """Of the time of a ship length, that one piece of an aim is long."""
 PIECES = 5
 """Of a schedule of gusts, in the time that a gust stays."""
-STEPS, FINER = 20, 5
-"""Of the system, in the time of a ship length, and of the voyage in one of them."""
+STEPS, LONGEST_STEP = 100, 2.0
+"""Of the voyage, in the time of a ship length; and how long one is at most [s]."""
 
 
 @dataclass(frozen=True)
@@ -112,36 +110,14 @@ class PlannedTransit:
         wander = wandering(told.wander, told.wander_time, piece, len(times), draw)[:, 0]
         pilot = TransitPilot.of(self.model, self.u, times, excursion.aims(times, wander), self.waterway)
         started: dict[str, Any] = {"y": float(pilot.aims[0]), "u": self.u, **self._pushes(draw), **self._turns()}
+        step = min(self.model.configuration.ship.length / self.u / STEPS, LONGEST_STEP)
         voyage = simulate(
-            self.model, duration=self.duration, dt=min(self._step / FINER, 2.0), waterway=self.waterway,
+            self.model, duration=self.duration, dt=step, waterway=self.waterway,
             controller=pilot, **started,
         )  # fmt: skip
         if voyage.t[-1] < 0.99 * self.duration and self.waterway is None:
             raise InputError(f"{excursion.words}: in these gusts the ship does not come through")
         return voyage
-
-    def system(self, voyage: Voyage) -> TransitSystem:
-        """Return the exact linear system along a voyage.
-
-        Parameters
-        ----------
-        voyage : Voyage
-            Of ``sailed``.
-        """
-        times = np.arange(0.0, voyage.t[-1], self._step)
-        at = {name: np.interp(times, voyage.t, getattr(voyage, name)) for name in ("y", "psi", "u", "v", "r", "rudder")}
-        at |= {name: np.full(len(times), number) for name, number in self._turns().items()}
-        water = felt_on(self.model, np.full(len(times), self.u), {})
-        if self.waterway is not None:
-            here = self.waterway.section(np.interp(times, voyage.t, voyage.x))
-            at["y"] = at["y"] - here.middle
-            water["width"] = here.width
-            water |= {} if np.isnan(here.depth).any() else {"depth": here.depth}
-        return TransitSystem.along(self.model, water, at, self._step)
-
-    @property
-    def _step(self) -> float:
-        return self.model.configuration.ship.length / self.u / STEPS
 
     def _turns(self) -> dict[str, float]:
         """Of the propeller, where the terms ask for them."""
