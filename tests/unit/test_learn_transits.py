@@ -100,6 +100,7 @@ def test_no_bank_is_called_unresolved_and_not_small() -> None:
     _, found = learned(c_bank=0.0)
     own = found.coefficients["c_bank"]
     assert own.unresolved
+    assert any("Taken for granted: a draft of" in note for note in found.notes)
     assert "unresolved" in own.verdict
     assert "c_bank" in found.summary()
     assert "unresolved, for 0 is among it" in found.summary()
@@ -117,12 +118,15 @@ def passed(marked: bool) -> nw.LogFit:
 def test_a_ship_that_passes_is_no_gust_where_the_log_marks_it() -> None:
     found = passed(marked=True)
     assert not found.pushed
+    assert found.records[0].met > 0
+    assert any(f"In {found.records[0].met} windows another ship passed" in note for note in found.notes)
     assert abs(found.coefficients["c_bank"].value - twin()[0]["c_bank"]) < 3.5 * found.std["c_bank"]
 
 
 def test_a_ship_that_passes_unmarked_is_said() -> None:
     found = passed(marked=False)
     assert found.pushed
+    assert found.records[0].met == 0
     assert "mark these times in the log (`meeting`)" in found.summary()
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from narrows.logbook.learned_coefficient import learned_coefficients
 from narrows.logbook.learned_model import learned_model
+from narrows.logbook.learning.granted import said_granted
 from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.learning.log_fit import Gusts, LogFit
 from narrows.logbook.learning.log_posterior import log_posterior, said_alike
@@ -46,22 +47,12 @@ def log_result(
     came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))
     stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
     alike = said_alike(refined.problem.prior.names, after.alike)
-    about = (*alike, *_held(free), *source.left_out, *stopped * found.interrupted)
+    about = (*alike, *said_granted(refined.problem, free, answers), *source.left_out, *stopped * found.interrupted)
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
         _gusts(refined), refined.left, after.disagreement, after.freedom, after.probability,
         after.widened, _inertia(model, refined), about, found.settled,
     )  # fmt: skip
-
-
-def _held(free: Sequence[str]) -> tuple[str, ...]:
-    """What is said where not all coefficients might move."""
-    if not free:
-        return ()
-    return (
-        f"Only {', '.join(free)} might move; where the others err, the log disagrees with what was known, and the "
-        "intervals are the wider for it.",
-    )
 
 
 def _inertia(model: Model, refined: Refined) -> tuple[str, ...]:

@@ -27,6 +27,8 @@ class RecordAnswer:
         How long.
     windows : int
         Into how many it was cut.
+    met : int
+        In how many of them another ship passed.
     zeros : mapping of str to float
         What was the same all through it, in SI; pushes as accelerations.
     information : mapping of str to float [1]
@@ -45,6 +47,7 @@ class RecordAnswer:
     name: str
     duration: float
     windows: int
+    met: int
     zeros: dict[str, float]
     information: dict[str, float]
     moved: dict[str, float]
@@ -78,7 +81,7 @@ def _answer(refined: Refined, grid: RecordGrid, told: RecordTold, drawn: bool) -
     both = tuple(forecast(problem, at, grid, told.own) for at in (before_it, without_it))
     before, after = (missed(each) for each in both)
     return RecordAnswer(
-        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid),
+        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()),
         dict(zip(problem.zeros, told.own.zeros.tolist(), strict=True)),
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
