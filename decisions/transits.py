@@ -86,7 +86,7 @@ KINDS = (
     Kind("rtk, 1 transit", sensors="rtk"),
     Kind("vdr, 1 transit"),
     Kind("ais and the rudder, 1 transit", sensors="ais and the rudder"),
-    Kind("no bank in the moment", truth="no c_bank", twins=182),
+    Kind("no bank in the moment", truth="no c_bank"),
     Kind("bank of the form y_B", truth="distance"),
     Kind("banks 5 m from where they are charted", shifted=5.0),
     Kind("water 5 % less deep than charted", deeper=0.95),
@@ -94,13 +94,13 @@ KINDS = (
     Kind("a ship passes every ten minutes", passing="not marked"),
     Kind("a ship passes every ten minutes, marked in the log", passing="marked"),
     Kind("round bends of 3 km", bends=True),
-    Kind("vdr, 5 transits", 5, twins=70),
-    Kind("rtk, 5 transits", 5, sensors="rtk", twins=56),
-    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder", twins=56),
-    Kind("rtk, 20 transits", 20, sensors="rtk", twins=6),
-    Kind("vdr, 20 transits", 20, twins=6),
+    Kind("vdr, 5 transits", 5),
+    Kind("rtk, 5 transits", 5, sensors="rtk"),
+    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder"),
+    Kind("rtk, 20 transits", 20, sensors="rtk", twins=16),
+    Kind("vdr, 20 transits", 20, twins=16),
     Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder", twins=5),
-    Kind("gusts that stay 90 s and act ahead of midship", gusts=OFF_MIDSHIP, twins=182),
+    Kind("gusts that stay 90 s and act ahead of midship", gusts=OFF_MIDSHIP),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""
 
