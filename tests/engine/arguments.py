@@ -81,6 +81,11 @@ def held_legs(rudder: float = 0.03) -> dict[str, list[float]]:
     return {"y": [0.5, -0.5], "u": [0.5, 0.5], "rudder": [rudder, -rudder], "drift": [0.02, -0.02]}
 
 
+def sensed(noise: float) -> nw.SensorGrade:
+    """Sensors of a tank."""
+    return nw.SensorGrade("a tank's", "", {name: nw.SignalGrade(noise) for name in ("x", "y", "psi", "u", "rudder")})
+
+
 @cache
 def other_tests() -> nw.CaptiveTests:
     return short_twin(seed=1)
@@ -278,6 +283,7 @@ class Table:
     def logbook(self) -> dict[str, Entry]:
         surer = replace(by_depth(), covariance=by_depth().covariance / 4)
         places = {"y": [0.0, 0.6], "u": [0.4, 0.6], "samples": 4}
+        breeze = nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0)
         plan = {"model": by_depth(), "offsets": [0.3, 0.5], "speeds": [0.4, 0.5], "legs": 2, "samples": 20}
         return {
             "envelope_change": Entry(
@@ -287,11 +293,11 @@ class Table:
                 answer=lambda found: found.to_dict(),
             ),
             "foresee": Entry(
-                {"model": by_depth(), "u": 0.5, "duration": 20.0, "within": 0.2, "transits": (1,),
-                 "conditions": nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0)},
-                {"model": surer, "waterway": nw.straight_waterway(nw.Canal(6.0, 0.3), 60.0), "sensors": "rtk",
-                 "transits": (2,), "u": 0.45, "duration": 15.0, "targets": ("c_helm",), "within": 0.1,
-                 "conditions": nw.TransitConditions(wind=0.4, gust_time=2.0, wander=0.05, wander_time=9.0), "seed": 1},
+                {"model": by_depth(), "sensors": sensed(0.01), "u": 0.5, "duration": 20.0, "within": 0.2,
+                 "transits": (1,), "conditions": breeze},
+                {"model": surer, "waterway": nw.straight_waterway(nw.Canal(6.0, 0.3), 60.0),
+                 "sensors": sensed(0.02), "transits": (2,), "u": 0.45, "duration": 15.0, "targets": ("c_helm",),
+                 "within": 0.1, "conditions": replace(breeze, wind=0.4), "seed": 1},
                 answer=lambda found: found.to_dict(),
             ),
             "learn": Entry(

@@ -123,7 +123,7 @@ def built() -> dict[str, Built]:
     disturbed = nw.Disturbance(15.0, 0.8, 30.0, 1.0, 5.0)
     yawing = nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1)
     own = replace(model.configuration.ship, inertia=ship.inertia, x_g=ship.x_g)
-    ours = {name: nw.SignalGrade(0.01) for name in ("y", "psi", "rudder")}
+    ours = {name: nw.SignalGrade(0.01) for name in ("y", "psi", "u", "rudder")}
     signal = nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))
     record = nw.ShipRecord("A", {"u": signal})
     return {

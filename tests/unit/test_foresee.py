@@ -30,6 +30,9 @@ OWN = nw.SensorGrade(
 )  # fmt: skip
 
 
+AT_SEA = nw.SensorGrade("at sea", "", {**GRADES["vdr"].signals, "y": nw.SignalGrade(50.0)})
+
+
 @cache
 def ship() -> nw.Model:
     model = steered().with_coefficients(b_bank=0.3, c_bank=0.04)
@@ -143,6 +146,12 @@ def test_without_the_rudder_nothing_is_foretold() -> None:
     assert found.kinds == ()
     assert "record the rudder" in found.summary()
     assert found.best is None
+
+
+def test_sensors_of_a_ship_are_too_coarse_for_a_model() -> None:
+    """Places to a metre in a canal of seven, in a sentence."""
+    with pytest.raises(nw.InputError, match="no fit could follow it; give a grade of sensors that are finer"):
+        nw.foresee(ship(), None, AT_SEA, (1,), u=SPEED, duration=20.0, within=0.0, conditions=BREEZE)
 
 
 def test_where_the_envelope_is_safe_nowhere_no_excursion_is_looked_at() -> None:

@@ -7,13 +7,17 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.logbook.learning.log_posterior import LogPosterior, log_posterior
 from narrows.logbook.learning.posed_log import PosedLog
-from narrows.logbook.learning.refined_search import RUNS_AWAY, begun, sampled
+from narrows.logbook.learning.refined_search import begun, sampled
 from narrows.logbook.shooting.chain_likelihood import GustJudge, gust_doubt
 from narrows.logbook.shooting.log_search import found_at
 from narrows.logbook.shooting.push_chain import SWAY, YAW
 from narrows.logbook.shooting.search_state import samples_of
 from narrows.model.model import Model
 
+TOO_COARSE = (
+    "what these sensors read leaves a ship of this size anywhere in her canal, and no fit could follow it; give a "
+    "grade of sensors that are finer"
+)
 LEAST = 0.01
 """Of usual gusts, how strong gusts are taken to be at least."""
 
@@ -70,7 +74,7 @@ def foretold_records(model: Model, posed: PosedLog, gusts: np.ndarray, memory: f
     Raises
     ------
     InputError
-        Where the motion goes to infinity.
+        Where the motion goes to infinity from where the sensors read the ship to be.
     """
     problem, usual = posed.problem, posed.problem.chain
     size = np.sqrt(np.diag(gusts))
@@ -83,6 +87,6 @@ def foretold_records(model: Model, posed: PosedLog, gusts: np.ndarray, memory: f
     states = begun(problem, posed.source, known)
     found = found_at(problem, known, posed.source, states, sampled(len(states), True))
     if found is None:
-        raise InputError(RUNS_AWAY)
+        raise InputError(TOO_COARSE)
     judge = GustJudge(problem, found, samples_of(posed.source, found, states), usual)
     return ForetoldRecords(model, posed.before, judge, len(states))

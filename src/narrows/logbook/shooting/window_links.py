@@ -74,9 +74,10 @@ class WindowLinks:
         part = slice(0, count)
         first = grid.first[: count + 1]
         pushes = Pushes.of(problem, scaled, own)
-        _, slopes = motion.sailed(
-            own.starts[part], pushes.forces[part], first, grid.times, grid.positions, pushes.rudder[part]
-        )
+        with np.errstate(all="ignore"):  # A motion that runs away is noticed by its equations.
+            _, slopes = motion.sailed(
+                own.starts[part], pushes.forces[part], first, grid.times, grid.positions, pushes.rudder[part]
+            )
         mean = slopes.reshape(count, -1, *slopes.shape[1:])[:, : steps + 1].mean(axis=0)
         columns = pushes.columns(motion)[:, 6 : 6 + len(problem.chain.names)]
         responses = np.diff(mean @ columns, axis=0)[::-1].transpose(2, 0, 1)
