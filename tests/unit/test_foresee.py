@@ -171,11 +171,21 @@ def test_an_excursion_goes_no_farther_than_it_may_and_comes_back() -> None:
     assert np.abs(Excursion("aside", 12.0, (1, -1), 480.0, 60.0).aims(times, wander)).max() <= 12.0
 
 
+def test_one_number_of_transits_and_no_excursions_may_be_asked() -> None:
+    told: dict = {"u": SPEED, "duration": 20.0, "within": 0.0, "conditions": BREEZE}
+    one, many = nw.foresee(ship(), None, OWN, 5, **told), nw.foresee(ship(), None, OWN, (20, 5), **told)
+    assert one.kinds[0].std["c_bank"] == many.kinds[0].std["c_bank"][1:]
+    assert not any("excursion" in reason for reason in one.reasons)
+
+
 @pytest.mark.parametrize(
     ("told", "said"),
     [
         ({"sensors": "radar"}, "sensors = 'radar' is unknown"),
         ({"transits": (0,)}, "whole number from 1"),
+        ({"transits": ()}, "transits is empty"),
+        ({"transits": "1, 5"}, "whole number from 1"),
+        ({"u": 0.7, "within": -3.0}, "within = -3 m"),
         ({"u": -1.0}, "no speed ahead"),
         ({"u": 0.7, "duration": 0.0}, "a transit of 0 s"),
         ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),

@@ -53,7 +53,7 @@ NOWHERE = (
 
 def foresee(
     model: Model, waterway: "Waterway | None" = None, sensors: str | SensorGrade = "vdr",
-    transits: Sequence[int] = TRANSITS, *, u: float | None = None, duration: float | None = None,
+    transits: int | Sequence[int] = TRANSITS, *, u: float | None = None, duration: float | None = None,
     targets: Sequence[str] = (), within: float | None = None, conditions: TransitConditions | None = None,
     seed: int = 0,
 ) -> Foresight:  # fmt: skip
@@ -71,7 +71,7 @@ def foresee(
         Instead of the model's own canal.
     sensors : str or SensorGrade
         ``rtk``, ``vdr``, ``ais``, or your own.
-    transits : sequence of int
+    transits : int or sequence of int
         After how many it is foretold.
     u : float [m/s], optional
         Through the water; a speed that the canal and the tests allow unless given.
@@ -80,7 +80,8 @@ def foresee(
     targets : sequence of str
         The coefficients that matter; those of the bank unless given.
     within : float [m], optional
-        How far off the middle excursions may go; as far as a quick safe envelope lets the ship unless given.
+        How far off the middle excursions may go, 0 for none; unless given, as far as a quick safe envelope lets the
+        ship.
     conditions : TransitConditions, optional
         Wind, gusts, wander of the aim.
     seed : int
@@ -99,19 +100,18 @@ def foresee(
     check_rudder(model)
     check_covariance(model)
     check_waterway(waterway)
-    for count in transits:
-        check_count("transits", count, 1)
+    counts = _counts(transits)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
     before = np.sqrt(np.diag(np.asarray(model.covariance)))
     told: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
-    told |= {"duration": plan.duration, "transits": tuple(transits), "targets": names}
+    told |= {"duration": plan.duration, "transits": counts, "targets": names}
     told |= {"prior_std": _std(model, names, before)}
     if "rudder" not in grade.signals:
         return Foresight((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
-    safe = within if within is not None else safe_offset(_narrowest(model, waterway), plan.u, seed)
-    safe = finite_numbers(within=safe)["within"]
-    kinds, reasons = _kinds(_Asked(plan, grade, names, tuple(transits), seed), safe)
+    safe = safe_offset(_narrowest(model, waterway), plan.u, seed) if within is None else _within(within)
+    kinds, reasons = _kinds(_Asked(plan, grade, names, counts, seed), safe)
+    reasons += (NOWHERE.format(plan.u),) if within is None and not safe else ()
     reasons += said_alike(*zip(*kinds[0].alike.items(), strict=True))
     return Foresight(kinds, safe_offset=safe, reasons=reasons, **told)
 
@@ -126,6 +126,21 @@ def _plan(
     if not 0 < lasting <= MOST:
         raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {MOST:g}")
     return PlannedTransit(model, speed, lasting, conditions, waterway)
+
+
+def _counts(transits: int | Sequence[int]) -> tuple[int, ...]:
+    counts = tuple(transits) if isinstance(transits, Sequence | np.ndarray) else (transits,)
+    if not counts:
+        raise InputError("transits is empty; say after how many it shall be foretold, such as [1, 5, 20]")
+    for count in counts:
+        check_count("transits", count, 1)
+    return counts
+
+
+def _within(offset: float) -> float:
+    if (within := finite_numbers(within=offset)["within"]) < 0:
+        raise InputError(f"within = {within:g} m: give how far off the middle excursions may go, from 0 (none)")
+    return within
 
 
 class _Asked(NamedTuple):
@@ -146,7 +161,6 @@ def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tup
             kinds.append(_foreseen(asked, excursion))
         except InputError as error:
             reasons.append(f"Left out: {error}.")
-    reasons += [] if safe > 0 else [NOWHERE.format(asked.plan.u)]
     return tuple(kinds), tuple(reasons)
 
 
