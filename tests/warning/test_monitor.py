@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from transit import ship
+from transit import canal, ship
 from watch import BEGAN, calm, monitor, ticks, watched
 
 import narrows as nw
@@ -49,7 +49,7 @@ def test_memory_does_not_grow() -> None:
 
     Free lists of Python and NumPy fill in the first minute, and grow by steps afterwards.
     """
-    one, log, sizes = monitor(), TransitLog("A ship", "a canal"), []
+    one, log, sizes = monitor(), TransitLog(ship().configuration.ship, canal()), []
     one.forecaster = calm
     for second, tick in enumerate(ticks(180), start=1):
         log.add(one.update(tick, tick.t))

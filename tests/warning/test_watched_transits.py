@@ -3,11 +3,15 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
+from transit import canal, ship
 from watch import ticks, watched, without
 
 import narrows as nw
+from narrows.report.transit_figures import transit_track_figure
+from narrows.report.transit_report import write_transit_report
 from narrows.warning.alerts.alert_log import logged
 from narrows.warning.alerts.bank_level import Thresholds
 from narrows.warning.monitoring import watched_transit
@@ -41,7 +45,7 @@ def test_recorded_transits_are_scored() -> None:
 
 
 def transit_of(said: list[BridgeStatus]) -> WatchedTransit:
-    log = TransitLog("A ship", "a canal")
+    log = TransitLog(ship().configuration.ship, canal())
     for status in said:
         log.add(status)
     return log.transit()
@@ -58,11 +62,33 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.
     transit.save(tmp_path / "a.png")
     transit.save(tmp_path / "a.csv")
     monkeypatch.setattr(watched_transit, "MOST_SECONDS", 4)
-    kept = TransitLog("A ship", "a canal")
+    kept = TransitLog(ship().configuration.ship, canal())
     for status in watched(ticks(7)):
         kept.add(status)
     assert kept.transit().columns["t"].tolist() == [3.0, 4.0, 5.0, 6.0]
-    assert transit_of([]).summary() == "A ship on a canal: 0 seconds watched, 0 with a forecast."
+    assert (
+        transit_of([]).summary() == f"{ship().configuration.ship.name} on canal: 0 seconds watched, 0 with a forecast."
+    )
+
+
+def test_the_swept_hull_is_as_far_from_the_banks_as_was_said() -> None:
+    transit = transit_of(watched(ticks(9, y=95.0, psi=0.25, rudder=0.5)))
+    told = {name: column[transit.located] for name, column in transit.columns.items()}
+    figure = transit_track_figure(transit)
+    starboard = max(figure.axes[0].lines, key=lambda line: np.mean(line.get_ydata()))
+    swept = np.concatenate([path.vertices for part in figure.axes[0].collections for path in part.get_paths()])
+    edge = np.array([swept[np.isclose(swept[:, 0], x), 1].max() for x in told["x"]])
+    assert np.interp(told["x"], *starboard.get_data()) - edge == pytest.approx(told["clearance"], abs=1e-6)
+    assert len(told["x"]) > 3
+
+
+def test_a_transit_of_which_no_place_is_known_has_a_page_without_a_map(tmp_path: Path) -> None:
+    seen, blind = ticks(6), ticks(6, without("GPGGA"))
+    pages = []
+    for name, heard in (("seen.html", seen), ("blind.html", blind)):
+        write_transit_report(transit_of(watched(heard)), tmp_path / name)
+        pages.append((tmp_path / name).read_text(encoding="utf-8"))
+    assert ["unrolled" in page for page in pages] == [True, False]
 
 
 @pytest.mark.slow

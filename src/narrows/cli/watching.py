@@ -178,7 +178,7 @@ def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets
         typer.echo(HINT)
         ticks = with_keys(ticks, watched)
     ticks = outlets.ask(ticks, watched)
-    log = TransitLog(watched.model.configuration.ship.name or "A ship", watched.waterway.name)
+    log = TransitLog(watched.model.configuration.ship, watched.waterway)
     with suppress(KeyboardInterrupt):
         for number, tick in enumerate(ticks):
             now = time.time()

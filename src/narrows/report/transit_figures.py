@@ -1,5 +1,6 @@
 """Pictures of a watched transit: where it went, what was foretold, the rudder it needed, and when it was alerted."""
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -9,12 +10,14 @@ from matplotlib.patches import Patch
 
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
 from narrows.warning.alerts.alert import Priority
+from narrows.warning.monitoring.clearances import half_swept
 from narrows.warning.monitoring.watched_transit import NEAR, WatchedTransit
 
 SHADES = {
     Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
 }  # fmt: skip
 """Behind the curves, where an alert of that kind held."""
+BANK_POINTS = 400
 
 
 def transit_figure(transit: WatchedTransit) -> Figure:
@@ -48,14 +51,55 @@ def transit_figure(transit: WatchedTransit) -> Figure:
         panel.legend(frameon=False, fontsize=7, loc="best")
     axes[0, 0].axhline(NEAR, color=BLACK, lw=0.7, ls="--")
     axes[-1, 0].set_xlabel("time since the watch began [s]")
-    patches = [Patch(facecolor=colour, alpha=0.35, label=priority.words) for priority, colour in SHADES.items()]
-    figure.legend(handles=patches, loc="lower center", ncols=4, frameon=False, fontsize=7)
+    figure.legend(handles=_patches(0.35), loc="lower center", ncols=4, frameon=False, fontsize=7)
     return figure
+
+
+def transit_track_figure(transit: WatchedTransit) -> Figure:
+    """Draw from above where the hull went between the banks, along the waterway, starboard down (ours).
+
+    Parameters
+    ----------
+    transit : WatchedTransit
+        What to draw: at least a second of which it is known where the ship was.
+    """
+    figure, axes = panels(1, 1, 2.6, Margins(bottom=0.9, top=0.3))
+    panel: Axes = axes[0, 0]
+    told, ship = transit.columns, transit.ship
+    x, y, reach = told["x"], told["y"], half_swept(ship, told["psi"])
+    for part, level in _levels(told["level"]):
+        colour = SHADES.get(level, GREY)
+        panel.fill_between(x[part], (y - reach)[part], (y + reach)[part], color=colour, alpha=0.5, lw=0)
+    panel.plot(x, y, color=BLACK, lw=1.0, label="midship")
+    first, last = np.nanmin(x) - ship.length, np.nanmax(x) + ship.length
+    along = np.linspace(max(float(first), 0.0), min(float(last), transit.waterway.line.length), BANK_POINTS)
+    room = transit.waterway.room(along, ship.draft)
+    for sign, words in ((-1, "banks"), (1, None)):
+        panel.plot(along, room.middle + sign * room.width / 2, color=BLUE, lw=1.8, label=words)
+    panel.set(xlim=(first, last), xlabel="along the waterway [m]", ylabel="y, to starboard [m]")
+    panel.invert_yaxis()
+    panel.set_title("from above, starboard down; not to scale")
+    panel.grid(alpha=0.3)
+    swept = Patch(facecolor=GREY, alpha=0.5, label="hull, no alert")
+    lines = panel.get_legend_handles_labels()[0]
+    figure.legend(handles=[*lines, swept, *_patches(0.5)], loc="lower center", ncols=4, frameon=False, fontsize=7)
+    return figure
+
+
+def _patches(alpha: float) -> list[Patch]:
+    return [Patch(facecolor=colour, alpha=alpha, label=priority.words) for priority, colour in SHADES.items()]
+
+
+def _levels(level: np.ndarray) -> Iterator[tuple[slice, Priority]]:
+    """From when to when each level held, the second after with it."""
+    edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(level)]
+    for first, last in pairwise(edges):
+        if first < last:
+            yield slice(first, last + 1), Priority(int(level[first]))
 
 
 def _shade(panel: Axes, t: np.ndarray, level: np.ndarray) -> None:
     """The times over which a level held."""
-    edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(t)]
-    for first, last in pairwise(edges):
-        if first < len(t) and (colour := SHADES.get(Priority(int(level[first])))):
-            panel.axvspan(t[first], t[min(last, len(t) - 1)], color=colour, alpha=0.35, lw=0)
+    for part, held in _levels(level):
+        if colour := SHADES.get(held):
+            panel.axvspan(t[part][0], t[part][-1], color=colour, alpha=0.35, lw=0)

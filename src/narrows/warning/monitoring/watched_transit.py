@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.results import Shown
+from narrows.ship.particulars import Ship
 from narrows.warning.alerts.alert import Alert, Priority
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
+from narrows.waterway.waterway import Waterway
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,8 +51,10 @@ class WatchedTransit(Shown):
 
     Parameters
     ----------
-    ship, waterway : str
-        Their names.
+    ship : Ship
+        Its hull.
+    waterway : Waterway
+        Where it was.
     columns : dict of str to array (seconds,)
         By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact and last_chance of the most
         likely run, infinite where there is none, a last chance of 0 where it is gone too.
@@ -60,11 +64,16 @@ class WatchedTransit(Shown):
         Messages that were left out, by what is wrong with them.
     """
 
-    ship: str
-    waterway: str
+    ship: Ship
+    waterway: Waterway
     columns: dict[str, np.ndarray]
     alerts: tuple[SaidAlert, ...]
     faults: dict[str, int]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Of the ship and of the waterway."""
+        return self.ship.name or "A ship", self.waterway.name
 
     @property
     def level(self) -> Priority:
@@ -77,6 +86,11 @@ class WatchedTransit(Shown):
         return np.asarray(np.isfinite(self.columns["pilot_now"]))
 
     @property
+    def located(self) -> np.ndarray:
+        """Of each second, whether it was known where the ship was."""
+        return np.asarray(np.isfinite(self.columns["x"]) & np.isfinite(self.columns["y"]))
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What to know of it."""
         left = [f"{count} messages {what} were left out." for what, count in self.faults.items()]
@@ -85,7 +99,7 @@ class WatchedTransit(Shown):
     def summary(self) -> str:
         """Say how much was foretold, the first of each kind of alert, and how near it went."""
         seconds, near = len(self.columns["t"]), self._nearest()
-        lines = [f"{self.ship} on {self.waterway}: {seconds} seconds watched, {int(self.known.sum())} with a forecast."]
+        lines = [f"{' on '.join(self.names)}: {seconds} seconds watched, {int(self.known.sum())} with a forecast."]
         for priority in reversed(Priority):
             first = next((said for said in self.alerts if priority and said.alert.priority is priority), None)
             if first:
@@ -98,7 +112,7 @@ class WatchedTransit(Shown):
         """Give what was said by name, in SI: what ``monitor --json`` prints."""
         near, margin = self._nearest(), self.columns["rudder_margin"]
         return {
-            "summary": self.summary(), "ship": self.ship, "waterway": self.waterway,
+            "summary": self.summary(), **dict(zip(("ship", "waterway"), self.names, strict=True)),
             "seconds": len(self.columns["t"]), "foretold": int(self.known.sum()), "level": self.level.words,
             "alerts": [{"t": said.t, **told(said.alert)} for said in self.alerts],
             "least_clearance": None if near is None else float(self.columns["clearance"][near]),
@@ -130,11 +144,13 @@ class TransitLog:
 
     Parameters
     ----------
-    ship, waterway : str
-        Their names.
+    ship : Ship
+        Its hull.
+    waterway : Waterway
+        Where it is.
     """
 
-    def __init__(self, ship: str, waterway: str) -> None:
+    def __init__(self, ship: Ship, waterway: Waterway) -> None:
         self.ship, self.waterway = ship, waterway
         self._table, self._count = np.empty((MOST_SECONDS, len(COLUMNS))), 0
         self._alerts: deque[SaidAlert] = deque(maxlen=MOST_ALERTS)
