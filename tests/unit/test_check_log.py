@@ -101,6 +101,23 @@ def test_several_quiet_records_tell_the_rudders_sign_together() -> None:
     assert [(own.check, own.record) for own in found.wrong] == [("rudder's sign", "all records")]
 
 
+def test_several_quiet_records_tell_the_yaw_rates_sign_together_and_blame_no_rudder() -> None:
+    """Of a rate of turn whose noise is three times what there is to see: no one record tells."""
+    voyage = trial(nw.Zigzag(np.radians(2.0), np.radians(1.0)), 500.0)
+
+    def noisy(sign: float, seed: int) -> nw.ShipRecord:
+        record = scaled(sign, "r")(sensed(f"quiet {seed}", voyage, seed))
+        r, noise = record["r"], np.random.default_rng(seed).standard_normal(len(record["r"]))
+        return record.with_signals(r=nw.Signal(r.t, r.values + 3.0 * r.values.std() * noise))
+
+    right, turned = ([noisy(sign, seed) for seed in range(12)] for sign in (1.0, -1.0))
+    assert nw.check_log(turned[:1], kvlcc2()).clean
+    assert nw.check_log(right, kvlcc2()).clean
+    found = nw.check_log(turned, kvlcc2())
+    assert [(own.check, own.record) for own in found.wrong] == [("yaw rate", "all records")]
+    assert '[positive] r = "port"' in found.wrong[0].remedy
+
+
 def test_a_model_of_another_size_is_told() -> None:
     found = nw.check_log([zigzag()], nw.published("yasukawa2015_kvlcc2"))
     assert found.wrong[0].check == "speed"

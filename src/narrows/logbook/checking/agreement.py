@@ -165,6 +165,21 @@ def least_squares(column: np.ndarray, regressors: Sequence[np.ndarray], overlap:
     return Estimates(values / scale, np.sqrt(np.diag(spread)) / scale)
 
 
+def pooled(effects: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
+    """Return the mean of numbers, weighted by their standard errors, with its own; None where there is none (ours).
+
+    Parameters
+    ----------
+    effects : sequence of (float, float)
+        Numbers, with their standard errors.
+    """
+    known = [(effect, error) for effect, error in effects if error > 0]
+    if not known:
+        return None
+    weight = sum(error**-2 for _, error in known)
+    return sum(effect * error**-2 for effect, error in known) / weight, weight**-0.5
+
+
 def nearest(factor: float, known: Mapping[str, float], slack: float = 1.1) -> str | None:
     """Return what is known to make a factor; None where nothing comes near (ours).
 

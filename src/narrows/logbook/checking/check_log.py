@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 from narrows.errors import InputError
 from narrows.logbook.checking.agreement import SURE
@@ -9,7 +10,7 @@ from narrows.logbook.checking.clock_checks import check_clock
 from narrows.logbook.checking.even_motion import even_motion
 from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
-from narrows.logbook.checking.heading_checks import check_heading
+from narrows.logbook.checking.heading_checks import check_heading, judge_yaw_rates, rate_shown
 from narrows.logbook.checking.log_findings import LogFindings
 from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, rudder_effect
 from narrows.logbook.checking.model_rates import model_rates
@@ -27,6 +28,13 @@ STAGES = ((check_units, check_sensors), (check_heading,), (check_rudder_moves, c
 """What rests on nothing else, on sensors that are well, and on a heading that is right."""
 SPOILING = ("heading", "speed", "stuck", "yaw rate")
 """Checks whose findings leave nothing for the next stage to go by."""
+
+
+class _Told(NamedTuple):
+    """What each record tells faintly, with standard errors: of the rudder's effect, and of the yaw rate's sign."""
+
+    rudders: list[tuple[float, float]]
+    yaw_rates: list[tuple[float, float]]
 
 
 def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None = None) -> LogFindings:
@@ -58,29 +66,34 @@ def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None
     """
     water = getattr(log, "waterway", None) if waterway is None else waterway
     findings: list[Finding] = []
-    effects: list[tuple[float, float]] = []
-    records = 0
+    told, records = _Told([], []), 0
     for whole in log:
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         records += 1
         found = list(check_clock(record, model.configuration.ship.length))
         if not _wrong(found):
-            found += _of_motion(record, model, water, effects)
+            found += _of_motion(record, model, water, told)
         findings += found
     if not records:
         raise InputError("there is no record to check; give one or more")
-    if records > 1 and not any(own.check.startswith("rudder") for own in findings):
-        findings += judge_rudder(effects, ALL)
+    if records > 1:
+        findings += _together(told, {own.check for own in findings})
     return LogFindings(tuple(findings), records)
+
+
+def _together(told: _Told, before: set[str]) -> list[Finding]:
+    """What quiet records tell together; of the rudder, where the yaw rate that it is judged by counts as it should."""
+    found = [] if "yaw rate" in before else list(judge_yaw_rates(told.yaw_rates, ALL))
+    if not found and not any(check.startswith("rudder") for check in before):
+        found += judge_rudder(told.rudders, ALL)
+    return found
 
 
 def _wrong(findings: Iterable[Finding]) -> bool:
     return any(own.wrong for own in findings)
 
 
-def _of_motion(
-    record: ShipRecord, model: Model, waterway: Waterway | None, effects: list[tuple[float, float]]
-) -> list[Finding]:
+def _of_motion(record: ShipRecord, model: Model, waterway: Waterway | None, told: _Told) -> list[Finding]:
     """What is wrong with the motion that is recorded; beside the model only where its signals are not."""
     motion = even_motion(record, model.configuration.ship.length, waterway)
     if motion is None:
@@ -92,10 +105,13 @@ def _of_motion(
         found += [own for check in stage for own in check(at)]
         if any(own.wrong and own.check in SPOILING for own in found):
             return found
-    return found if _wrong(found) else found + list(_beside_model(at, effects))
+    if _wrong(found):
+        return found
+    told.yaw_rates.extend(rate_shown(at))
+    return found + list(_beside_model(at, told))
 
 
-def _beside_model(at: Examined, effects: list[tuple[float, float]]) -> Iterator[Finding]:
+def _beside_model(at: Examined, told: _Told) -> Iterator[Finding]:
     yield from check_wind(at)
     rates = model_rates(at)
     if rates is None:
@@ -104,7 +120,7 @@ def _beside_model(at: Examined, effects: list[tuple[float, float]]) -> Iterator[
     if found is None:
         return
     effect, error = float(found.values[0]), float(found.errors[0])
-    effects.append((effect, error))
-    yield from judge_rudder(effects[-1:], at.record.name)
+    told.rudders.append((effect, error))
+    yield from judge_rudder(told.rudders[-1:], at.record.name)
     if effect > SURE * error:  # What the ship drifts by rests on a rudder that is right.
         yield from check_antenna(at, rates)

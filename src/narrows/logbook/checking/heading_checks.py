@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from narrows.logbook.checking.agreement import SURE, Factor, factor_of, least_squares, nearest
+from narrows.logbook.checking.agreement import SURE, Factor, factor_of, least_squares, nearest, pooled
 from narrows.logbook.checking.even_motion import EvenMotion, changes
 from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
@@ -112,6 +112,44 @@ def _no_yaw_rate(at: Examined) -> Iterator[Finding]:
             f"r is not the heading's derivative: it shows {share:.2g} +- {error:.1g} of the heading's changes",
             "look for another column: this may be a roll rate", {"shown": share, "error": shown.errors[0]},
         )  # fmt: skip
+
+
+def rate_shown(at: Examined) -> list[tuple[float, float]]:
+    """Return how much of the heading's changes the yaw rate shows, with its standard error, if it tells (ours).
+
+    Parameters
+    ----------
+    at : Examined
+        The record.
+    """
+    motion = at.motion
+    if "r" not in motion or "psi" not in motion:
+        return []
+    found = []
+    for windows in (motion.windows(lengths) for lengths in LENGTHS):
+        turned = changes(motion.heading, windows)
+        if shown := least_squares(motion.integrals(motion["r"], windows), [turned, np.ones(len(turned))]):
+            found.append((float(shown.values[0]), float(shown.errors[0])))
+    return [min(found, key=lambda told: told[1])] if found else []
+
+
+def judge_yaw_rates(shown: list[tuple[float, float]], record: str) -> Iterator[Finding]:
+    """Yield where the yaw rate counts the other way, by what several records show of the heading's changes (ours).
+
+    Parameters
+    ----------
+    shown : list of (float, float)
+        By record, with standard errors.
+    record : str
+        What to call them.
+    """
+    if (told := pooled(shown)) is None:
+        return
+    share, error = told
+    if share + SURE * error < 0:
+        seen = f"the yaw rate shows {share:.2f} +- {1.96 * error:.2f} of the heading's changes, by {len(shown)} records"
+        evidence = {"shown": share, "error": error, "records": float(len(shown))}
+        yield Finding("yaw rate", record, seen, TURNED.format("r", "r"), evidence)
 
 
 def _beside_rate(at: Examined, factor: Factor, suspect: str) -> Finding:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from narrows.logbook.checking.agreement import SURE, Estimates, least_squares
+from narrows.logbook.checking.agreement import SURE, Estimates, least_squares, pooled
 from narrows.logbook.checking.even_motion import changes
 from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
@@ -51,12 +51,10 @@ def judge_rudder(effects: list[tuple[float, float]], record: str) -> Iterator[Fi
     record : str
         What to call them.
     """
-    known = [(effect, error) for effect, error in effects if error > 0]
-    if not known:
+    if (told := pooled(effects)) is None:
         return
-    weight = sum(error**-2 for _, error in known)
-    effect, error = sum(effect * error**-2 for effect, error in known) / weight, weight**-0.5
-    evidence = {"effect": effect, "error": error, "records": float(len(known))}
+    effect, error = told
+    evidence = {"effect": effect, "error": error, "records": float(len(effects))}
     seen = f"the rudder turns the ship by {effect:.2f} +- {1.96 * error:.2f} times what the model says"
     if effect + SURE * error < -WEAK:
         remedy = 'turn its sign ([positive] rudder = "port"): positive turns the bow to starboard'

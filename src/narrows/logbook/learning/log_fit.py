@@ -163,8 +163,9 @@ class LogFit(LearnedAnswer):
         named = f", most of all {', '.join(c.name for c in far)}" if far else ""
         return (
             f"The log and what was known before disagree{named}: a sum of squares of {self.disagreement:.0f}, "
-            f"{self.freedom} expected. One of them errs, their errors are larger than they say, or the log is of "
-            f"another ship or draft: what the log tells is taken for {self.widened:.1f} times less sure.",
+            f"{self.freedom} expected. One of them errs, their errors are larger than they say, the rudder or the yaw "
+            "rate of the log counts the other way, or the log is of another ship or draft: what the log tells is taken "
+            f"for {self.widened:.1f} times less sure.",
         )
 
     @property
