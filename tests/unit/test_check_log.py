@@ -118,6 +118,18 @@ def test_several_quiet_records_tell_the_yaw_rates_sign_together_and_blame_no_rud
     assert '[positive] r = "port"' in found.wrong[0].remedy
 
 
+def test_a_rudder_that_is_seldom_told_is_doubtful() -> None:
+    rudder = zigzag()["rudder"]
+    seldom, often = (
+        zigzag().with_signals(rudder=nw.Signal(rudder.t[::every], rudder.values[::every]))
+        for every in (round(0.3 * 320.0 / 7.0 / rudder.step), 2)
+    )
+    found = nw.check_log([seldom], kvlcc2())
+    assert [(own.check, own.wrong) for own in found if own.check == "sampling"] == [("sampling", False)]
+    assert any("record it each second" in doubt for doubt in found.doubts)
+    assert nw.check_log([often], kvlcc2()).doubts == ()
+
+
 def test_a_model_of_another_size_is_told() -> None:
     found = nw.check_log([zigzag()], nw.published("yasukawa2015_kvlcc2"))
     assert found.wrong[0].check == "speed"

@@ -9,6 +9,7 @@ from jsonschema import Draft202012Validator
 from test_learn import mistaken, records
 
 import narrows as nw
+from faults import cut
 from logs import kvlcc2
 
 SCHEMA = json.loads((Path(nw.__file__).parent / "schemas" / "learn.json").read_text())
@@ -62,6 +63,14 @@ def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
     moved = [c["name"] for c in told["log"]["coefficients"] if c["value"] != c["prior"]]
     assert moved == free.split(",")
     assert f"Only {', '.join(moved)} might move" in out
+
+
+def test_what_is_doubtful_in_a_log_is_among_the_notes_of_what_it_taught(cli, folder: Path) -> None:
+    log = nw.ShipLog(tuple(cut(record) for record in records()[:2]))
+    log.to_csv(folder / "gaps.csv")
+    words = ("learn", folder / "ship.toml", folder / "gaps.csv", *BASIN, "--free", "N_r", "--json")
+    assert any(note.startswith("gaps (doubtful)") for note in json.loads(cli(*words)[1])["log"]["notes"])
+    assert not any("doubtful" in note for note in json.loads(cli(*words, "--unchecked")[1])["log"]["notes"])
 
 
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:

@@ -1,6 +1,6 @@
 """``learn``: a model that knows more, from what the ship itself did."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -154,15 +154,24 @@ def _learn(
     model: "Model", logs: list[Path], logged: LogOptions, ahead: ForesightOptions, delivery: ModelDelivery
 ) -> bool:
     """Learn from logs; return whether they tell."""
-    from narrows.logbook import check_log
     from narrows.logbook import learn as learned
 
     log = _read(logs, logged, ahead)
-    if not logged.unchecked and (wrong := check_log(log, model).wrong):
+    doubts = () if logged.unchecked else _doubts(model, log)
+    free = tuple(filter(None, map(str.strip, logged.free.split(","))))
+    fit = learned(model, log, free=free, sensors=logged.sensors, spread=logged.spread)
+    return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
+
+
+def _doubts(model: "Model", log: "ShipLog | StreamedLog") -> tuple[str, ...]:
+    """What is doubtful in a log in which nothing is wrong."""
+    from narrows.logbook import check_log
+
+    findings = check_log(log, model)
+    if wrong := findings.wrong:
         more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
         raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
-    free = tuple(filter(None, map(str.strip, logged.free.split(","))))
-    return _deliver(learned(model, log, free=free, sensors=logged.sensors, spread=logged.spread), delivery)
+    return findings.doubts
 
 
 def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "ShipLog | StreamedLog":

@@ -1,7 +1,6 @@
 """All that is wrong with a log, as a result."""
 
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +45,23 @@ class LogFindings(Shown):
         return tuple(finding for finding in self.findings if finding.wrong)
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is to be looked at, and need not be mended: a sentence for each kind."""
+        return tuple(self._lines([finding for finding in self.findings if not finding.wrong]))
+
+    @staticmethod
+    def _lines(findings: Sequence[Finding]) -> list[str]:
+        """One for all records in which the same is found, with the numbers of the first."""
+        alike: dict[tuple[str, str], list[Finding]] = {}
+        for own in findings:
+            alike.setdefault((own.check, own.remedy), []).append(own)
+        lines = []
+        for (check, remedy), (first, *others) in alike.items():
+            more, grade = f" and {len(others)} more" if others else "", "" if first.wrong else " (doubtful)"
+            lines.append(f"{check}{grade}: in {first.record}{more}, {first.sentence}; {remedy}.")
+        return lines
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """That silence is no proof."""
         return ("where nothing is found, nothing contradicts: a quiet record hardly tells the rudder's sign",)
@@ -55,14 +71,8 @@ class LogFindings(Shown):
         looked = f"{self.records} record{'s' * (self.records > 1)} looked at"
         if not self.findings:
             return f"Nothing is wrong: {looked}."
-        counts = Counter((own.check, own.remedy) for own in self.findings)
-        lines = [f"{len(counts)} finding{'s' * (len(counts) > 1)}, {looked}."]
-        for key, count in counts.items():
-            first = next(own for own in self.findings if (own.check, own.remedy) == key)
-            others = f" and {count - 1} more" if count > 1 else ""
-            grade = "" if first.wrong else " (doubtful)"
-            lines.append(f"{first.check}{grade}: in {first.record}{others}, {first.sentence}; {first.remedy}.")
-        return "\n".join(lines)
+        lines = self._lines(self.findings)
+        return "\n".join([f"{len(lines)} finding{'s' * (len(lines) > 1)}, {looked}.", *lines])
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name."""

@@ -1,4 +1,4 @@
-"""Single sensors: what is missing, what is stuck, a rudder that never moves."""
+"""Single sensors: what is missing, what is stuck, a rudder that never moves or is seldom told."""
 
 from collections.abc import Iterator
 
@@ -15,6 +15,8 @@ STUCK_STEPS, STUCK_LENGTHS = 8, 0.3
 """Steps, and times for a ship length, over which a sensor that is well does not say the same."""
 A_MOVE = 0.2
 """Of a ship length: a way that any position shows."""
+SELDOM = 0.2
+"""Of the time for a ship length, between values of a rudder: a helmsman moves it more often."""
 STILL = np.radians(0.2)
 """A rudder that moves less never moves."""
 A_TURN, SWINGS = np.radians(2.0), 2
@@ -33,6 +35,7 @@ def check_sensors(at: Examined) -> Iterator[Finding]:
     """
     yield from _missing(at)
     yield from _stuck(at)
+    yield from _seldom(at)
 
 
 def _missing(at: Examined) -> Iterator[Finding]:
@@ -45,6 +48,21 @@ def _missing(at: Examined) -> Iterator[Finding]:
     for name, (why, remedy) in wanted.items():
         if why and name not in at.record:
             yield at.finding("missing", f"the record has no {name}: {why}", remedy, {}, wrong=name != "x")
+
+
+def _seldom(at: Examined) -> Iterator[Finding]:
+    """A rudder that moves more than once between two of its values: twins are in doubt from there on."""
+    if "rudder" not in at.record:
+        return
+    rudder = at.record["rudder"]
+    lengths, moves = rudder.step / at.motion.pace, float(np.std(np.diff(rudder.values)))
+    if lengths > SELDOM and moves > STILL:
+        yield at.finding(
+            "sampling",
+            f"the rudder is told every {rudder.step:.3g} s only, in which the ship makes {lengths:.2g} of its length: "
+            "what it did between is not known",
+            "record it each second", {"step": rudder.step, "lengths": lengths}, wrong=False,
+        )  # fmt: skip
 
 
 def _stuck(at: Examined) -> Iterator[Finding]:
