@@ -225,7 +225,7 @@ def _shifted(log: nw.ShipLog, by: float) -> nw.ShipLog:
 
 
 def row(kind: Kind, count: int | None = None, folder: Path | None = None) -> tuple[str, ...]:
-    """How often intervals hold the truth, how wide they are, what is called unresolved or a disagreement."""
+    """How often intervals hold the truth, how wide they are, and how often an answer says what it lacks."""
     every = list(kept_figures(kind, count or kind.twins, folder))
     found = [told for told in every if "off" in told]
     cells, ahead = [kind.words, f"{len(every)}"], foreseen(kind)
@@ -233,7 +233,17 @@ def row(kind: Kind, count: int | None = None, folder: Path | None = None) -> tup
         off = np.array([told["off"][name] for told in found])
         cells += [_share(np.abs(off) < WIDE), f"{off.mean():+.1f}"]
         cells += [f"{np.median([told['std'][name] for told in found]):.4f}", ahead[name]]
-    return (*cells, *(_share([told[word] for told in found]) for word in ("unresolved", "disagrees")))
+    cells += [_share([told[word] for told in found]) for word in ("unresolved", "disagrees")]
+    return (*cells, _restless(found))
+
+
+def _restless(found: list[dict[str, Any]]) -> str:
+    """How often a search did not come to rest, and where there are enough of them, how often c_bank is covered then."""
+    left = [told for told in found if not told["settled"]]
+    often = _share([not told["settled"] for told in found])
+    if len(left) < ENOUGH:
+        return often
+    return f"{often}, c_bank covered in {_share([abs(told['off']['c_bank']) < WIDE for told in left])}"
 
 
 def foreseen(kind: Kind) -> dict[str, str]:
@@ -245,7 +255,8 @@ def foreseen(kind: Kind) -> dict[str, str]:
     return {name: f"{routine.std[name][0]:.4f}" for name in BANKS}
 
 
-WIDE = 1.96
+WIDE, ENOUGH = 1.96, 20
+"""Standard errors of an interval; fits of which a share is told."""
 
 
 def _share(cases: "np.ndarray | list[bool]") -> str:
@@ -255,6 +266,7 @@ def _share(cases: "np.ndarray | list[bool]") -> str:
 HEADS = (
     "what sails, and what the fit is not told", "twins", "b_bank covered", "off, in standard errors", "standard error",
     "foreseen", "c_bank covered", "off", "standard error", "foreseen", "c_bank unresolved", "called in doubt",
+    "did not come to rest",
 )  # fmt: skip
 
 

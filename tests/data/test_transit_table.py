@@ -63,6 +63,12 @@ def test_ships_that_pass_unmarked_are_said_in_every_answer() -> None:
     assert all(share(table()[words][11]) == 1.0 for words in IN_DOUBT)
 
 
+def test_most_fits_come_to_rest() -> None:
+    """Of one transit all but a few; of more by coarse sensors fewer, as the page says."""
+    for words, row in table().items():
+        assert share(row[12].partition(",")[0]) <= (0.1 if " 20 " not in words and " 5 " not in words else 0.35), row
+
+
 def test_what_is_foreseen_is_what_fits_find() -> None:
     """Standard errors beside the median of those of fits."""
     for row in table().values():
