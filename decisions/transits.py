@@ -240,7 +240,7 @@ def row(kind: Kind, count: int | None = None, folder: Path | None = None) -> tup
 def _restless(found: list[dict[str, Any]]) -> str:
     """How often a search did not come to rest, and where there are enough of them, how often c_bank is covered then."""
     left = [told for told in found if not told["settled"]]
-    often = _share([not told["settled"] for told in found])
+    often = f"{100 * len(left) / len(found):.0f} %"
     if len(left) < ENOUGH:
         return often
     return f"{often}, c_bank covered in {_share([abs(told['off']['c_bank']) < WIDE for told in left])}"

@@ -9,6 +9,7 @@ import numpy as np
 from narrows.captive.runs import HarmonicRun, Run, StraightRun
 from narrows.errors import InputError
 from narrows.ship.particulars import Configuration
+from narrows.ship.swept_width import half_swept
 
 FROUDE = (0.08, 0.12, 0.16)
 """Speeds over the root of g L where none are asked for: slow ships, as in canals."""
@@ -160,6 +161,6 @@ def _at(depth: float | None) -> str:
 def _fits(run: Run, configuration: Configuration, tank: Tank) -> bool:
     """Whether the corners of the hull stay clear of the walls all along."""
     columns = run.columns(SAMPLES / run.duration)
-    ship, psi = configuration.ship, columns["psi"]
-    reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.cos(psi)
+    ship = configuration.ship
+    reach = np.abs(columns["y"]) + half_swept(ship, columns["psi"])
     return bool((reach <= configuration.canal.width / 2 - tank.clearance * ship.beam + 1e-9).all())

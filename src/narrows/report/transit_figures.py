@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
+from narrows.ship.swept_width import half_swept
 from narrows.warning.alerts.alert import Priority
-from narrows.warning.monitoring.clearances import half_swept
 from narrows.warning.monitoring.watched_transit import NEAR, WatchedTransit
 
 SHADES = {

@@ -165,8 +165,24 @@ def least_squares(column: np.ndarray, regressors: Sequence[np.ndarray], overlap:
     return Estimates(values / scale, np.sqrt(np.diag(spread)) / scale)
 
 
-def pooled(effects: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
-    """Return the mean of numbers, weighted by their standard errors, with its own; None where there is none (ours).
+class Pooled(NamedTuple):
+    """A mean of numbers, weighted by their standard errors.
+
+    Parameters
+    ----------
+    value, error : float
+        With its standard error.
+    numbers : int
+        How many are in it.
+    """
+
+    value: float
+    error: float
+    numbers: int
+
+
+def pooled(effects: Sequence[tuple[float, float]]) -> Pooled | None:
+    """Return the mean of numbers, weighted by their standard errors; None where there is none (ours).
 
     Parameters
     ----------
@@ -177,7 +193,7 @@ def pooled(effects: Sequence[tuple[float, float]]) -> tuple[float, float] | None
     if not known:
         return None
     weight = sum(error**-2 for _, error in known)
-    return sum(effect * error**-2 for effect, error in known) / weight, weight**-0.5
+    return Pooled(sum(effect * error**-2 for effect, error in known) / weight, weight**-0.5, len(known))
 
 
 def nearest(factor: float, known: Mapping[str, float], slack: float = 1.1) -> str | None:

@@ -107,7 +107,8 @@ def _of_motion(record: ShipRecord, model: Model, waterway: Waterway | None, told
             return found
     if _wrong(found):
         return found
-    told.yaw_rates.extend(rate_shown(at))
+    if shown := rate_shown(at):
+        told.yaw_rates.append((float(shown.values[0]), float(shown.errors[0])))
     return found + list(_beside_model(at, told))
 
 

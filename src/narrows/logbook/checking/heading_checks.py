@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from narrows.logbook.checking.agreement import SURE, Factor, factor_of, least_squares, nearest, pooled
+from narrows.logbook.checking.agreement import SURE, Estimates, Factor, factor_of, least_squares, nearest, pooled
 from narrows.logbook.checking.even_motion import EvenMotion, changes
 from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
@@ -100,11 +100,10 @@ def _no_yaw_rate(at: Examined) -> Iterator[Finding]:
     motion = at.motion
     if "r" not in motion:
         return
-    windows = motion.windows(1.0)
-    turned = changes(motion.heading, windows)
+    turned = changes(motion.heading, motion.windows(1.0))
     if not np.isfinite(turned).any() or not np.nanstd(turned) > CLEAR * _noise(motion["psi"]):
         return
-    shown = least_squares(motion.integrals(motion["r"], windows), [turned, np.ones(len(turned))])
+    shown = _shown(motion, 1.0)
     if shown and shown.values[0] + SURE * shown.errors[0] < SHOWN:
         share, error = shown.values[0], 1.96 * shown.errors[0]
         yield at.finding(
@@ -114,8 +113,8 @@ def _no_yaw_rate(at: Examined) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def rate_shown(at: Examined) -> list[tuple[float, float]]:
-    """Return how much of the heading's changes the yaw rate shows, with its standard error, if it tells (ours).
+def rate_shown(at: Examined) -> Estimates | None:
+    """Return how much of the heading's changes the yaw rate shows; None where it is not told (ours).
 
     Parameters
     ----------
@@ -124,13 +123,16 @@ def rate_shown(at: Examined) -> list[tuple[float, float]]:
     """
     motion = at.motion
     if "r" not in motion or "psi" not in motion:
-        return []
-    found = []
-    for windows in (motion.windows(lengths) for lengths in LENGTHS):
-        turned = changes(motion.heading, windows)
-        if shown := least_squares(motion.integrals(motion["r"], windows), [turned, np.ones(len(turned))]):
-            found.append((float(shown.values[0]), float(shown.errors[0])))
-    return [min(found, key=lambda told: told[1])] if found else []
+        return None
+    shown = (_shown(motion, lengths) for lengths in LENGTHS)
+    return min(filter(None, shown), key=lambda told: told.errors[0], default=None)
+
+
+def _shown(motion: EvenMotion, lengths: float) -> Estimates | None:
+    """The share of the heading's changes that the yaw rate shows, and what it shows without."""
+    windows = motion.windows(lengths)
+    turned = changes(motion.heading, windows)
+    return least_squares(motion.integrals(motion["r"], windows), [turned, np.ones(len(turned))])
 
 
 def judge_yaw_rates(shown: list[tuple[float, float]], record: str) -> Iterator[Finding]:
@@ -145,10 +147,10 @@ def judge_yaw_rates(shown: list[tuple[float, float]], record: str) -> Iterator[F
     """
     if (told := pooled(shown)) is None:
         return
-    share, error = told
+    share, error, records = told
     if share + SURE * error < 0:
-        seen = f"the yaw rate shows {share:.2f} +- {1.96 * error:.2f} of the heading's changes, by {len(shown)} records"
-        evidence = {"shown": share, "error": error, "records": float(len(shown))}
+        seen = f"the yaw rate shows {share:.2f} +- {1.96 * error:.2f} of the heading's changes, by {records} records"
+        evidence = {"shown": share, "error": error, "records": float(records)}
         yield Finding("yaw rate", record, seen, TURNED.format("r", "r"), evidence)
 
 

@@ -53,8 +53,8 @@ def judge_rudder(effects: list[tuple[float, float]], record: str) -> Iterator[Fi
     """
     if (told := pooled(effects)) is None:
         return
-    effect, error = told
-    evidence = {"effect": effect, "error": error, "records": float(len(effects))}
+    effect, error, records = told
+    evidence = {"effect": effect, "error": error, "records": float(records)}
     seen = f"the rudder turns the ship by {effect:.2f} +- {1.96 * error:.2f} times what the model says"
     if effect + SURE * error < -WEAK:
         remedy = 'turn its sign ([positive] rudder = "port"): positive turns the bow to starboard'

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.ship.particulars import Ship
+from narrows.ship.swept_width import half_swept
 
 STEP = 2.0
 """Between the places of a track [s]."""
@@ -51,8 +52,7 @@ class Beside(NamedTuple):
         y, psi : array [m, rad]
             Where it is.
         """
-        reach = self.hull.length / 2 * np.abs(np.sin(psi)) + self.hull.beam / 2 * np.cos(psi)
-        return self.half_width - np.abs(y) - reach
+        return self.half_width - np.abs(y) - half_swept(self.hull, psi)
 
     @property
     def now(self) -> Any:

@@ -3,10 +3,9 @@
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from narrows.estimation.estimate import Estimate
 from narrows.ship.particulars import Ship
+from narrows.ship.swept_width import half_swept
 from narrows.waterway.waterway import Waterway
 
 
@@ -39,18 +38,5 @@ def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances
         return Clearances()
     now = estimate.values
     here = waterway.room(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
-    off, room = now["y"] - float(here.middle), float(here.width) / 2 - float(half_swept(ship, np.asarray(now["psi"])))
+    off, room = now["y"] - float(here.middle), float(here.width) / 2 - float(half_swept(ship, now["psi"]))
     return Clearances(room + off, room - off)
-
-
-def half_swept(ship: Ship, heading: np.ndarray) -> np.ndarray:
-    """Return how far to either side of midship the corners of a hull are [m] (ours).
-
-    Parameters
-    ----------
-    ship : Ship
-        Its length and beam.
-    heading : array [rad]
-        To the waterway.
-    """
-    return np.asarray(ship.length / 2 * np.abs(np.sin(heading)) + ship.beam / 2 * np.cos(heading))

@@ -111,8 +111,9 @@ class WatchedTransit(Shown):
     def to_dict(self) -> dict[str, Any]:
         """Give what was said by name, in SI: what ``monitor --json`` prints."""
         near, margin = self._nearest(), self.columns["rudder_margin"]
+        ship, waterway = self.names
         return {
-            "summary": self.summary(), **dict(zip(("ship", "waterway"), self.names, strict=True)),
+            "summary": self.summary(), "ship": ship, "waterway": waterway,
             "seconds": len(self.columns["t"]), "foretold": int(self.known.sum()), "level": self.level.words,
             "alerts": [{"t": said.t, **told(said.alert)} for said in self.alerts],
             "least_clearance": None if near is None else float(self.columns["clearance"][near]),
