@@ -13,14 +13,14 @@ from reprlib import Repr
 
 UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
+# Characters of what another library said, or of a value, that a sentence repeats.
 LONGEST = 200
-"""Characters of what another library said, or of a value, that a sentence repeats."""
+# Functions of ours by what verbs of the command line and other libraries call the same.
 FUNCTIONS = {
     "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
     "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
     "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
 }  # fmt: skip
-"""Functions of ours by what verbs of the command line and other libraries call the same."""
 OTHER_FUNCTIONS = {
     "jacobian or control.linearize": ("linearize", "linearise", "linear"),
     "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
@@ -30,7 +30,7 @@ OTHER_FUNCTIONS = {
 
 
 class InputError(ValueError):
-    """Bad input: the message is one sentence that names the place and the remedy (ours).
+    """Bad input: the message is one sentence that names the place and the remedy.
 
     The command line prints it on stderr and leaves with exit code 2.
 
@@ -47,15 +47,7 @@ class InputError(ValueError):
 
 
 def near_miss(word: str, known: Iterable[str]) -> str:
-    """Return ``'; did you mean X?'`` for a near miss, else nothing (ours).
-
-    Parameters
-    ----------
-    word : str
-        What the user wrote.
-    known : iterable of str
-        What would have been understood.
-    """
+    """Return ``'; did you mean X?'`` for a near miss, else nothing."""
     known = sorted(known)
     same = [candidate for candidate in known if candidate.lower() == word.lower()]
     longer = [candidate for candidate in known if len(word) > 2 and word.lower() in candidate.lower()]
@@ -64,40 +56,18 @@ def near_miss(word: str, known: Iterable[str]) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return ``'; did you mean X?'`` for a near miss, else the list of what is known (ours).
-
-    Parameters
-    ----------
-    word : str
-        What the user wrote.
-    known : iterable of str
-        What would have been understood.
-    """
+    """Return ``'; did you mean X?'`` for a near miss, else the list of what is known."""
     known = sorted(known)
     return near_miss(word, known) or f"; known: {', '.join(known)}"
 
 
 def same_function(name: str) -> str | None:
-    """Return the function of the package that means what is called so elsewhere (ours).
-
-    Parameters
-    ----------
-    name : str
-        Asked for.
-    """
+    """Return the function of the package that means what is called so elsewhere."""
     return next((ours for ours, theirs in FUNCTIONS.items() if name in theirs), None)
 
 
 def public_name(name: str, known: Iterable[str]) -> str:
-    """Return what to write for a name that the package does not have, as the end of a sentence (ours).
-
-    Parameters
-    ----------
-    name : str
-        Asked for.
-    known : iterable of str
-        The public names.
-    """
+    """Return what to write for a name that the package does not have, as the end of a sentence."""
     known = sorted(known)
     if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
         return f"; write {meant}"
@@ -106,13 +76,7 @@ def public_name(name: str, known: Iterable[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as it is written, cut short where it is long (ours).
-
-    Parameters
-    ----------
-    value : object
-        As given.
-    """
+    """Return a value as it is written, cut short where it is long."""
     if isinstance(value, float):  # NumPy's among them, which would say of what kind they are
         return float.__repr__(value)
     try:
@@ -128,13 +92,7 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 60
 
 
 def reason(error: BaseException) -> str:
-    """Return what an error of another library says, in one short line (ours).
-
-    Parameters
-    ----------
-    error : exception
-        As it was caught.
-    """
+    """Return what an error of another library says, in one short line."""
     text = (error.strerror if isinstance(error, OSError) else None) or str(error)
     if isinstance(error, MemoryError):
         text = "too large for this computer's memory"
@@ -145,20 +103,7 @@ def reason(error: BaseException) -> str:
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Turn a library that is not installed into one sentence with the command that installs it (ours).
-
-    Parameters
-    ----------
-    extra : str
-        Of the package, to which the library belongs.
-    what : str
-        What it is for.
-
-    Raises
-    ------
-    InputError
-        Where an import inside finds nothing.
-    """
+    """Turn a library that is not installed into one sentence with the command that installs it."""
     try:
         yield
     except ImportError as error:
@@ -168,13 +113,7 @@ def needs(extra: str, what: str) -> Iterator[None]:
 
 
 def libraries_of(extra: str) -> list[str]:
-    """Return what an extra of the package consists of, with the versions that it asks for (ours).
-
-    Parameters
-    ----------
-    extra : str
-        Its name.
-    """
+    """Return what an extra of the package consists of, with the versions that it asks for."""
     try:
         lines = requires("narrows") or []
     except PackageNotFoundError:  # It runs out of a folder.
@@ -183,34 +122,13 @@ def libraries_of(extra: str) -> list[str]:
 
 
 def installing(libraries: Iterable[str]) -> str:
-    """Return the command that adds libraries to the Python that runs, be the package installed or a checkout (ours).
-
-    Parameters
-    ----------
-    libraries : iterable of str
-        Names with versions.
-    """
+    """Return the command that adds libraries to the Python that runs, be the package installed or a checkout."""
     python = min(sys.executable, os.path.relpath(sys.executable), key=len)
     return f"{python} -m pip install {' '.join(map(repr, libraries))}"
 
 
 def check_choice(name: str, value: object, known: Iterable[str]) -> None:
-    """Raise where an argument is none of the words that it may be (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the argument.
-    value : object
-        As a caller gave it.
-    known : iterable of str
-        What it may be.
-
-    Raises
-    ------
-    InputError
-        Names the argument and the words.
-    """
+    """Raise where an argument is none of the words that it may be."""
     known = tuple(known)
     if not isinstance(value, str) or value not in known:
         near = near_miss(value, known) if isinstance(value, str) and len(value) < LONGEST else ""
@@ -218,42 +136,14 @@ def check_choice(name: str, value: object, known: Iterable[str]) -> None:
 
 
 def check_count(name: str, value: object, least: int = 0, most: float = 2**63 - 1) -> None:
-    """Raise where an argument is no whole number that counts (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the argument.
-    value : object
-        As a caller gave it.
-    least, most : int
-        Between which it must be.
-
-    Raises
-    ------
-    InputError
-        Names the argument and its limits.
-    """
+    """Raise where an argument is no whole number that counts."""
     if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         upto = f" to {most}" if most < 2**63 - 1 else ""
         raise InputError(f"{name} = {shown(value)}: give a whole number from {least}{upto}")
 
 
 def path_of(name: str, value: object) -> Path:
-    """Return an argument as a path (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the argument.
-    value : object
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Where it is none.
-    """
+    """Return an argument as a path."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"{name} = {shown(value)} is no path; give the name of a file")
     return Path(value)

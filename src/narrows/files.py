@@ -20,30 +20,16 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+# What ``/dev/stdout`` and the like lead to: something that this process has open already.
 DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d+)")
-"""What ``/dev/stdout`` and the like lead to: something that this process has open already."""
 MOST_LINKS = 40
 PICTURES = (".png", ".svg", ".pdf")
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:
-    """Write a file so that a reader finds the old one or the new one, never a part (ours).
-
-    A symbolic link stays and the file behind it is replaced, which keeps its mode; a new file has the mode that the
-    umask leaves. Devices, FIFOs and open descriptors (``/dev/stdout``) are written to as they are.
-
-    Parameters
-    ----------
-    path : str or Path
-        Where to.
-    content : str or bytes
-        What; text as UTF-8.
-
-    Raises
-    ------
-    InputError
-        Where the folder is absent or closed, or the disk is full.
-    """
+    """Write a file so that a reader finds the old one or the new one, never a part."""
+    # A symbolic link stays and the file behind it is replaced, which keeps its mode; a new file has the mode that the
+    # umask leaves. Devices, FIFOs and open descriptors (``/dev/stdout``) are written to as they are.
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         if is_stream(path):
@@ -55,13 +41,7 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
 
 
 def is_stream(path: str | Path) -> bool:
-    """Say whether what is written to a path flows on, as into a device, a FIFO or ``/dev/stdout`` (ours).
-
-    Parameters
-    ----------
-    path : str or Path
-        Where to; it need not exist.
-    """
+    """Say whether what is written to a path flows on, as into a device, a FIFO or ``/dev/stdout``."""
     try:
         if _descriptor(path) is not None:
             return True
@@ -73,20 +53,7 @@ def is_stream(path: str | Path) -> bool:
 
 @contextmanager
 def reading(path: str | Path, kind: str) -> Iterator[None]:
-    """Turn whatever the reader of a format throws into one sentence (ours).
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    kind : str
-        What it should be, as in ``valid TOML``.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be read, or is not what it should be.
-    """
+    """Turn whatever the reader of a format throws into one sentence."""
     try:
         yield
     except InputError:
@@ -98,20 +65,7 @@ def reading(path: str | Path, kind: str) -> Iterator[None]:
 
 
 def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
-    """Return which form a file is to have: what its suffix says, or the first into a device without one (ours).
-
-    Parameters
-    ----------
-    path : str or Path
-        Where to.
-    forms : tuple of str
-        The suffixes that can be.
-
-    Raises
-    ------
-    InputError
-        Where the suffix is none of them.
-    """
+    """Return which form a file is to have: what its suffix says, or the first into a device without one."""
     suffix = Path(path).suffix.lower() or (forms[0] if is_stream(path) else "")
     if suffix not in forms:
         raise InputError(f"{path}: cannot write a {suffix[1:] or 'nameless'} file here; name it {', '.join(forms)}")
@@ -119,20 +73,7 @@ def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
 
 
 def netcdf_of(dataset: "xarray.Dataset", path: str | Path) -> bytes:
-    """Return a dataset as NetCDF (ours).
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Of a voyage, an ensemble, an envelope.
-    path : str or Path
-        Where it goes, for messages.
-
-    Raises
-    ------
-    InputError
-        Where the format does not hold the labels of the dataset.
-    """
+    """Return a dataset as NetCDF."""
     try:
         return bytes(dataset.to_netcdf(engine="scipy"))
     except (TypeError, ValueError, OverflowError, NotImplementedError) as error:
@@ -140,32 +81,13 @@ def netcdf_of(dataset: "xarray.Dataset", path: str | Path) -> bytes:
 
 
 def parquet_of(frame: "pd.DataFrame", path: str | Path) -> bytes:
-    """Return a table as Parquet (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    path : str or Path
-        Where it goes, for messages.
-
-    Raises
-    ------
-    InputError
-        Where pyarrow is not installed.
-    """
+    """Return a table as Parquet."""
     with needs("parquet", f"{path}: Parquet"):
         return bytes(frame.to_parquet(None))
 
 
 def matlab_of(columns: Mapping[str, Any]) -> bytes:
-    """Return columns as a MATLAB file, up to version 7: vectors and arrays by name (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array
-        By name; what MATLAB does not take in a name becomes an underscore.
-    """
+    """Return columns as a MATLAB file, up to version 7: vectors and arrays by name."""
     from scipy.io import savemat
 
     memory: Any = BytesIO()
@@ -175,20 +97,7 @@ def matlab_of(columns: Mapping[str, Any]) -> bytes:
 
 
 def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
-    """Write a dataset as a folder of Zarr, whole or not at all.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Of a voyage, an ensemble, an envelope.
-    path : str or Path
-        Where to; a folder of Zarr that is there is replaced.
-
-    Raises
-    ------
-    InputError
-        Where Zarr is not installed, something else is there, or the folder cannot be written.
-    """
+    """Write a dataset as a folder of Zarr, whole or not at all."""
     target = Path(path)
     if target.exists() and not (target / "zarr.json").exists():
         raise InputError(f"{path}: is there and is no folder of Zarr; name another, or remove it")
@@ -206,35 +115,14 @@ def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
 
 
 def picture_of(figure: "Figure", suffix: str) -> bytes:
-    """Return a figure as a picture (ours).
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    suffix : str
-        Its form: ``.png``, ``.svg`` or ``.pdf``.
-    """
+    """Return a figure as a picture."""
     memory = BytesIO()
     figure.savefig(memory, format=suffix[1:], dpi=150)
     return memory.getvalue()
 
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a picture, whole or not at all.
-
-    Parameters
-    ----------
-    figure : Figure
-        The picture.
-    path : str or Path
-        Its suffix says which form: png, svg or pdf; png into a device without one.
-
-    Raises
-    ------
-    InputError
-        Where the suffix is no form of picture or the file cannot be written.
-    """
+    """Write a picture, whole or not at all."""
     write_whole(path, picture_of(figure, form_of(path, PICTURES)))
 
 

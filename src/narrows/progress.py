@@ -6,11 +6,11 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import IO, Any
 
+# Bytes of a file that takes long to read.
 LARGE = 20_000_000
-"""Bytes of a file that takes long to read."""
 Listener = Callable[[str], None]
+# Who hears what takes long; the command line is one where somebody looks at it.
 LISTENERS: list[Listener] = []
-"""Who hears what takes long; the command line is one where somebody looks at it."""
 
 
 class _Lines(logging.Handler):
@@ -26,15 +26,7 @@ class _Lines(logging.Handler):
 
 @contextmanager
 def listening(listener: Listener, wanted: bool = True) -> Iterator[None]:
-    """Hear what takes long: what the package logs, and bars beside it (ours).
-
-    Parameters
-    ----------
-    listener : callable
-        Takes a line.
-    wanted : bool
-        Whether to.
-    """
+    """Hear what takes long: what the package logs, and bars beside it."""
     if not wanted:
         yield
         return
@@ -53,17 +45,7 @@ def listening(listener: Listener, wanted: bool = True) -> Iterator[None]:
 
 @contextmanager
 def bar(total: int, shown: bool, what: str = "voyages") -> Iterator[Callable[[int], None]]:
-    """Show how many are done, if wanted (ours).
-
-    Parameters
-    ----------
-    total : int
-        In all.
-    shown : bool
-        Whether to.
-    what : str
-        They are.
-    """
+    """Show how many are done, if wanted."""
     if not shown:
         yield lambda done: None
         return
@@ -78,13 +60,7 @@ def is_shown() -> bool:
 
 @contextmanager
 def opened(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file, with a bar of the bytes that were read where it is large and somebody listens (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    """
+    """Open a file, with a bar of the bytes that were read where it is large and somebody listens."""
     with path.open("rb") as file:
         size = path.stat().st_size
         if not LISTENERS or size < LARGE:
@@ -96,42 +72,20 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def stage(what: str) -> Iterator[None]:
-    """Show what is being done, where somebody listens (ours).
-
-    Parameters
-    ----------
-    what : str
-        In a word or two.
-    """
+    """Show what is being done, where somebody listens."""
     with _task(what, None) if LISTENERS else nullcontext():
         yield
 
 
 @contextmanager
 def counted(path: Path, rows: int) -> Iterator[Callable[[int], None]]:
-    """Show how many rows of a file were read, where it is large and somebody listens (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    rows : int
-        In all.
-    """
+    """Show how many rows of a file were read, where it is large and somebody listens."""
     with bar(rows, _is_long(path), f"reading {path.name}") as advance:
         yield advance
 
 
 def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
-    """Show what is being done with a file, where it is large and somebody listens (ours).
-
-    Parameters
-    ----------
-    what : str
-        In a word.
-    path : Path, optional
-        The file; without one nothing is shown.
-    """
+    """Show what is being done with a file, where it is large and somebody listens."""
     return stage(f"{what} {path.name}") if path and _is_long(path) else nullcontext()
 
 

@@ -17,49 +17,32 @@ Accelerations = Literal["checked", "motion", "measured"]
 CHOICES = get_args(Accelerations)
 RATES = {"u": "udot", "v": "vdot", "r": "rdot"}
 HARMONICS = 5
+# Of the size that an acceleration has in the table: measured ones that are farther from their motion are replaced.
 STRAY = 0.01
-"""Of the size that an acceleration has in the table: measured ones that are farther from their motion are replaced."""
+# Standard deviations in a run in which nothing oscillates: over the speed, in radians, over the ship's length.
 STEADY = {"v": 0.01, "psi": 0.01, "y": 0.01}
-"""Standard deviations in a run in which nothing oscillates: over the speed, in radians, over the ship's length."""
+# What the harmonics leave of a velocity: so little of it, or without memory from row to row, in a periodic run.
 SMALL_REST, WHITE = 0.02, 0.5
-"""What the harmonics leave of a velocity: so little of it, or without memory from row to row, in a periodic run."""
+# Of speed squared over length: the size of accelerations in a table in which nothing oscillates.
 LEAST = 0.01
-"""Of speed squared over length: the size of accelerations in a table in which nothing oscillates."""
+# Power of a harmonic over that of its noise below which it is none.
 SIGNIFICANT = 9.0
-"""Power of a harmonic over that of its noise below which it is none."""
+# Rows of a run, at least: two for each number that is fitted.
 FEWEST = 2 * (2 * HARMONICS + 1)
-"""Rows of a run, at least: two for each number that is fitted."""
+# Rows of a run by which its period is found and its accelerations are compared; all are replaced.
 SAMPLED = 600
-"""Rows of a run by which its period is found and its accelerations are compared; all are replaced."""
 
 
 class HarmonicMotion(NamedTuple):
-    """Velocities of one run as harmonics of a period.
+    """Velocities of one run as harmonics of a period."""
 
-    Parameters
-    ----------
-    frequency : float [rad/s]
-        Of the first harmonic; 0 where nothing oscillates.
-    harmonics : mapping of str to array (2 x HARMONICS,)
-        Cosines, then sines, of each velocity that they explain.
-    missing : mapping of str to float
-        Size of the acceleration that higher harmonics would add, about, in the unit of each.
-    """
-
-    frequency: float
-    harmonics: Mapping[str, np.ndarray]
-    missing: Mapping[str, float]
+    frequency: float  # Of the first harmonic; 0 where nothing oscillates [rad/s]
+    harmonics: Mapping[str, np.ndarray]  # (2 x HARMONICS,) Cosines, then sines, of each velocity that they explain
+    missing: Mapping[str, float]  # Size of the acceleration that higher harmonics would add, about, in the unit of each
 
     def acceleration(self, velocity: str, t: np.ndarray) -> np.ndarray:
-        """Differentiate a velocity at some times, (rows,).
-
-        Parameters
-        ----------
-        velocity : str
-            One of ``harmonics``.
-        t : array (rows,) [s]
-            Since the first row of the run.
-        """
+        """Differentiate a velocity at some times, (rows,)."""
+        # t (rows,) [s]
         cosine, sine = np.split(self.harmonics[velocity], 2)
         result = np.zeros(len(t))
         for k, (a, b) in enumerate(zip(cosine, sine, strict=True), start=1):
@@ -73,21 +56,7 @@ UNKNOWN = HarmonicMotion(0.0, {}, {})
 
 
 def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveTests:
-    """Return tests with the accelerations of their own motion where the measured ones stray from it (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests
-        With time, velocities and accelerations; others are returned as they are.
-    choice : str
-        ``checked``: those of the motion where the measured ones stray from it; ``motion``: those of the motion wherever
-        it is known; ``measured``: as they are, and what strays is named.
-
-    Raises
-    ------
-    InputError
-        Where the choice is none of these.
-    """
+    """Return tests with the accelerations of their own motion where the measured ones stray from it."""
     check_choice("accelerations", choice, CHOICES)
     columns = tests.columns
     pairs = {v: rate for v, rate in RATES.items() if {v, rate} <= columns.keys()}
@@ -113,15 +82,8 @@ def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveT
 
 
 def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
-    """Find the period of a run and the harmonics of its velocities (ours).
-
-    Parameters
-    ----------
-    run : mapping of str to array (rows,)
-        With t, y, psi, u and other velocities.
-    length : float [m]
-        Of the ship.
-    """
+    """Find the period of a run and the harmonics of its velocities."""
+    # length [m]
     few = _sampled(run)
     if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
         return UNKNOWN
@@ -172,10 +134,8 @@ def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -
 
 
 def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float) -> tuple[np.ndarray, float] | None:
-    """Cosines and sines of a velocity, without those within their noise, and the acceleration that is missing.
-
-    None where they do not explain it.
-    """
+    """Cosines and sines of a velocity, without those within their noise, and the acceleration that is missing."""
+    # None where they do not explain it.
     parts, rest = _rest(t, column, frequency, HARMONICS) if frequency else (np.zeros(1), column - column.mean())
     error = float(rest.std())
     memory = float(rest[1:] @ rest[:-1]) / max(float(rest @ rest), 1e-300)

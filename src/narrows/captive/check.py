@@ -12,24 +12,8 @@ from narrows.ship.particulars import Configuration
 
 
 def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str) -> None:
-    """Raise where time stands still or runs back inside a test (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    test : array (rows,)
-        Name of each row's test.
-    t : array (rows,) [s]
-        Time.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the row and says whether the time is a duplicate or unsorted.
-    """
+    """Raise where time stands still or runs back inside a test."""
+    # test (rows,); t (rows,) [s]
     stuck = np.concatenate([[False], (np.diff(t) <= 0) & (test[1:] == test[:-1])])
     if stuck.any():
         i = int(np.argmax(stuck))
@@ -39,24 +23,8 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str)
 
 
 def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: str) -> None:
-    """Raise where the ship lies across the canal, or the heading looks like degrees (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    psi : array (rows,) [rad]
-        Heading.
-    column : Column
-        Where it came from.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the row.
-    """
+    """Raise where the ship lies across the canal, or the heading looks like degrees."""
+    # psi (rows,) [rad]
     across = np.abs(psi) >= math.pi / 2
     if not across.any():
         return
@@ -73,24 +41,8 @@ def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: s
 
 
 def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[str, Column], table: str) -> None:
-    """Raise where psi and r differ by the factor of degrees to radians (ours).
-
-    Parameters
-    ----------
-    columns : dict of str to array (rows,)
-        In what should be SI.
-    test : array (rows,)
-        Name of each row's test.
-    by_name : dict of str to Column
-        Where each came from.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the column that is likely in degrees.
-    """
+    """Raise where psi and r differ by the factor of degrees to radians."""
+    # test (rows,)
     if not {"t", "psi", "r"} <= columns.keys():
         return
     inside = test[1:] == test[:-1]
@@ -110,24 +62,7 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[
 
 
 def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, table: str) -> None:
-    """Raise where a hull corner touches or crosses a bank (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    columns : dict of str to array (rows,)
-        With y, cos_psi and sin_psi.
-    configuration : Configuration
-        Ship and canal.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the row.
-    """
+    """Raise where a hull corner touches or crosses a bank."""
     if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
         return
     ship, width = configuration.ship, columns.get("width", configuration.canal.width)

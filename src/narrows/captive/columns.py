@@ -6,6 +6,7 @@ from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
 from narrows.ship.actuator import Actuator
 from narrows.ship.actuators import STANDARD
 
+# What a table may carry beside its labels, and the SI unit of each.
 COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},
     "t": Quantity("s", "time"),
@@ -14,15 +15,8 @@ COLUMNS = {
     **{name: PARTICULARS[name] for name in ("draft", "depth", "width")},
     **FORCES,
 }
-"""What a table may carry beside its labels, and the SI unit of each."""
 
 
 def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
-    """Return what a table may carry where there are actuators beside those of the package (ours).
-
-    Parameters
-    ----------
-    actuators : iterable of Actuator
-        The others.
-    """
+    """Return what a table may carry where there are actuators beside those of the package."""
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}

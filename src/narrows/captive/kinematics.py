@@ -14,50 +14,42 @@ from narrows.readers.headers import Column
 
 Columns = Mapping[str, np.ndarray]
 
+# Changes are compared over so many stretches of a test, which takes out noise; with fewer nothing is said.
 STRETCHES, FEWEST_STRETCHES = 60, 8
-"""Changes are compared over so many stretches of a test, which takes out noise; with fewer nothing is said."""
+# Columns that must tell of the time from row to row where no column does.
 FEWEST_RATES = 2
-"""Columns that must tell of the time from row to row where no column does."""
+# Two columns are of one motion beyond this correlation, and agree within this factor.
 ALIKE, APART = 0.9, 1.25
-"""Two columns are of one motion beyond this correlation, and agree within this factor."""
+# A test tells nothing of a column that varies less than this part of what it does in others; no test does of one that
+# varies less than this part of a length, a radian or the speed.
 FAINT, STEADY = 0.1, 0.003
-"""A test tells nothing of a column that varies less than this part of what it does in others; no test does of one
-that varies less than this part of a length, a radian or the speed."""
+# Of the usual time from row to row: over more nothing is compared, as rows were left out.
 GAP = 2.5
-"""Of the usual time from row to row: over more nothing is compared, as rows were left out."""
 DEGREE = math.pi / 180
+# What says how fast each column changes.
 RATES = {"y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",)}
-"""What says how fast each column changes."""
 SAYS = {"y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
+# Columns that are counted the other way together, the fewest first.
 MIRRORED = (
     ("y",), ("psi",), ("v",), ("r",), ("vdot",), ("rdot",), ("udot",), ("psi", "r"), ("r", "rdot"), ("v", "vdot"),
     ("psi", "r", "rdot"), ("y", "v", "vdot"),
 )  # fmt: skip
-"""Columns that are counted the other way together, the fewest first."""
 TURNING = (("psi",), ("r",), ("rdot",), ("psi", "r"), ("r", "rdot"), ("psi", "r", "rdot"))
 MOVING = (("y",), ("u",), ("v",), ("vdot",), ("udot",), ("v", "vdot"), ("u", "v"), ("u", "v", "udot", "vdot"))
+# Columns that are in another unit together: how many of the first unit one of the second is.
 UNITS = (
     *((names, DEGREE, "rad", "deg") for names in TURNING), *((names, 1 / DEGREE, "deg", "rad") for names in TURNING),
     *((names, 1e-3, "m", "mm") for names in MOVING),
     *((names, 0.514444, "m/s", "kn") for names in (("u",), ("v",), ("u", "v"))),
     (("t",), 1e-3, "s", "ms"), (("t",), 60.0, "s", "minute"),
 )  # fmt: skip
-"""Columns that are in another unit together: how many of the first unit one of the second is."""
 
 
 class Agreement(NamedTuple):
-    """How changes of a column compare with what its rate says, a number a test.
+    """How changes of a column compare with what its rate says, a number a test."""
 
-    Parameters
-    ----------
-    correlation : array (tests,) [1]
-        Between the two.
-    factor : array (tests,) [1]
-        The column's change over what its rate says; 0 where a test tells nothing of it.
-    """
-
-    correlation: np.ndarray
-    factor: np.ndarray
+    correlation: np.ndarray  # (tests,) Between the two [1]
+    factor: np.ndarray  # (tests,) The column's change over what its rate says; 0 where a test tells nothing of it [1]
 
     @property
     def alike(self) -> np.ndarray:
@@ -72,30 +64,15 @@ class Agreement(NamedTuple):
 
 
 class MotionColumns(NamedTuple):
-    """Columns of some tests.
+    """Columns of some tests."""
 
-    Parameters
-    ----------
-    columns : mapping of str to array (rows,)
-        In what should be SI, test by test.
-    starts : array (tests + 1,) of int
-        First row of each test, and the number of rows.
-    length : float [m]
-        Of the ship.
-    """
-
-    columns: Columns
-    starts: np.ndarray
-    length: float
+    columns: Columns  # (rows,) In what should be SI, test by test
+    starts: np.ndarray  # (tests + 1,) First row of each test, and the number of rows
+    length: float  # Of the ship [m]
 
     def only(self, tests: np.ndarray) -> "MotionColumns":
-        """Return some of the tests.
-
-        Parameters
-        ----------
-        tests : array (tests,) of bool
-            Which.
-        """
+        """Return some of the tests."""
+        # tests (tests,)
         rows = np.diff(self.starts)
         kept = np.repeat(tests, rows)
         starts = np.concatenate([[0], np.cumsum(rows[tests])])
@@ -105,24 +82,7 @@ class MotionColumns(NamedTuple):
 def check_kinematics(
     motions: MotionColumns, names: Iterable[str], by_name: Mapping[str, Column], table: str
 ) -> tuple[str, ...]:
-    """Raise where a column is counted the other way or in another unit, and say what else disagrees (ours).
-
-    Parameters
-    ----------
-    motions : MotionColumns
-        The columns.
-    names : iterable of str
-        The tests.
-    by_name : mapping of str to Column
-        Where each column came from.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the columns and the tests that disagree, and what brings them together.
-    """
+    """Raise where a column is counted the other way or in another unit, and say what else disagrees."""
     agreements = agreements_of(motions)
     wrong = sum((agreement.apart for agreement in agreements.values()), np.zeros(1, bool)) > 0
     if not wrong.any():
@@ -136,26 +96,14 @@ def check_kinematics(
 
 
 def agreements_of(motions: MotionColumns) -> dict[str, Agreement]:
-    """Compare the changes of each column with what its rate says, by column (ours).
-
-    Parameters
-    ----------
-    motions : MotionColumns
-        The columns.
-    """
+    """Compare the changes of each column with what its rate says, by column."""
     rates = {name: rate for name, rate in rates_of(motions.columns).items() if _moves(motions, name)}
     lapses = _lapses(motions, rates)
     return {name: _agreement(motions.columns[name], rate, lapses, motions.starts) for name, rate in rates.items()}
 
 
 def rates_of(columns: Columns) -> dict[str, np.ndarray]:
-    """Return how fast columns change by what other columns say, midway from row to row, (rows - 1,) (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array (rows,)
-        In SI.
-    """
+    """Return how fast columns change by what other columns say, midway from row to row, (rows - 1,)."""
     known = [name for name, asked in RATES.items() if {name, *asked} <= columns.keys()]
     rates = {name: _aside(columns) if name == "y" else columns[RATES[name][0]] for name in known}
     return {name: 0.5 * (rate[1:] + rate[:-1]) for name, rate in rates.items()}

@@ -12,31 +12,14 @@ from narrows.ship.actuator import Actuator, places_of
 from narrows.ship.actuators import STANDARD, particulars_with
 from narrows.ship.particulars import Canal, Ship, Water
 
+# The published ship whose numbers are named as usual ones.
 EXAMPLE = "yasukawa2015_kvlcc2"
-"""The published ship whose numbers are named as usual ones."""
 SOURCE = "Yasukawa and Yoshimura 2015"
 STRAIGHTENING = ("rudder_straightening_port", "rudder_straightening_starboard")
 
 
 def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
-    """Raise where terms need what a table does not give, nor its ship file (ours).
-
-    Parameters
-    ----------
-    asked : iterable of str
-        What they need.
-    values : container of str
-        What is given.
-    headers : Headers
-        Of the table.
-    actuators : iterable of Actuator
-        That the terms ask for.
-
-    Raises
-    ------
-    InputError
-        Names all of it, and says of the first where it goes.
-    """
+    """Raise where terms need what a table does not give, nor its ship file."""
     missing = [name for name in asked if name not in values]
     if not missing:
         return
@@ -75,13 +58,7 @@ def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
 
 
 def usual(name: str) -> str:
-    """Return what a particular is for a published ship, with the source, in words; nothing where there is none (ours).
-
-    Parameters
-    ----------
-    name : str
-        As terms ask for it.
-    """
+    """Return what a particular is for a published ship, with the source, in words; nothing where there is none."""
     from narrows.model.model_file import published
 
     example = published(EXAMPLE).configuration

@@ -14,34 +14,21 @@ from narrows.ship.particulars import Configuration
 
 Columns = Mapping[str, np.ndarray]
 
+# Of the draft: more is no sinkage of a ship afloat, and so much is said.
 MOST_HEAVE, MUCH_HEAVE = 0.5, 0.2
-"""Of the draft: more is no sinkage of a ship afloat, and so much is said."""
+# Mass over displacement, or the other way, beyond which one is wrong, or which is said.
 MASS_APART, MASS_OFF = 2.0, 1.1
-"""Mass over displacement, or the other way, beyond which one is wrong, or which is said."""
+# Radius of gyration over length that no ship is outside of; about 0.25 is usual.
 GYRATION = (0.1, 0.5)
-"""Radius of gyration over length that no ship is outside of; about 0.25 is usual."""
+# Force over what would throw the ship's mass across its own length at its own speed, beyond which it is no force on
+# this ship.
 STRONGEST = 30.0
-"""Force over what would throw the ship's mass across its own length at its own speed, beyond which it is no force on
-this ship."""
+# A row is steady below these rates of the usual ones; sideways speed over speed that counts as drift.
 STEADY, SHORTEST_LEEWAY = 1e-6, 0.01
-"""A row is steady below these rates of the usual ones; sideways speed over speed that counts as drift."""
 
 
 def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
-    """Raise where mass or inertia are not of a ship that displaces what this one does, say where they are off (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the particular.
-    """
+    """Raise where mass or inertia are not of a ship that displaces what this one does, say where they are off."""
     ship, displaced = configuration.ship, displacement(configuration)
     ratio = 1.0 if ship.mass is None else ship.mass / displaced
     told = f"[ship] mass = {ship.mass} kg is {ratio:.3g} of what its hull displaces, {displaced:.4g} kg"
@@ -59,26 +46,7 @@ def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
 def check_heave(
     frame: pd.DataFrame, columns: Columns, configuration: Configuration, column: Column | None, table: str
 ) -> tuple[str, ...]:
-    """Raise where heave is no part of the draft, or the hull sinks into the ground; say where it is large (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    columns : mapping of str to array (rows,)
-        In SI.
-    configuration : Configuration
-        Ship and canal.
-    column : Column, optional
-        Where the heave came from; nothing is checked without.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the row.
-    """
+    """Raise where heave is no part of the draft, or the hull sinks into the ground; say where it is large."""
     if column is None:
         return ()
     heave, draft = columns["heave"], np.asarray(columns.get("draft", configuration.ship.draft))
@@ -103,24 +71,7 @@ def check_heave(
 
 
 def check_forces(columns: Columns, configuration: Configuration, by_name: Mapping[str, Column], table: str) -> None:
-    """Raise where forces are far too large to be forces on a ship of this mass (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array (rows,)
-        In SI.
-    configuration : Configuration
-        Ship and water.
-    by_name : mapping of str to Column
-        Where each column came from.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the column.
-    """
+    """Raise where forces are far too large to be forces on a ship of this mass."""
     if "u" not in columns:
         return
     length, mass = configuration.ship.length, displacement(configuration)
@@ -145,22 +96,7 @@ def _usual_acceleration(columns: Columns, length: float) -> float:
 
 
 def check_drift(columns: Columns, by_name: Mapping[str, Column], table: str) -> None:
-    """Raise where steady rows go sideways along the canal by twice their drift: heading or sway is reversed (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array (rows,)
-        In SI.
-    by_name : mapping of str to Column
-        Where each column came from.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the columns.
-    """
+    """Raise where steady rows go sideways along the canal by twice their drift: heading or sway is reversed."""
     if not {"u", "v", "psi"} <= columns.keys():
         return
     steady = np.ones(len(columns["u"]), bool)

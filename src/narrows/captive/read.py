@@ -70,22 +70,7 @@ def read_captive(
 
 
 def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = None) -> Any:
-    """Return tests as they are, or read a table of them (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
-        The rows.
-    ship : str, Path, Configuration or mapping, optional
-        Of a table that was not read yet, as of ``read_captive``.
-    usual : str, Path, Configuration or mapping, optional
-        Of a table, where ``ship`` is not given.
-
-    Raises
-    ------
-    InputError
-        Where a table has no ship, or tests that were read are given another.
-    """
+    """Return tests as they are, or read a table of them."""
     if hasattr(tests, "blocks"):
         if ship is not None:
             raise InputError("these tests have a ship already; give ship where they are a file or a table")
@@ -97,13 +82,7 @@ def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = Non
 
 
 def sha256_of(path: Path) -> str:
-    """Return the hash of a file, read in pieces (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    """
+    """Return the hash of a file, read in pieces."""
     return str(guarded(path, lambda: _digest(path)))
 
 

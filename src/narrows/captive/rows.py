@@ -21,51 +21,27 @@ from narrows.ship.actuator import Actuator
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration
 
+# Columns taken as 0 where a table has none.
 ASSUMED = ("heave",)
-"""Columns taken as 0 where a table has none."""
 
 
 class Rows(NamedTuple):
-    """Checked rows of a table.
+    """Checked rows of a table."""
 
-    Parameters
-    ----------
-    columns : dict of str to array (rows,)
-        In SI.
-    test, condition : array (rows,) of str
-        Whose each row is; no conditions where the table names none.
-    notes : tuple of str
-        What there is to say of them.
-    headers : Headers
-        Of the table.
-    """
-
-    columns: dict[str, np.ndarray]
-    test: np.ndarray
-    condition: np.ndarray
-    notes: tuple[str, ...]
-    headers: Headers
+    columns: dict[str, np.ndarray]  # (rows,) In SI
+    test: np.ndarray  # (rows,) Whose each row is; no conditions where the table names none
+    condition: np.ndarray  # (rows,) Whose each row is; no conditions where the table names none
+    notes: tuple[str, ...]  # What there is to say of them
+    headers: Headers  # Of the table
 
 
 class Reading(NamedTuple):
-    """How a table is to be read.
+    """How a table is to be read."""
 
-    Parameters
-    ----------
-    table : str
-        The file, for sentences.
-    where : str, optional
-        Which rows to take.
-    mapping : ColumnMapping, optional
-        Its own names, units and signs.
-    actuators : tuple of Actuator
-        Beside those of the package.
-    """
-
-    table: str
-    where: str | None = None
-    mapping: ColumnMapping | None = None
-    actuators: tuple[Actuator, ...] = ()
+    table: str  # The file, for sentences
+    where: str | None = None  # Which rows to take
+    mapping: ColumnMapping | None = None  # Its own names, units and signs
+    actuators: tuple[Actuator, ...] = ()  # Beside those of the package
 
     @property
     def known(self) -> dict[str, Quantity]:
@@ -74,20 +50,7 @@ class Reading(NamedTuple):
 
 
 def prepared(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring a raw frame to the documented headers and rows (ours).
-
-    Parameters
-    ----------
-    raw : DataFrame
-        As read.
-    asked : Reading
-        Which rows to take, and what is called how.
-
-    Raises
-    ------
-    InputError
-        Where the selection cannot be understood, or the mapping does not fit.
-    """
+    """Bring a raw frame to the documented headers and rows."""
     table, where = asked.table, asked.where
     mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
     early = chosen_early(mapped, where, table)
@@ -101,26 +64,7 @@ def checked(
     frame: pd.DataFrame, configuration: Configuration, table: str, actuators: Iterable[Actuator] = (),
     ship_file: str = "",
 ) -> Rows:  # fmt: skip
-    """Check a frame and bring it to SI (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        In the documented headers; its index counts the rows of the file.
-    configuration : Configuration
-        Ship, canal and water.
-    table : str
-        The file.
-    actuators : iterable of Actuator
-        Beside those of the package.
-    ship_file : str
-        What the ship was read from, for sentences.
-
-    Raises
-    ------
-    InputError
-        At the first thing that is wrong.
-    """
+    """Check a frame and bring it to SI."""
     movers = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
     known = columns_with(movers.values())
     recognised = recognised_in(frame, known, table)
@@ -166,19 +110,7 @@ def _physical_sense(
 
 
 def gathered(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
-    """Put the rows of each test together (ours).
-
-    Parameters
-    ----------
-    rows : Rows
-        Checked rows.
-    configuration : Configuration
-        Ship, canal and water.
-    source : Source
-        Where they come from.
-    notes : tuple of str
-        What to say beside the rows' own notes.
-    """
+    """Put the rows of each test together."""
     order, names, starts = _grouped(rows.test)
     return CaptiveTests(
         columns={name: column[order] for name, column in rows.columns.items()},
@@ -193,15 +125,7 @@ def gathered(rows: Rows, configuration: Configuration, source: Source, notes: tu
 
 
 def tests_of(frame: pd.DataFrame, table: str) -> np.ndarray:
-    """Return the name of each row's test (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        In the documented headers.
-    table : str
-        The file.
-    """
+    """Return the name of each row's test."""
     return cells.labels(frame, "test", table) if "test" in frame else np.full(len(frame), "all", dtype=object)
 
 

@@ -32,10 +32,7 @@ class Run(Protocol):
     def columns(self, rate: float) -> Columns:
         """Return time, motion and accelerations at each sample.
 
-        Parameters
-        ----------
-        rate : float [Hz]
-            Of sampling.
+        rate [Hz]
         """
 
 

@@ -16,19 +16,7 @@ from narrows.readers.headers import parse_header
 def plain_columns(
     where: str, frame: pd.DataFrame, known: Mapping[str, Quantity], hidden: Iterable[str]
 ) -> dict[str, pd.Series]:
-    """Return the columns that an expression calls by plain names: ``psi`` in SI, ``psi_deg`` in degrees (ours).
-
-    Parameters
-    ----------
-    where : str
-        The expression.
-    frame : DataFrame
-        In the documented headers.
-    known : mapping of str to Quantity
-        What a table may carry.
-    hidden : iterable of str
-        Names that are headers and stay what they are.
-    """
+    """Return the columns that an expression calls by plain names: ``psi`` in SI, ``psi_deg`` in degrees."""
     parsed = [parse_header(str(header), known) for header in frame.columns]
     columns = {column.quantity: column for column in parsed if column}
     words = set(re.findall(r"[^\W\d]\w*", where)) - set(hidden)
@@ -42,22 +30,7 @@ def plain_columns(
 
 
 def chosen_early(frame: pd.DataFrame, where: str | None, table: str) -> np.ndarray | None:
-    """Return the rows that an expression on the headers alone takes, None where it uses other names (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    where : str, optional
-        The expression; every row without.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Where it cannot be understood.
-    """
+    """Return the rows that an expression on the headers alone takes, None where it uses other names."""
     if where is None or where == "":
         return np.ones(len(frame), bool)
     try:
@@ -69,26 +42,7 @@ def chosen_early(frame: pd.DataFrame, where: str | None, table: str) -> np.ndarr
 def chosen_late(
     raw: pd.DataFrame, frame: pd.DataFrame, where: str, table: str, known: Mapping[str, Quantity]
 ) -> np.ndarray:
-    """Return the rows that an expression on headers and plain names takes, (rows,) of bool (ours).
-
-    Parameters
-    ----------
-    raw : DataFrame
-        As read.
-    frame : DataFrame
-        In the documented headers, some of the rows.
-    where : str
-        The expression.
-    table : str
-        The file.
-    known : mapping of str to Quantity
-        What a table may carry.
-
-    Raises
-    ------
-    InputError
-        Where it cannot be understood: names what is near.
-    """
+    """Return the rows that an expression on headers and plain names takes, (rows,) of bool."""
     here = raw if raw.index.equals(frame.index) else raw.loc[frame.index]
     headers = [str(header) for header in raw.columns]
     try:

@@ -4,27 +4,13 @@ import numpy as np
 
 from narrows.errors import InputError
 
+# Rows that the filter needs to run in and out.
 SHORTEST = 20
-"""Rows that the filter needs to run in and out."""
 
 
 def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
-    """Low-pass a record without delay: a Butterworth filter of fourth order, run forth and back (ours).
-
-    Parameters
-    ----------
-    t : array (rows,) [s]
-        Evenly spaced time.
-    column : array (rows,)
-        The record.
-    cutoff : float [Hz]
-        Frequency above which the record is taken for noise.
-
-    Raises
-    ------
-    InputError
-        Where the record is short, its time is not evenly spaced or the cutoff is beyond half the sampling rate.
-    """
+    """Low-pass a record without delay: a Butterworth filter of fourth order, run forth and back."""
+    # t (rows,) [s]; column (rows,); cutoff [Hz]
     from scipy.signal import butter, sosfiltfilt
 
     if len(t) < SHORTEST:
@@ -41,21 +27,7 @@ def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
 
 
 def rates(t: np.ndarray, position: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocity and acceleration of a position, low-passed first (ours).
-
-    Parameters
-    ----------
-    t : array (rows,) [s]
-        Evenly spaced time.
-    position : array (rows,) [m] or [rad]
-        The record.
-    cutoff : float [Hz]
-        Of the low-pass.
-
-    Returns
-    -------
-    array, array
-        [m/s] and [m/s2], or [rad/s] and [rad/s2].
-    """
+    """Return velocity and acceleration of a position, low-passed first."""
+    # t (rows,) [s]; position (rows,) [m]; cutoff [Hz]
     velocity = np.gradient(low_passed(t, position, cutoff), t)
     return velocity, np.gradient(velocity, t)

@@ -13,24 +13,12 @@ from narrows.ship.particulars import Configuration
 
 @dataclass(frozen=True)
 class SomeRows:
-    """A random part of the rows of some tests, the same at every pass.
+    """A random part of the rows of some tests, the same at every pass."""
 
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        All rows.
-    fraction : float [1]
-        Of the rows that are drawn.
-    seed : int
-        Of the draw.
-    drawn : bool
-        Whether this is the part that was drawn, or the rest.
-    """
-
-    tests: Tests
-    fraction: float
-    seed: int
-    drawn: bool
+    tests: Tests  # All rows
+    fraction: float  # Of the rows that are drawn [1]
+    seed: int  # Of the draw
+    drawn: bool  # Whether this is the part that was drawn, or the rest
 
     @property
     def configuration(self) -> Configuration:
@@ -54,13 +42,7 @@ class SomeRows:
         return self.tests.names
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
-        """Yield the rows of this part once, in blocks.
-
-        Parameters
-        ----------
-        pieces : int
-            Into how many stretches each test is cut.
-        """
+        """Yield the rows of this part once, in blocks."""
         draw = np.random.default_rng(self.seed)
         for block in self.tests.blocks(pieces):
             keep = (draw.random(block.rows) < self.fraction) == self.drawn
@@ -76,25 +58,9 @@ def _filtered(block: Block, keep: np.ndarray) -> Block:
 
 
 def random_split(tests: Tests, fraction: float = 0.8, seed: int = 0) -> tuple[SomeRows, SomeRows]:
-    """Split rows at random into those to fit and those to check, as the paper does.
-
-    Neighbouring rows of one time series land on both sides, so the check flatters: leave tests out instead
-    where it matters.
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        All rows.
-    fraction : float [1]
-        To fit.
-    seed : int
-        Of the draw.
-
-    Raises
-    ------
-    InputError
-        Where the fraction is not between 0 and 1, or the seed is negative.
-    """
+    """Split rows at random into those to fit and those to check, as the paper does."""
+    # Neighbouring rows of one time series land on both sides, so the check flatters: leave tests out instead where it
+    # matters.
     if not 0 < fraction < 1:
         raise InputError(f"fraction {fraction} is not between 0 and 1; give the share of the rows to fit")
     if seed < 0:

@@ -25,36 +25,16 @@ from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
 
 @dataclass(frozen=True)
 class StreamedTests:
-    """Captive tests on disk.
+    """Captive tests on disk."""
 
-    Parameters
-    ----------
-    path : Path
-        CSV or Parquet.
-    configuration : Configuration
-        Ship, canal and water.
-    where : str, optional
-        Which rows to take.
-    mapping : ColumnMapping, optional
-        A laboratory's own names, units and signs.
-    actuators : tuple of Actuator
-        Of one's own, whose columns the table may have.
-    source : Source
-        Where the rows come from.
-    notes : tuple of str
-        What the reader has to say.
-    ship_file : str
-        What the ship was read from; empty where it is of no file.
-    """
-
-    path: Path
-    configuration: Configuration
-    where: str | None = None
-    mapping: ColumnMapping | None = None
-    actuators: tuple[Actuator, ...] = ()
-    source: Source = field(default_factory=Source)
-    notes: tuple[str, ...] = ("rows streamed from disk",)
-    ship_file: str = ""
+    path: Path  # CSV or Parquet
+    configuration: Configuration  # Ship, canal and water
+    where: str | None = None  # Which rows to take
+    mapping: ColumnMapping | None = None  # A laboratory's own names, units and signs
+    actuators: tuple[Actuator, ...] = ()  # Of one's own, whose columns the table may have
+    source: Source = field(default_factory=Source)  # Where the rows come from
+    notes: tuple[str, ...] = ("rows streamed from disk",)  # What the reader has to say
+    ship_file: str = ""  # What the ship was read from; empty where it is of no file
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -77,18 +57,7 @@ class StreamedTests:
         return lengths
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
-        """Yield every row once, in blocks.
-
-        Parameters
-        ----------
-        pieces : int
-            Into how many consecutive stretches each test is cut.
-
-        Raises
-        ------
-        InputError
-            At the first thing that is wrong, or where the rows are of more than one condition.
-        """
+        """Yield every row once, in blocks."""
         done = dict.fromkeys(self.names, 0)
         last: tuple[str, float] = ("", -np.inf)
         conditions: set[str] = set()

@@ -13,16 +13,16 @@ from narrows.model.model_file import published
 from narrows.model.source import Source
 from narrows.ship.motion import Motion
 
+# Standard deviation of the measured forces [N, N, N m]: middle of what FHR reports for harmonic tests.
 NOISE = {"X": 0.35, "Y": 0.5, "N": 0.65}
-"""Standard deviation of the measured forces [N, N, N m]: middle of what FHR reports for harmonic tests."""
 
 
+# Kinds, number and largest offset as in the paper; it prints neither periods nor speeds, so those are ours.
 PAPER_RUNS = (
     HarmonicRun("A", "yaw", 0.907, 25.0),
     HarmonicRun("B", "yaw", 0.30, 12.0),
     HarmonicRun("C", "sway", 0.907, 25.0),
 )
-"""Kinds, number and largest offset as in the paper; it prints neither periods nor speeds, so those are ours."""
 
 
 def twin(
@@ -76,13 +76,7 @@ def twin(
 
 
 def motion_of(columns: Mapping[str, np.ndarray]) -> Motion:
-    """Return the motion in the columns of a run (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array
-        Of ``Run.columns``.
-    """
+    """Return the motion in the columns of a run."""
     known = {name: column for name, column in columns.items() if name not in ("t", "psi")}
     return Motion(**known, cos_psi=np.cos(columns["psi"]), sin_psi=np.sin(columns["psi"]))
 

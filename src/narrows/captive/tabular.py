@@ -68,11 +68,5 @@ def _is_part(name: str, columns: Mapping[str, np.ndarray]) -> bool:
 
 
 def measured(columns: Mapping[str, np.ndarray]) -> list[str]:
-    """Return which of X, Y, N a table has (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array
-        The table.
-    """
+    """Return which of X, Y, N a table has."""
     return [force for force in FORCES if force in columns]

@@ -13,72 +13,40 @@ from narrows.model.source import Source
 from narrows.quantities.names import Number
 from narrows.ship.particulars import Configuration, Configured
 
+# Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory.
 BLOCK_ROWS = 32_000
-"""Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory."""
 
 
 class Span(NamedTuple):
-    """Consecutive rows of one test inside a block.
+    """Consecutive rows of one test inside a block."""
 
-    Parameters
-    ----------
-    test : str
-        Its name.
-    piece : int
-        Which stretch of the test.
-    start, stop : int
-        Rows of the block.
-    """
-
-    test: str
-    piece: int
-    start: int
-    stop: int
+    test: str  # Its name
+    piece: int  # Which stretch of the test
+    start: int  # Rows of the block
+    stop: int  # Rows of the block
 
 
 class Headers(NamedTuple):
-    """What a table was headed with that nothing was read from, to say where a column is missing.
+    """What a table was headed with that nothing was read from, to say where a column is missing."""
 
-    Parameters
-    ----------
-    table : str
-        The file; empty where the tests are of none.
-    unread : tuple of str
-        Headers that are no quantity.
-    ship_file : str
-        What the ship was read from; empty where it is of no file.
-    """
-
-    table: str = ""
-    unread: tuple[str, ...] = ()
-    ship_file: str = ""
+    table: str = ""  # The file; empty where the tests are of none
+    unread: tuple[str, ...] = ()  # Headers that are no quantity
+    ship_file: str = ""  # What the ship was read from; empty where it is of no file
 
 
+# Columns of a table of tests that are words.
 LABELS = ("test", "condition")
-"""Columns of a table of tests that are words."""
+# Of tests that were not read from one.
 NO_TABLE = Headers()
-"""Of tests that were not read from one."""
 
 
 class Block(NamedTuple):
-    """Some rows.
+    """Some rows."""
 
-    Parameters
-    ----------
-    values : mapping of str to number
-        Every quantity by name, columns and particulars alike.
-    rows : int
-        How many.
-    spans : list of Span
-        Whose rows they are.
-    headers : Headers
-        Of their table.
-    """
-
-    values: Mapping[str, Number]
-    rows: int
-    spans: list[Span]
-    headers: Headers = NO_TABLE
+    values: Mapping[str, Number]  # Every quantity by name, columns and particulars alike
+    rows: int  # How many
+    spans: list[Span]  # Whose rows they are
+    headers: Headers = NO_TABLE  # Of their table
 
 
 class Tests(Protocol):
@@ -101,25 +69,11 @@ class Tests(Protocol):
         """The tests."""
 
     def blocks(self, pieces: int) -> Iterator[Block]:
-        """Yield every row once, in blocks.
-
-        Parameters
-        ----------
-        pieces : int
-            Into how many consecutive stretches each test is cut.
-        """
+        """Yield every row once, in blocks."""
 
 
 def cuts(rows: int, pieces: int) -> np.ndarray:
-    """Return the edges of about equal stretches of a test, first and last row included (ours).
-
-    Parameters
-    ----------
-    rows : int
-        Of the test.
-    pieces : int
-        Into how many to cut it; no stretch is empty, so fewer where the rows are fewer.
-    """
+    """Return the edges of about equal stretches of a test, first and last row included."""
     return np.unique(np.linspace(0, rows, pieces + 1).astype(int))
 
 
@@ -175,28 +129,12 @@ class CaptiveTests(Configured, Tabular):
         return name in self.columns or name in self.names
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
-        """No array: pandas and NumPy would make one of the tests.
-
-        Raises
-        ------
-        TypeError
-            With what gives the rows.
-        """
+        """No array: pandas and NumPy would make one of the tests."""
         raise TypeError("tests are several tables; take their rows by tests.to_dataframe(), a column by tests['y']")
 
     def __getitem__(self, key: Any) -> Any:
-        """A column by its name, a test by its name, or the rows of a mask.
-
-        Parameters
-        ----------
-        key : str or array (rows,) of bool
-            A column, or else a test; or which rows.
-
-        Raises
-        ------
-        InputError
-            Where there is neither, or the mask is not one answer a row.
-        """
+        """A column by its name, a test by its name, or the rows of a mask."""
+        # key (rows,)
         if not isinstance(key, str):
             return self.of_rows(key)
         if key in LABELS:

@@ -21,15 +21,7 @@ class Delivery:
     json: bool = False
 
     def write(self, save: Callable[[Path], None], draw: Callable[[], "Figure"] | None = None) -> None:
-        """Write the answer, and its picture, where they are asked for.
-
-        Parameters
-        ----------
-        save : callable
-            Writes it to a path, in the form of its suffix.
-        draw : callable, optional
-            Draws it.
-        """
+        """Write the answer, and its picture, where they are asked for."""
         if self.output:
             save(self.output)
         if self.plot and draw:
@@ -38,15 +30,7 @@ class Delivery:
             save_figure(draw(), self.plot)
 
     def tell(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
-        """Print the answer, and what was written.
-
-        Parameters
-        ----------
-        values : callable
-            Gives what to print as JSON.
-        words : callable
-            Prints what people read.
-        """
+        """Print the answer, and what was written."""
         if self.json:
             print_json(values())
             return

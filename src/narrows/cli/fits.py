@@ -116,17 +116,7 @@ def explain(
 
 
 def publish(fits: dict[str, "Fit"], title: str, delivery: ModelDelivery) -> None:
-    """Print fits, and write what was asked for (ours).
-
-    Parameters
-    ----------
-    fits : dict of str to Fit
-        By condition; the label is empty where there is one.
-    title : str
-        Of the report.
-    delivery : ModelDelivery
-        What is asked for; with several conditions each adds its label to the name of the model file.
-    """
+    """Print fits, and write what was asked for."""
     from narrows.identification.bank_answer import answer_of
 
     answers = {label: answer_of(fit) for label, fit in fits.items()}

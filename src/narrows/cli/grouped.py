@@ -12,15 +12,7 @@ Verb = Callable[..., None]
 
 
 def verb(example: str, name: str | None = None) -> Callable[[Verb], Verb]:
-    """Return what makes a function a verb of the command line (ours).
-
-    Parameters
-    ----------
-    example : str
-        Of its use, for the end of its help.
-    name : str, optional
-        Of the verb; the function's unless given.
-    """
+    """Return what makes a function a verb of the command line."""
 
     def registered(function: Verb) -> Verb:
         app.command(name, epilog=f"Example: {example}")(with_single_options(function))
@@ -30,13 +22,7 @@ def verb(example: str, name: str | None = None) -> Callable[[Verb], Verb]:
 
 
 def with_single_options(function: Verb) -> Verb:
-    """Return a function that takes an option for each field of the groups that another takes (ours).
-
-    Parameters
-    ----------
-    function : callable
-        Its parameters are arguments and options as Typer knows them, or dataclasses whose fields are.
-    """
+    """Return a function that takes an option for each field of the groups that another takes."""
     hints = get_type_hints(function, include_extras=True)
     own = signature(function).parameters
     groups = {name: hints[name] for name in own if is_dataclass(hints[name])}

@@ -16,17 +16,7 @@ HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30
 def with_keys(
     ticks: Iterable["Tick"], watched: "BridgeMonitor", lines: Iterable[str] | None = None
 ) -> Iterator["Tick"]:
-    """Yield ticks, with a command for every alert that a key was pressed for (ours).
-
-    Parameters
-    ----------
-    ticks : iterable of Tick
-        As they come.
-    watched : BridgeMonitor
-        Whose alerts are meant.
-    lines : iterable of str, optional
-        What is typed; standard input unless given.
-    """
+    """Yield ticks, with a command for every alert that a key was pressed for."""
     typed: SimpleQueue[str] = SimpleQueue()
     Thread(target=_read, args=(lines or sys.stdin, typed), daemon=True).start()
     for tick in ticks:

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     )
     from narrows.model.model import Model
 
+# Of what is printed as JSON; null where it was not asked for.
 PARTS = ("log", "truth", "steady", "envelope", "plan", "foresight")
-"""Of what is printed as JSON; null where it was not asked for."""
 PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
 

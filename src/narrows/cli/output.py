@@ -8,24 +8,18 @@ import typer
 from narrows.errors import InputError
 from narrows.files import form_of, is_stream
 
+# What a file's name cannot hold, written as addresses write it.
 NOT_IN_NAMES = str.maketrans({character: f"%{ord(character):02X}" for character in "/\\\0%"})
-"""What a file's name cannot hold, written as addresses write it."""
 
 DATASETS = (".nc", ".zarr", ".csv", ".parquet", ".mat", ".json")
 TRACKS = (*DATASETS, ".geojson", ".kml")
 TABLES = (".csv", ".parquet", ".mat", ".json")
+# Suffixes of what verbs write; the first is what a device without one gets.
 MODELS, PAGES, WATERWAYS = (".toml",), (".html", ".htm"), (".geojson", ".json")
-"""Suffixes of what verbs write; the first is what a device without one gets."""
 
 
 def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
-    """Return what refuses a file's name before anything is computed for it (ours).
-
-    Parameters
-    ----------
-    forms : tuple of str
-        The suffixes that can be.
-    """
+    """Return what refuses a file's name before anything is computed for it."""
 
     def checked(path: Path | None) -> Path | None:
         if path is not None:
@@ -36,15 +30,7 @@ def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
 
 
 def say_written(paths: Iterable[Path | None], json: bool = False) -> None:
-    """Print what was written where; nothing beside JSON, nor of what flows on (ours).
-
-    Parameters
-    ----------
-    paths : iterable of Path or None
-        None where it was not asked for.
-    json : bool
-        Whether JSON is printed.
-    """
+    """Print what was written where; nothing beside JSON, nor of what flows on."""
     files = [path for path in paths if path is not None]
     if not json and not any(map(is_stream, files)):
         for path in files:
@@ -52,18 +38,7 @@ def say_written(paths: Iterable[Path | None], json: bool = False) -> None:
 
 
 def folder(path: Path) -> None:
-    """Make a folder where there is none (ours).
-
-    Parameters
-    ----------
-    path : Path
-        Where.
-
-    Raises
-    ------
-    InputError
-        Where it cannot be made.
-    """
+    """Make a folder where there is none."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -71,20 +46,7 @@ def folder(path: Path) -> None:
 
 
 def output_of(path: Path, label: str) -> Path:
-    """Return where a condition's own file goes: its label is added to the name, and all share a device (ours).
-
-    Parameters
-    ----------
-    path : Path
-        As the user named it.
-    label : str
-        Of the condition.
-
-    Raises
-    ------
-    InputError
-        Where the path names no file.
-    """
+    """Return where a condition's own file goes: its label is added to the name, and all share a device."""
     if is_stream(path):
         return path
     if not path.name:
@@ -93,13 +55,7 @@ def output_of(path: Path, label: str) -> Path:
 
 
 def print_json(value: object) -> None:
-    """Print a value as JSON on standard output (ours).
-
-    Parameters
-    ----------
-    value : object
-        Of numbers and words, what a result's ``to_dict`` gives.
-    """
+    """Print a value as JSON on standard output."""
     from narrows.results import to_json
 
     typer.echo(to_json(value))

@@ -7,30 +7,15 @@ import numpy as np
 from narrows.errors import InputError, shown
 from narrows.quantities.constants import KNOT
 
+# Of a speed as written, in m/s.
 SPEED_UNITS = {"": 1.0, "m/s": 1.0, "kn": KNOT, "km/h": 1 / 3.6}
-"""Of a speed as written, in m/s."""
+# Values of a range.
 MOST = 1_000_000
-"""Values of a range."""
 UNIT = re.compile(r"(?:m/s|kn|km/h)?\s*$")
 
 
 def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5:101") -> np.ndarray:
-    """Read ``0.5``, ``0.5,1,2`` or ``from:to:count``.
-
-    Parameters
-    ----------
-    option : str
-        For messages.
-    text : str
-        As the user wrote it.
-    such_as : str
-        What would do.
-
-    Raises
-    ------
-    InputError
-        Where it is none of these.
-    """
+    """Read ``0.5``, ``0.5,1,2`` or ``from:to:count``."""
     try:
         if ":" in text:
             low, high, count = text.split(":")
@@ -47,20 +32,7 @@ def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5
 
 
 def speeds(option: str, text: str) -> np.ndarray:
-    """Read speeds [m/s]: as numbers, each with its unit or all without: ``4.1m/s``, ``8kn,9kn``, ``4kn:12kn:17``.
-
-    Parameters
-    ----------
-    option : str
-        For messages.
-    text : str
-        As the user wrote it; without a unit it is in m/s.
-
-    Raises
-    ------
-    InputError
-        Where it is none of these, or some have another unit than the others.
-    """
+    """Read speeds [m/s]: as numbers, each with its unit or all without: ``4.1m/s``, ``8kn,9kn``, ``4kn:12kn:17``."""
     between = ":" if ":" in text else ","
     words = text.split(between)
     carry = words[:2] if between == ":" else words
@@ -75,20 +47,7 @@ def speeds(option: str, text: str) -> np.ndarray:
 
 
 def speed(option: str, text: str) -> float:
-    """Read one speed [m/s].
-
-    Parameters
-    ----------
-    option : str
-        For messages.
-    text : str
-        As the user wrote it.
-
-    Raises
-    ------
-    InputError
-        Where it is none, or there are several.
-    """
+    """Read one speed [m/s]."""
     values = speeds(option, text)
     if values.size != 1:
         raise InputError(f"{option} {shown(text)} is more than one speed; give one, as 4.1m/s or 8kn")

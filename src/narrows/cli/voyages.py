@@ -21,8 +21,8 @@ from narrows.cli.voyage_options import (
     WaterOptions,
 )
 
+# Of a map, where none are given.
 OFFSETS = 101
-"""Of a map, where none are given."""
 
 
 @verb("narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")

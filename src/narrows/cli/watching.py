@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from narrows.warning.monitoring.bridge_status import BridgeStatus
     from narrows.warning.monitoring.watched_transit import WatchedTransit
 
+# Seconds between lines where nothing changes.
 SAID_EVERY = 10
-"""Seconds between lines where nothing changes."""
 COLOURS = {"caution": "yellow", "warning": "yellow", "alarm": "red", "emergency alarm": "magenta"}
+# With which kernels are compiled [m/s].
 USUAL_SPEED = 4.0
-"""With which kernels are compiled [m/s]."""
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from narrows.cli.options import AsJson, WaterwayOutput
 from narrows.cli.output import print_json, say_written
 from narrows.errors import InputError
 
+# How far off a bank of a chart is looked for [m].
 REACH = 1000.0
-"""How far off a bank of a chart is looked for [m]."""
 
 
 @app.command(epilog="Example: narrows waterway 1W7RH001.000 --line axis.geojson -o canal.geojson")

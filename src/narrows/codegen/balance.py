@@ -14,16 +14,9 @@ STEERED_BY = "rudder"
 
 
 def balance_module(system: "System") -> ModuleType:
-    """Return the module that finds steady courses; its ``solve`` compiles when first called.
-
-    Its ``COLUMNS`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside, the
-    curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
-
-    Parameters
-    ----------
-    system : System
-        With the rudder and forces from outside among what moves.
-    """
+    """Return the module that finds steady courses; its ``solve`` compiles when first called."""
+    # Its ``COLUMNS`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside,
+    # the curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
     return generated("balance", system.key, lambda: _text(system))
 
 

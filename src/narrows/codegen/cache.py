@@ -16,14 +16,14 @@ from types import ModuleType
 FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
 SEAL = "# sha256 of all above: "
 LAST_LINE = "# end of a module made by narrows\n"
+# Every generated file bears one time [s], the year 2000. Numba asks the time of a file whether its compiled form is
+# stale; the name of a file says all of its text, so two processes that write it at once must not seem to change it.
 SAME_TIME = 946_684_800
-"""Every generated file bears one time [s], the year 2000. Numba asks the time of a file whether its compiled form is
-stale; the name of a file says all of its text, so two processes that write it at once must not seem to change it."""
 
 
 @lru_cache(maxsize=1)
 def versions() -> str:
-    """Everything but a model that decides what its compiled form is; Numba itself minds the processor (ours)."""
+    """Everything but a model that decides what its compiled form is; Numba itself minds the processor."""
     packages = [f"{name} {version(name)}" for name in ("narrows", "numpy", "numba", "sympy")]
     # What is compiled with a kernel, from here or from elsewhere.
     sources = [*sorted(Path(__file__).parent.rglob("*.py")), Path(__file__).parents[1] / "waterway" / "room.py"]
@@ -32,22 +32,14 @@ def versions() -> str:
 
 
 def key_of(parts: Iterable[object]) -> str:
-    """Name what is made from these parts by this version of everything (ours).
-
-    Parameters
-    ----------
-    parts : iterable
-        Their texts matter.
-    """
+    """Name what is made from these parts by this version of everything."""
     text = "\n".join([versions(), *map(str, parts)])
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def cache_folder() -> Path:
-    """Return where generated modules are: the user's cache folder, or a temporary one where that is closed.
-
-    ``NARROWS_CACHE_DIR`` names another.
-    """
+    """Return where generated modules are: the user's cache folder, or a temporary one where that is closed."""
+    # ``NARROWS_CACHE_DIR`` names another.
     import platformdirs
 
     return _usable(Path(os.environ.get(FOLDER_VARIABLE) or platformdirs.user_cache_dir("narrows")) / "compiled")
@@ -74,17 +66,7 @@ _KEPT: list[tempfile.TemporaryDirectory[str]] = []  # removed when the process e
 
 
 def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
-    """Return a generated text, made now if no process has made it before.
-
-    Parameters
-    ----------
-    name : str
-        A word for people.
-    parts : iterable
-        What it is made from.
-    make : callable
-        Writes it.
-    """
+    """Return a generated text, made now if no process has made it before."""
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _TEXTS:
@@ -103,20 +85,9 @@ _TEXTS: dict[Path, str] = {}
 
 
 def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
-    """Import a generated module, made now if no process has made it before.
-
-    What is damaged is made again; where the folder takes no file, or the disk is full, a temporary one serves, and
-    where there is none the module stays in memory.
-
-    Parameters
-    ----------
-    name : str
-        A word for people.
-    parts : iterable
-        What it is made from.
-    make : callable
-        Writes its text.
-    """
+    """Import a generated module, made now if no process has made it before."""
+    # What is damaged is made again; where the folder takes no file, or the disk is full, a temporary one serves, and
+    # where there is none the module stays in memory.
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _MODULES:

@@ -7,21 +7,21 @@ from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.codegen.tape import Tape
 
+# What the table of a waterway holds at each place: how far off its walls are, its depth and the curvature of its line;
+# the least distance at which a hull can meet a bank; how far off a keel meets it.
 COLUMNS = (
     "starboard", "port", "depth", "curvature", "near_starboard", "near_port", "keel_starboard", "keel_port",
 )  # fmt: skip
-"""What the table of a waterway holds at each place: how far off its walls are, its depth and the curvature of its line;
-the least distance at which a hull can meet a bank; how far off a keel meets it."""
+# Numbers a cell: of each column the value at its start, and the rise to the next.
 ROW = 2 * len(COLUMNS)
-"""Numbers a cell: of each column the value at its start, and the rise to the next."""
+# What a control law sees of the water at a place along it, by what its tape calls it: the curvature of the line, and
+# how far off it a keel meets the banks.
 WATER = {"water_curvature": "curvature", "water_starboard": "keel_starboard", "water_port": "keel_port"}
-"""What a control law sees of the water at a place along it, by what its tape calls it: the curvature of the line, and
-how far off it a keel meets the banks."""
+# The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
+# contact is located, or where an output lies within the step.
 TIME, LENGTH, SHARE = "t", "step_length", "share"
-"""The time at the start of a step [s], the length of a whole step [s], and the share of it that is taken: 1 but where a
-contact is located, or where an output lies within the step."""
+# The heading that counts whole turns [rad], kept where nothing ends a voyage across the canal.
 COUNTED = "counted_psi"
-"""The heading that counts whole turns [rad], kept where nothing ends a voyage across the canal."""
 MIDSHIP_LEAVES = 0.9
 
 Pushed = Literal["never", "always", "until"]
@@ -29,58 +29,29 @@ Pushed = Literal["never", "always", "until"]
 
 @dataclass(frozen=True)
 class Actuated:
-    """An actuator as the equations ask for it.
+    """An actuator as the equations ask for it."""
 
-    Parameters
-    ----------
-    name : str
-        Of its position.
-    angle : bool
-        Whether it enters the terms as cosine and sine.
-    """
-
-    name: str
-    angle: bool
+    name: str  # Of its position
+    angle: bool  # Whether it enters the terms as cosine and sine
 
 
 @dataclass(frozen=True)
 class Law:
-    """A control law as the equations ask for it.
+    """A control law as the equations ask for it."""
 
-    Parameters
-    ----------
-    tape : Tape
-        Of the orders, by the names of the actuators, and of the new memory, by its names.
-    memory : tuple of str
-        Numbers that it keeps from step to step.
-    ordered : tuple of Actuated
-        What it gives orders to.
-    """
-
-    tape: Tape
-    memory: tuple[str, ...]
-    ordered: tuple[Actuated, ...]
+    tape: Tape  # Of the orders, by the names of the actuators, and of the new memory, by its names
+    memory: tuple[str, ...]  # Numbers that it keeps from step to step
+    ordered: tuple[Actuated, ...]  # What it gives orders to
 
 
 @dataclass(frozen=True)
 class Choices:
-    """What a step holds.
+    """What a step holds."""
 
-    Parameters
-    ----------
-    contact : str or int
-        ``corners``, ``midship``, ``none``, or the number of points of an outline.
-    waterway : bool
-        Whether the section of the water changes.
-    law : Law, optional
-        What steers; actuators stay where they are without one.
-    pushed : {"never", "always", "until"}
-        Whether forces from outside act: constant ones, or ones that change and end at ``push_end`` [s].
-    """
-
-    contact: str | int = "corners"
-    waterway: bool = False
-    law: Law | None = None
+    contact: str | int = "corners"  # ``corners``, ``midship``, ``none``, or the number of points of an outline
+    waterway: bool = False  # Whether the section of the water changes
+    law: Law | None = None  # What steers; actuators stay where they are without one
+    # Whether forces from outside act: constant ones, or ones that change and end at ``push_end`` [s]
     pushed: Pushed = "never"
 
     @property
@@ -109,11 +80,5 @@ class Choices:
 
 
 def control_names(actuator: Actuated) -> tuple[str, ...]:
-    """Return what the terms call the position of an actuator.
-
-    Parameters
-    ----------
-    actuator : Actuated
-        The actuator.
-    """
+    """Return what the terms call the position of an actuator."""
     return (f"cos_{actuator.name}", f"sin_{actuator.name}") if actuator.angle else (actuator.name,)

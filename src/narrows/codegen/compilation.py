@@ -12,12 +12,12 @@ from numba.core import event
 from narrows.progress import bar, is_shown
 
 COMPILED = re.compile(r"^@(jit|called|cached|numba\.njit.*)\ndef (\w+)", re.MULTILINE)
+# How many functions of each generated file are compiled, by its name.
 FUNCTIONS: dict[str, int] = {}
-"""How many functions of each generated file are compiled, by its name."""
 
 
 class CompilationBar(event.Listener):  # type: ignore[misc]
-    """Counts functions of generated modules as Numba compiles them; its lock lets in one thread at a time (ours)."""
+    """Counts functions of generated modules as Numba compiles them; its lock lets in one thread at a time."""
 
     def __init__(self) -> None:
         self.depth = 0
@@ -25,13 +25,7 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
         self.advance: Callable[[int], None] = lambda done: None
 
     def on_start(self, event: Any) -> None:
-        """Begin the bar with the outermost function.
-
-        Parameters
-        ----------
-        event : numba.core.event.Event
-            Of a function that begins to be compiled.
-        """
+        """Begin the bar with the outermost function."""
         if (total := FUNCTIONS.get(_file(event))) is None:
             return
         if self.depth == 0:
@@ -42,13 +36,7 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Count a function, and end the bar with the outermost.
-
-        Parameters
-        ----------
-        event : numba.core.event.Event
-            Of a function that was compiled.
-        """
+        """Count a function, and end the bar with the outermost."""
         if _file(event) in FUNCTIONS:
             self.advance(1)
             self.depth -= 1
@@ -61,27 +49,13 @@ def _file(event: Any) -> str:
 
 
 def watch(module: ModuleType, text: str) -> None:
-    """Say from now on when functions of a generated module are compiled (ours).
-
-    Parameters
-    ----------
-    module : module
-        As it was imported.
-    text : str
-        Of it.
-    """
+    """Say from now on when functions of a generated module are compiled."""
     if not FUNCTIONS:
         event.register("numba:compile", CompilationBar())
     FUNCTIONS[str(module.__file__)] = count_of_compiled(text)
 
 
 def count_of_compiled(text: str) -> int:
-    """Return how many functions of a module are compiled: those that are called in it, or kept.
-
-    Parameters
-    ----------
-    text : str
-        Of the module.
-    """
+    """Return how many functions of a module are compiled: those that are called in it, or kept."""
     functions = COMPILED.findall(text)
     return sum(how == "cached" or len(re.findall(rf"\b{name}\(", text)) > 1 for how, name in functions)

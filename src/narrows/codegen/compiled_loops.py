@@ -18,13 +18,7 @@ cached = numba.njit(fastmath={{"nsz", "contract"}}, error_model="numpy", nogil=T
 
 @lru_cache
 def compiled_loops(module: ModuleType) -> ModuleType:
-    """Return a module's functions, compiled when they are called; as they stand where there is no Numba (ours).
-
-    Parameters
-    ----------
-    module : module
-        Of functions of numbers and arrays, which need nothing else but NumPy and the math module.
-    """
+    """Return a module's functions, compiled when they are called; as they stand where there is no Numba."""
     if find_spec("numba") is None:
         return module
     text = inspect.getsource(module)

@@ -8,17 +8,7 @@ from narrows.codegen.shapes import CORNERS, MIDSHIP, point_names
 
 
 def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple[Expr, Expr]:
-    """Write how far a hull reaches athwart the canal to starboard and to port of midship [m].
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    contact : str or int
-        ``corners`` of the rectangle around the hull; its side at ``midship``; or the number of points of an outline.
-    cosine, sine : expression [1]
-        Of the heading.
-    """
+    """Write how far a hull reaches athwart the canal to starboard and to port of midship [m]."""
     half_beam = real("half_beam")
     if contact == MIDSHIP:
         return (lines.put("reach", half_beam * cosine),) * 2
@@ -32,19 +22,8 @@ def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple
 
 
 def bank_room(lines: Lines, walls: Sequence[Expr], reach: Sequence[Expr], y: Expr) -> tuple[Expr, Expr]:
-    """Write the room between a hull and the nearer bank, and how much more there is to port than to starboard [m].
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    walls : pair of expression [m]
-        How far the banks are off the line, to starboard and to port.
-    reach : pair of expression [m]
-        Of the hull from midship.
-    y : expression [m]
-        Midship to starboard of the line.
-    """
+    """Write the room between a hull and the nearer bank, and how much more there is to port than to starboard [m]."""
+    # walls [m]; reach [m]; y [m]
     starboard = lines.put("room_starboard", walls[0] - y - reach[0])
     port = lines.put("room_port", walls[1] + y - reach[1])
     return lines.put("room_bank", least(starboard, port)), lines.put("lean", port - starboard)

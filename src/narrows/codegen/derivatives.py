@@ -11,6 +11,7 @@ from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import FUNCTIONS, Lines
 
 positive = FUNCTIONS["positive"]
+# The slopes of what is not arithmetic, by each argument.
 SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
     "minimum": lambda a, b: (positive(b - a), 1 - positive(b - a)),
     "maximum": lambda a, b: (positive(a - b), 1 - positive(a - b)),
@@ -22,30 +23,12 @@ SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
     "entry": lambda column, cell: (sympy.Integer(0), sympy.Integer(0)),
     "positive": lambda test: (sympy.Integer(0),),
 }
-"""The slopes of what is not arithmetic, by each argument."""
 
 
 def with_tangents(
     lines: Lines, inputs: Mapping[Expr, Sequence[Expr]], directions: int
 ) -> tuple[Lines, Callable[[Expr], list[Expr]]]:
-    """Return a program with the slopes of its lines along some directions.
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    inputs : mapping of symbol to sequence of expression
-        The slope of each input along each direction; those left out do not move.
-    directions : int
-        How many.
-
-    Returns
-    -------
-    Lines
-        The program, a line of slope along each direction after each line that moves.
-    callable
-        The slopes of an expression of its lines.
-    """
+    """Return a program with the slopes of its lines along some directions."""
     out = Lines(_taken={str(name) for name, _ in lines.assignments})
     slopes = {name: [sympy.sympify(slope) for slope in along] for name, along in inputs.items()}
 
@@ -72,20 +55,7 @@ def with_tangents(
 
 
 def slope(value: Expr, by: Expr) -> Expr:
-    """Differentiate an expression of a line (ours).
-
-    Parameters
-    ----------
-    value : expression
-        Of arithmetic, ``abs()`` and the functions of ``lines``.
-    by : symbol
-        What moves.
-
-    Raises
-    ------
-    TypeError
-        Where a function has no slope.
-    """
+    """Differentiate an expression of a line."""
     if value == by:
         return sympy.Integer(1)
     if by not in value.free_symbols:

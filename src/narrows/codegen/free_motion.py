@@ -17,65 +17,44 @@ from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
+# A SymPy expression.
 Expr = Any
-"""A SymPy expression."""
 Surge = Literal["held", "free"]
 
+# What the right-hand side is a function of; its result has the derivatives in the same order.
 STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
-"""What the right-hand side is a function of; its result has the derivatives in the same order."""
 ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
+# Force [N, N, N m] added from outside, by the component that it adds to.
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
-"""Force [N, N, N m] added from outside, by the component that it adds to."""
+# The argument [kg] added to the mass in surge, where the table's own was not identifiable.
 SURGE_INERTIA = "surge_inertia"
-"""The argument [kg] added to the mass in surge, where the table's own was not identifiable."""
 MACHINERY = {name for actuator in STANDARD for name in (*actuator.controls, *actuator.particulars)}
 LIMITS = {f"{actuator.name}_{of}" for actuator in STANDARD for of in ("limit", "rate")}
 WALLS = {"wall_starboard", "wall_port"}
 RESERVED = {*REGRESSOR_INPUTS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
+# Names that the generated text has for itself.
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
-"""Names that the generated text has for itself."""
 MOST_BITS = 20
 
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """The equations of motion.
+    """The equations of motion."""
 
-    The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
+    # The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
 
-    Parameters
-    ----------
-    names : mapping of str to symbol
-        Every coefficient, particular and input, as the caller names it.
-    freedoms : tuple of str
-        The forces whose accelerations are solved for.
-    basis : tuple of expression
-        The functions of the state between the parameters.
-    gains : tuple of tuple of expression
-        A row for each acceleration, a column for each function of the basis.
-    pushes : tuple of tuple of expression
-        The inverse of the mass matrix.
-    regressors : mapping of str to (str, expression)
-        For each coefficient the force that it adds to, and its regressor with accelerations.
-    """
-
-    names: Mapping[str, Expr]
-    freedoms: tuple[str, ...]
-    basis: tuple[Expr, ...]
-    gains: tuple[tuple[Expr, ...], ...]
-    pushes: tuple[tuple[Expr, ...], ...]
+    names: Mapping[str, Expr]  # Every coefficient, particular and input, as the caller names it
+    freedoms: tuple[str, ...]  # The forces whose accelerations are solved for
+    basis: tuple[Expr, ...]  # The functions of the state between the parameters
+    gains: tuple[tuple[Expr, ...], ...]  # A row for each acceleration, a column for each function of the basis
+    pushes: tuple[tuple[Expr, ...], ...]  # The inverse of the mass matrix
+    # For each coefficient the force that it adds to, and its regressor with accelerations
     regressors: Mapping[str, tuple[str, Expr]]
 
 
 @lru_cache(maxsize=64)
 def symbol(name: str) -> Expr:
-    """Return the real symbol of a name (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the vocabulary, of an input, or a coefficient's.
-    """
+    """Return the real symbol of a name."""
     import sympy
 
     signed = name == "x_g" or name.startswith(("propeller_", "rudder_"))
@@ -84,24 +63,8 @@ def symbol(name: str) -> Expr:
 
 
 def trace(tape: Tape, forces: Mapping[str, str], surge: Surge, coriolis: bool) -> FreeMotion:
-    """Solve the equation of motion for the accelerations.
-
-    Parameters
-    ----------
-    tape : Tape
-        Of a table of terms.
-    forces : mapping of str to str
-        The force that each term adds to.
-    surge : {"held", "free"}
-        Whether the surge velocity is constant or follows its own equation, with ``surge_inertia`` [kg] added.
-    coriolis : bool
-        Whether to add -m u r in sway and m v r in surge, for terms that do not contain them.
-
-    Raises
-    ------
-    InputError
-        Where an acceleration enters a term other than linearly, or a coefficient's name has another meaning.
-    """
+    """Solve the equation of motion for the accelerations."""
+    # surge [kg]
     freedoms = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(tape)
     regressors = _regressors(tape, forces, freedoms)
@@ -143,20 +106,14 @@ def _regressors(tape: Tape, forces: Mapping[str, str], freedoms: Sequence[str]) 
 
 
 def symbolic_functions() -> dict[str, Expr]:
-    """Return the functions of ``quantities.arithmetic`` in symbols, as printers know them (ours)."""
+    """Return the functions of ``quantities.arithmetic`` in symbols, as printers know them."""
     import sympy
 
     return {name: sympy.Function(name, real=True) for name in COLUMNS}
 
 
 def exact_number(value: int | float) -> Expr:
-    """Return a number without rounding: 0.5 is a half, and what has no short fraction keeps all its bits (ours).
-
-    Parameters
-    ----------
-    value : int or float
-        The number.
-    """
+    """Return a number without rounding: 0.5 is a half, and what has no short fraction keeps all its bits."""
     import math
 
     import sympy

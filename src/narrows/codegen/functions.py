@@ -20,13 +20,7 @@ def _entries(row: int) -> Callable[[Any, int, float], float]:
 
 
 def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats.
-
-    Parameters
-    ----------
-    row : int
-        Numbers a cell of the table of a waterway.
-    """
+    """Return the elementary functions for floats."""
     return {
         "minimum": lambda a, b: a if a < b else b,
         "maximum": lambda a, b: a if a > b else b,
@@ -52,13 +46,7 @@ def _column_entries(row: int) -> Callable[[Any, int, Any], Any]:
 
 
 def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats and columns alike.
-
-    Parameters
-    ----------
-    row : int
-        Numbers a cell of the table of a waterway; 0 where none is read.
-    """
+    """Return the elementary functions for floats and columns alike."""
     return {
         "minimum": np.minimum,
         "maximum": np.maximum,

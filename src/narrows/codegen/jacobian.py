@@ -21,19 +21,7 @@ ANGLES = ("cos_{}", "sin_{}")
 def jacobian_text(
     motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str] = ()
 ) -> str:
-    """Write the module of derivatives.
-
-    Parameters
-    ----------
-    motion : FreeMotion
-        The equations of motion.
-    names : sequence of str
-        Every coefficient of the table, in order.
-    actuators : sequence of Actuated
-        Of the model.
-    section : sequence of str
-        Particulars of the water that change from point to point.
-    """
+    """Write the module of derivatives."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     linear, by_coefficient = _linear(rates, actuators), _by_coefficient(rates, names)
     constants = rates.constants
@@ -67,19 +55,7 @@ def batch(values, constants, out):
 
 
 def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, section: Sequence[str] = ()) -> str:
-    """Write the module of derivatives by state and control, to be compiled.
-
-    Parameters
-    ----------
-    motion : FreeMotion
-        The equations of motion.
-    actuators : sequence of Actuated
-        Of the model.
-    version : str
-        Of narrows.
-    section : sequence of str
-        Particulars of the water that change from point to point.
-    """
+    """Write the module of derivatives by state and control, to be compiled."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     (lines, results), printer = _linear(rates, actuators), Arithmetic(column="{:.1f}".format)
     body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
@@ -97,17 +73,7 @@ def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Ex
 
 
 def linear_slopes(lines: Lines, rates: Mapping[str, Expr], actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
-    """Write the derivatives of the rates of ``LINEARISED`` by state and by control, row by row.
-
-    Parameters
-    ----------
-    lines : Lines
-        Of the rates.
-    rates : mapping of str to expression
-        By the names of ``LINEARISED``.
-    actuators : sequence of Actuated
-        Of the model.
-    """
+    """Write the derivatives of the rates of ``LINEARISED`` by state and by control, row by row."""
     angles = {"psi", *(actuator.name for actuator in actuators if actuator.angle)}
     directions = _directions(actuators)
     slopes: dict[Expr, list[Expr]] = {}
@@ -130,21 +96,8 @@ def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Exp
 
 
 def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values: Mapping[str, Expr]) -> list[Expr]:
-    """Write the derivatives of the accelerations by coefficients, row by row.
-
-    With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor.
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    rates : Rates
-        Of the state.
-    names : sequence of str
-        The coefficients.
-    values : mapping of str to expression
-        State and moving quantities.
-    """
+    """Write the derivatives of the accelerations by coefficients, row by row."""
+    # With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor.
     motion = rates.motion
     solved = rates.written(lines, "", values)
     known = list(motion.regressors)

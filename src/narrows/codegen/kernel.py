@@ -13,8 +13,8 @@ from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.codegen.step import room_left
 
 LANES = 64
+# What the bookkeeping looks up among the numbers that all vessels share.
 SHARED_PLACES = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
-"""What the bookkeeping looks up among the numbers that all vessels share."""
 FIELDS = {
     "X": "x", "Y": "y", "COS": "cos_psi", "SIN": "sin_psi", "U": "u", "V": "v", "R": "r", "STEP_LENGTH": "step_length",
     "LEFT": "left", "FLAG": "flag", "ROOM": "room", "LEAN": "lean", "ROOM_BEFORE": "room_before",
@@ -22,19 +22,7 @@ FIELDS = {
 
 
 def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) -> str:
-    """Write the module that sails a fleet.
-
-    Parameters
-    ----------
-    lanes : Lanes
-        The step over a block.
-    choices : Choices
-        What it holds.
-    precision : {"float64", "float32"}
-        Of a lane.
-    version : str
-        Of narrows.
-    """
+    """Write the module that sails a fleet."""
     printer = Arithmetic(NUMBER[precision], column="{:.1f}".format)
     body = "\n\n".join([_room_text(lanes, choices, printer), lanes.text(printer, choices.leaves)])
     exact = choices.waterway and choices.contact not in (MIDSHIP, OPEN)

@@ -11,60 +11,30 @@ from narrows.codegen.choices import Actuated, control_names
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.quantities.names import FORCES, Number
 
+# The state of a linearised model; the heading is one angle [rad] again.
 LINEARISED = ("x", "y", "psi", "u", "v", "r")
-"""The state of a linearised model; the heading is one angle [rad] again."""
 
 
 def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
-    """Return what a linearised model is driven by: forces from outside, and positions of actuators.
-
-    Parameters
-    ----------
-    actuators : sequence of Actuated
-        Of the model.
-    """
+    """Return what a linearised model is driven by: forces from outside, and positions of actuators."""
     return (*INPUTS.values(), *(actuator.name for actuator in actuators))
 
 
 def arguments(actuators: Sequence[Actuated], section: Sequence[str] = ()) -> tuple[str, ...]:
-    """Return what the generated functions are given before the constants: state, forces from outside, controls.
-
-    Parameters
-    ----------
-    actuators : sequence of Actuated
-        Of the model.
-    section : sequence of str
-        Particulars of the water that change from point to point: width, depth.
-    """
+    """Return what the generated functions are given before the constants: state, forces from outside, controls."""
     return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)), *section)
 
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Derivatives of the motion of one ship, or of a fleet where the values were columns.
+    """Derivatives of the motion of one ship, or of a fleet where the values were columns."""
 
-    Parameters
-    ----------
-    functions : mapping of str to callable
-        The generated functions, for floats and columns.
-    constants : tuple of number
-        Of the ship.
-    names : tuple of str
-        The coefficients, in the order of the columns of ``coefficients``.
-    actuators : tuple of Actuated
-        Of the model.
-    compiled : callable
-        Gives the module of the same functions, compiled.
-    section : tuple of str
-        Particulars of the water that ``at`` gives, point by point.
-    """
-
-    functions: Mapping[str, Any]
-    constants: tuple[Number, ...]
-    names: tuple[str, ...]
-    actuators: tuple[Actuated, ...]
-    compiled: Callable[[], ModuleType]
-    section: tuple[str, ...] = ()
+    functions: Mapping[str, Any]  # The generated functions, for floats and columns
+    constants: tuple[Number, ...]  # Of the ship
+    names: tuple[str, ...]  # The coefficients, in the order of the columns of ``coefficients``
+    actuators: tuple[Actuated, ...]  # Of the model
+    compiled: Callable[[], ModuleType]  # Gives the module of the same functions, compiled
+    section: tuple[str, ...] = ()  # Particulars of the water that ``at`` gives, point by point
 
     @property
     def controlled(self) -> tuple[str, ...]:
@@ -72,23 +42,11 @@ class Linearisation:
         return controlled(self.actuators)
 
     def linear(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the rates of x, y, psi, u, v, r by the same six and by ``controlled``: (..., 6, 6 + n).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            As for ``state``.
-        """
+        """Differentiate the rates of x, y, psi, u, v, r by the same six and by ``controlled``: (..., 6, 6 + n)."""
         return self._matrix("linear", at, len(LINEARISED))
 
     def batch(self, points: int) -> "JacobianBatch":
-        """Return the same, compiled, for many points of one ship, its arrays kept.
-
-        Parameters
-        ----------
-        points : int
-            How many.
-        """
+        """Return the same, compiled, for many points of one ship, its arrays kept."""
         columns = len(arguments(self.actuators, self.section))
         size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
         constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
@@ -96,35 +54,15 @@ class Linearisation:
         return JacobianBatch(self.compiled(), constants, values, out, self.actuators, self.section)
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            State, forces from outside and positions of actuators: x, y, psi or cos_psi and sin_psi, u, v, r, X_in,
-            Y_in, N_in, rudder, revolutions; SI. On the line, along it, at rest and amidships unless given. Of the
-            water what ``section`` names.
-        """
+        """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6)."""
         return self.linear(at)[..., : len(LINEARISED)]
 
     def controls(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the same rates by ``controlled``: (..., 6, n).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            As for ``state``.
-        """
+        """Differentiate the same rates by ``controlled``: (..., 6, n)."""
         return self.linear(at)[..., len(LINEARISED) :]
 
     def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the same rates by every coefficient of the table: (..., 6, n).
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            As for ``state``.
-        """
+        """Differentiate the same rates by every coefficient of the table: (..., 6, n)."""
         slopes = self._matrix("coefficients", at, len(FORCES))
         return np.concatenate([np.zeros_like(slopes), slopes], axis=-2)
 
@@ -141,17 +79,7 @@ class Linearisation:
 def argument_values(
     at: Mapping[str, Number], actuators: Sequence[Actuated], section: Sequence[str] = ()
 ) -> list[Number]:
-    """Return what the generated functions are given before the constants.
-
-    Parameters
-    ----------
-    at : mapping of str to number
-        As for ``Linearisation.state``.
-    actuators : sequence of Actuated
-        Of the model.
-    section : sequence of str
-        Particulars of the water that ``at`` gives.
-    """
+    """Return what the generated functions are given before the constants."""
     values = dict(at)
     for name in ("psi", *(actuator.name for actuator in actuators if actuator.angle)):
         if f"cos_{name}" not in values:
@@ -162,50 +90,23 @@ def argument_values(
 
 @dataclass(frozen=True)
 class JacobianBatch:
-    """Derivatives by state and control at many points of one ship, compiled.
+    """Derivatives by state and control at many points of one ship, compiled."""
 
-    Parameters
-    ----------
-    module : module
-        The generated functions.
-    constants : array
-        Of the ship.
-    values : array (points, arguments)
-        What the functions are given at each point; ``points`` fills it.
-    out : array (points, entries)
-        The derivatives, row by row.
-    actuators : tuple of Actuated
-        Of the model.
-    section : tuple of str
-        Particulars of the water that points give.
-    """
-
-    module: ModuleType
-    constants: np.ndarray
-    values: np.ndarray
-    out: np.ndarray
-    actuators: tuple[Actuated, ...]
-    section: tuple[str, ...] = ()
+    module: ModuleType  # The generated functions
+    constants: np.ndarray  # Of the ship
+    values: np.ndarray  # (points, arguments) What the functions are given at each point; ``points`` fills it
+    out: np.ndarray  # (points, entries) The derivatives, row by row
+    actuators: tuple[Actuated, ...]  # Of the model
+    section: tuple[str, ...] = ()  # Particulars of the water that points give
 
     def points(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Return what the functions are given at points, (points, arguments).
-
-        Parameters
-        ----------
-        at : mapping of str to number or array (points,)
-            As for ``Linearisation.state``.
-        """
+        """Return what the functions are given at points, (points, arguments)."""
         for column, value in enumerate(argument_values(at, self.actuators, self.section)):
             self.values[:, column] = value
         return self.values
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
-        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites.
-
-        Parameters
-        ----------
-        values : array (points, arguments)
-            As ``points`` gives them.
-        """
+        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
+        # values (points, arguments)
         self.module.batch(values, self.constants, self.out)
         return self.out.reshape(len(self.out), len(LINEARISED), -1)

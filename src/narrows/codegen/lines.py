@@ -13,45 +13,27 @@ import sympy
 from narrows.codegen.free_motion import Expr
 
 Assignment = tuple[Expr, Expr]
+# A place in the program where a loop may be parted.
 CUT = None
-"""A place in the program where a loop may be parted."""
 FUNCTION_NAMES = ("minimum", "maximum", "choice", "angle", "sine", "cosine", "whole", "entry", "positive")
+# Functions that printers know. ``whole`` cuts a number down to an integer, ``entry(column, cell)`` reads the table of
+# a waterway, ``positive`` is 1 over 0 and else 0.
 FUNCTIONS: dict[str, Expr] = {name: sympy.Function(name, real=True) for name in FUNCTION_NAMES}
-"""Functions that printers know. ``whole`` cuts a number down to an integer, ``entry(column, cell)`` reads the table
-of a waterway, ``positive`` is 1 over 0 and else 0."""
 
 
 @lru_cache(maxsize=4096)
 def real(name: str) -> Expr:
-    """Return the symbol of a number of the program (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the number.
-    """
+    """Return the symbol of a number of the program."""
     return sympy.Symbol(name, real=True)
 
 
 def clipped(value: Expr, most: Expr) -> Expr:
-    """Bring an expression to between ``-most`` and ``most``.
-
-    Parameters
-    ----------
-    value, most : expression
-        In the same unit.
-    """
+    """Bring an expression to between ``-most`` and ``most``."""
     return FUNCTIONS["minimum"](FUNCTIONS["maximum"](value, -most), most)
 
 
 def least(*values: Expr) -> Expr:
-    """Return the least of some expressions.
-
-    Parameters
-    ----------
-    *values : expression
-        One or more.
-    """
+    """Return the least of some expressions."""
     smallest, *rest = values
     for value in rest:
         smallest = FUNCTIONS["minimum"](smallest, value)
@@ -59,13 +41,7 @@ def least(*values: Expr) -> Expr:
 
 
 def greatest(*values: Expr) -> Expr:
-    """Return the greatest of some expressions.
-
-    Parameters
-    ----------
-    *values : expression
-        One or more.
-    """
+    """Return the greatest of some expressions."""
     largest, *rest = values
     for value in rest:
         largest = FUNCTIONS["maximum"](largest, value)
@@ -74,27 +50,13 @@ def greatest(*values: Expr) -> Expr:
 
 @dataclass
 class Lines:
-    """A program of assignments that is being written.
+    """A program of assignments that is being written."""
 
-    Parameters
-    ----------
-    program : list of (symbol, expression) or CUT
-        In order.
-    """
-
-    program: list[Assignment | None] = field(default_factory=list)
+    program: list[Assignment | None] = field(default_factory=list)  # In order
     _taken: set[str] = field(default_factory=set)
 
     def put(self, name: str, value: Expr) -> Expr:
-        """Write a line and return its symbol; a number or a symbol alone needs none.
-
-        Parameters
-        ----------
-        name : str
-            What the line is to be called; marked where it is taken.
-        value : expression
-            Of symbols that are known before.
-        """
+        """Write a line and return its symbol; a number or a symbol alone needs none."""
         value = sympy.sympify(value)
         if value.is_Number or value.is_Symbol:
             return value
@@ -107,19 +69,8 @@ class Lines:
     def inline(
         self, prefix: str, assignments: Iterable[Assignment], results: Iterable[Expr], values: Mapping[Expr, Expr]
     ) -> list[Expr]:
-        """Write the lines of a function here, its arguments replaced, and return its results.
-
-        Parameters
-        ----------
-        prefix : str
-            Of the names of its lines.
-        assignments : iterable of (symbol, expression)
-            The function's lines.
-        results : iterable of expression
-            The function's results.
-        values : mapping of symbol to expression
-            What stands for its arguments.
-        """
+        """Write the lines of a function here, its arguments replaced, and return its results."""
+        # assignments (symbol, expression)
         where = dict(values)
         for name, value in assignments:
             where[name] = self.put(f"{prefix}{name}", value.xreplace(where))
@@ -135,13 +86,7 @@ class Lines:
         return [line for line in self.program if line is not None]
 
     def needed_for(self, results: Sequence[Expr]) -> "Lines":
-        """Return the program without the lines that nothing asks for.
-
-        Parameters
-        ----------
-        results : sequence of expression
-            What is asked for.
-        """
+        """Return the program without the lines that nothing asks for."""
         wanted = {str(s) for result in results for s in sympy.sympify(result).free_symbols}
         kept: list[Assignment | None] = []
         for line in reversed(self.program):
@@ -165,30 +110,14 @@ class Lines:
 
 @dataclass(frozen=True)
 class Program:
-    """Lines, and what becomes of them.
+    """Lines, and what becomes of them."""
 
-    Parameters
-    ----------
-    assignments : tuple of (symbol, expression)
-        In order.
-    results : tuple of expression
-        What it gives.
-    """
-
-    assignments: tuple[Assignment, ...]
-    results: tuple[Expr, ...]
+    assignments: tuple[Assignment, ...]  # In order
+    results: tuple[Expr, ...]  # What it gives
 
     @classmethod
     def of(cls, lines: Lines, results: Sequence[Expr]) -> "Program":
-        """Return the lines that some results need.
-
-        Parameters
-        ----------
-        lines : Lines
-            A program.
-        results : sequence of expression
-            What it is to give.
-        """
+        """Return the lines that some results need."""
         return cls(tuple(lines.needed_for(results).assignments), tuple(results))
 
     @cached_property

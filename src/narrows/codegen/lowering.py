@@ -9,15 +9,9 @@ from narrows.codegen.lines import CUT, Assignment, Lines
 
 @dataclass
 class Constants:
-    """The expressions of parameters that the moving part uses, each under the name of a constant.
+    """The expressions of parameters that the moving part uses, each under the name of a constant."""
 
-    Parameters
-    ----------
-    parameters : set of symbol
-        What does not change in a voyage.
-    """
-
-    parameters: set[Expr]
+    parameters: set[Expr]  # What does not change in a voyage
     table: dict[Expr, Expr] = field(default_factory=dict)
 
     @property
@@ -43,22 +37,7 @@ class Constants:
 
 
 def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list[Assignment], list[Expr]]:
-    """Take out common subexpressions and name what a power repeats (ours).
-
-    Parameters
-    ----------
-    expressions : sequence of expression
-        The results.
-    prefix : str
-        Of the names of the lines.
-
-    Returns
-    -------
-    assignments : list of (symbol, expression)
-        In order.
-    results : list of expression
-        The results in terms of them.
-    """
+    """Take out common subexpressions and name what a power repeats."""
     import sympy
 
     names = sympy.numbered_symbols(prefix, real=True)
@@ -79,30 +58,15 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
 
 
 def reads_table(value: Expr) -> bool:
-    """Whether a line reads the table of a waterway (ours).
-
-    Parameters
-    ----------
-    value : expression
-        Of the line.
-    """
+    """Whether a line reads the table of a waterway."""
     return str(value.func) == "entry"
 
 
 def rounds(lines: Lines, apart: Callable[[Expr], bool] = reads_table) -> list[list[Assignment]]:
-    """Part a program into loops over lanes: at its cuts, and where the table of a waterway is read.
-
-    A loop that reads a table at an index of its own and writes the block does not vectorise: nothing tells LLVM that
-    the two do not overlap. So reads get loops of their own, that only fetch, and the arithmetic between them
-    vectorises.
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    apart : callable
-        Whether a line belongs into a loop with its like alone.
-    """
+    """Part a program into loops over lanes: at its cuts, and where the table of a waterway is read."""
+    # A loop that reads a table at an index of its own and writes the block does not vectorise: nothing tells LLVM that
+    # the two do not overlap. So reads get loops of their own, that only fetch, and the arithmetic between them
+    # vectorises.
     if any(apart(value) for _, value in lines.assignments):
         return _scheduled(lines, apart)
     parts: list[list[Assignment]] = [[]]

@@ -16,17 +16,7 @@ SIZE = hashlib.sha256().digest_size
 
 
 class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
-    """Numba's index and data files, each behind the hash of what it holds (ours).
-
-    Parameters
-    ----------
-    cache_path : str
-        Their folder.
-    filename_base : str
-        How their names begin.
-    source_stamp : object
-        What tells whether the source has changed.
-    """
+    """Numba's index and data files, each behind the hash of what it holds."""
 
     def _load_index(self) -> dict[Any, str]:
         try:
@@ -57,13 +47,7 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
 
 
 class CheckedCache:
-    """The cache of one compiled function, with which the function compiles whatever the disk does (ours).
-
-    Parameters
-    ----------
-    cache : FunctionCache
-        Numba's own.
-    """
+    """The cache of one compiled function, with which the function compiles whatever the disk does."""
 
     def __init__(self, cache: Any) -> None:
         old = cache._cache_file
@@ -75,27 +59,13 @@ class CheckedCache:
         return getattr(self._cache, name)
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep what was compiled, where the disk takes it.
-
-        Parameters
-        ----------
-        signature : object
-            Of the function.
-        data : object
-            What was compiled.
-        """
+        """Keep what was compiled, where the disk takes it."""
         with suppress(OSError):
             self._cache.save_overload(signature, data)
 
 
 def checked(module: ModuleType) -> None:
-    """Check the compiled files of every function of a module that Numba keeps (ours).
-
-    Parameters
-    ----------
-    module : module
-        As it was imported.
-    """
+    """Check the compiled files of every function of a module that Numba keeps."""
     for value in vars(module).values():
         cache = getattr(value, "_cache", None)
         if hasattr(cache, "_cache_file"):

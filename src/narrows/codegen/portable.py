@@ -14,45 +14,27 @@ from narrows.codegen.shapes import OPEN
 from narrows.codegen.step import Step, rate_here, room_left, section_here, step_of
 from narrows.codegen.tape import tape_of
 
+# What the lines call the order that a caller gives an actuator with a gear.
 ORDERED = "ordered_{}".format
-"""What the lines call the order that a caller gives an actuator with a gear."""
 
+# What the lines ask for of the table of a waterway.
 PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
-"""What the lines ask for of the table of a waterway."""
 
 
 @dataclass(frozen=True)
 class Portable:
-    """The engine's lines of one ship, for a caller who gives orders, forces and a waterway.
+    """The engine's lines of one ship, for a caller who gives orders, forces and a waterway."""
 
-    Actuators that are angles have a gear, which follows an order, a caller's or of a law; the others are as the caller
-    says.
+    # Actuators that are angles have a gear, which follows an order, a caller's or of a law; the others are as the
+    # caller says.
 
-    Parameters
-    ----------
-    motion : FreeMotion
-        The equations of motion.
-    names : tuple of str
-        The coefficients.
-    actuators : tuple of Actuated
-        Of the model.
-    contact : str or int
-        ``corners``, ``midship``, ``none``, or the number of points of an outline.
-    waterway : bool
-        Whether the section of the water changes.
-    law : Law, optional
-        What gives the orders instead of a caller.
-    told : tuple of str
-        The numbers of the law, which a caller gives.
-    """
-
-    motion: FreeMotion
-    names: tuple[str, ...]
-    actuators: tuple[Actuated, ...]
-    contact: str | int
-    waterway: bool
-    law: Law | None = None
-    told: tuple[str, ...] = ()
+    motion: FreeMotion  # The equations of motion
+    names: tuple[str, ...]  # The coefficients
+    actuators: tuple[Actuated, ...]  # Of the model
+    contact: str | int  # ``corners``, ``midship``, ``none``, or the number of points of an outline
+    waterway: bool  # Whether the section of the water changes
+    law: Law | None = None  # What gives the orders instead of a caller
+    told: tuple[str, ...] = ()  # The numbers of the law, which a caller gives
 
     @property
     def geared(self) -> tuple[Actuated, ...]:

@@ -15,22 +15,13 @@ TURNED = ("cos_psi", "sin_psi", "u", "v", "r")
 
 @dataclass(frozen=True)
 class Rates:
-    """The rates of ``STATE`` by state, controls, section of the water and constants.
+    """The rates of ``STATE`` by state, controls, section of the water and constants."""
 
-    Parameters
-    ----------
-    motion : FreeMotion
-        The equations of motion.
-    moving : tuple of str
-        Quantities that change within a voyage beside the state: of actuators that move, of the section, forces from
-        outside.
-    pushed : bool
-        Whether forces from outside act.
-    """
-
-    motion: FreeMotion
+    motion: FreeMotion  # The equations of motion
+    # Quantities that change within a voyage beside the state: of actuators that move, of the section, forces from
+    # outside
     moving: tuple[str, ...]
-    pushed: bool = False
+    pushed: bool = False  # Whether forces from outside act
 
     @cached_property
     def _parts(self) -> tuple[Constants, tuple[Expr, ...]]:
@@ -54,27 +45,11 @@ class Rates:
         return straight_lines(self.derivatives)
 
     def feels(self, name: str) -> bool:
-        """Whether a rate depends on a quantity.
-
-        Parameters
-        ----------
-        name : str
-            Of the quantity.
-        """
+        """Whether a rate depends on a quantity."""
         return any(symbol(name) in rate.free_symbols for rate in self.derivatives)
 
     def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
-        """Write the rates into a program.
-
-        Parameters
-        ----------
-        lines : Lines
-            The program.
-        tag : str
-            Of the names of the lines.
-        values : mapping of str to expression
-            State and moving quantities; every other name stands for itself.
-        """
+        """Write the rates into a program."""
         where = {symbol(name): value for name, value in values.items()}
         results = lines.inline(f"e{tag}_", *self.lines, where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}

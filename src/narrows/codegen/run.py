@@ -19,59 +19,30 @@ BOOK_PLACES = 9
 
 @dataclass(frozen=True)
 class WaterTable:
-    """Where vessels sail, as a kernel asks for it.
+    """Where vessels sail, as a kernel asks for it."""
 
-    Parameters
-    ----------
-    table : array
-        Of a waterway, a row a cell; empty in a straight canal.
-    track : array
-        Nodes of line and banks, for the exact room.
-    outline : array [m]
-        Points of the hull, forward and starboard in turn.
-    """
-
-    table: np.ndarray
-    track: np.ndarray
-    outline: np.ndarray
+    table: np.ndarray  # Of a waterway, a row a cell; empty in a straight canal
+    track: np.ndarray  # Nodes of line and banks, for the exact room
+    outline: np.ndarray  # Points of the hull, forward and starboard in turn [m]
 
 
+# A straight canal: nothing to look up.
 NOWHERE = WaterTable(np.zeros(16), np.zeros(27), np.zeros(6))
-"""A straight canal: nothing to look up."""
 
 
 @dataclass
 class PreparedRun:
-    """Vessels laid out for a kernel; calling it sails them all, from ``start`` as it then stands.
+    """Vessels laid out for a kernel; calling it sails them all, from ``start`` as it then stands."""
 
-    Parameters
-    ----------
-    kernel : module
-        The generated kernel.
-    start : array (n, kept)
-        What is kept from step to step, at the start.
-    times : array (n, 3) [s]
-        Length of a step, whole steps, length of the last and shorter one.
-    vessel_inputs : array (n, vessel inputs)
-        Inputs of each vessel's own.
-    shared : array (shared inputs,)
-        Inputs that all share.
-    water : WaterTable
-        Where they sail.
-    limits : array (2,) [m]
-        How closely a contact is located, and how near a bank a motion that runs away has met it.
-    workers : int
-        Threads.
-    """
-
-    kernel: ModuleType
-    start: np.ndarray
-    times: np.ndarray
-    vessel_inputs: np.ndarray
-    shared: np.ndarray
-    water: WaterTable
+    kernel: ModuleType  # The generated kernel
+    start: np.ndarray  # (n, kept) What is kept from step to step, at the start
+    times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
+    vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel's own
+    shared: np.ndarray  # (shared inputs,) Inputs that all share
+    water: WaterTable  # Where they sail
+    # (2,) How closely a contact is located, and how near a bank a motion that runs away has met it [m]
     limits: np.ndarray
-    workers: int
+    workers: int  # Threads
     end: np.ndarray = field(init=False)
     time: np.ndarray = field(init=False)
     codes: np.ndarray = field(init=False)
@@ -126,17 +97,7 @@ class PreparedRun:
 
 
 def in_threads(work: Any, parts: Sequence[Any], workers: int) -> list[Any]:
-    """Work on parts in threads; an interrupt does not wait for the whole queue (ours).
-
-    Parameters
-    ----------
-    work : callable
-        Takes a part.
-    parts : sequence
-        What there is to do.
-    workers : int
-        Threads.
-    """
+    """Work on parts in threads; an interrupt does not wait for the whole queue."""
     if len(parts) == 1:
         return [work(parts[0])]
     pool = ThreadPoolExecutor(workers)
@@ -154,15 +115,7 @@ def cores() -> int:
 
 
 def slices(vessels: int, workers: int) -> list[slice]:
-    """Part vessels for threads (ours).
-
-    Parameters
-    ----------
-    vessels : int
-        How many.
-    workers : int
-        Threads.
-    """
+    """Part vessels for threads."""
     if workers == 1:
         return [slice(0, vessels)]
     size = max(SMALLEST_SLICE, min(LARGEST_SLICE, -(-vessels // (workers * SLICES_PER_WORKER))))
@@ -170,15 +123,8 @@ def slices(vessels: int, workers: int) -> list[slice]:
 
 
 def step_counts(dt: np.ndarray, duration: np.ndarray) -> np.ndarray:
-    """Return length of a step, whole steps and length of the last, shorter one, (n, 3) [s].
-
-    Parameters
-    ----------
-    dt : array (n,) [s]
-        Time step.
-    duration : array (n,) [s]
-        Longest voyage.
-    """
+    """Return length of a step, whole steps and length of the last, shorter one, (n, 3) [s]."""
+    # dt (n,) [s]; duration (n,) [s]
     count = np.floor(duration / dt + 1e-9)
     rest = duration - count * dt
     return np.ascontiguousarray(np.stack([dt, count, np.where(rest > 1e-9 * dt, rest, 0.0)], axis=1))
@@ -188,32 +134,8 @@ def prepare(
     kernel: ModuleType, inputs: Mapping[str, Any], start: Mapping[str, Any], times: np.ndarray, water: WaterTable,
     limits: np.ndarray, workers: int, precision: str = "float64",
 ) -> PreparedRun:  # fmt: skip
-    """Lay out vessels for a kernel (ours).
-
-    Parameters
-    ----------
-    kernel : module
-        The generated kernel.
-    inputs : mapping of str to number or array (n,)
-        Everything that its step asks for, by name.
-    start : mapping of str to number or array (n,)
-        What is kept from step to step.
-    times : array (n, 3) [s]
-        As ``step_counts`` gives them.
-    water : WaterTable
-        Where they sail.
-    limits : array (2,) [m]
-        As in ``PreparedRun``.
-    workers : int
-        Threads.
-    precision : str
-        Of the lanes.
-
-    Raises
-    ------
-    InputError
-        Where single precision cannot count the steps.
-    """
+    """Lay out vessels for a kernel."""
+    # times (n, 3) [s]; limits (2,) [m]
     vessels = len(times)
     if precision == "float32" and times[:, 1].max(initial=0) >= MOST_STEPS_SINGLE:
         raise InputError(f"single precision counts fewer than {MOST_STEPS_SINGLE} steps; lengthen dt or use float64")

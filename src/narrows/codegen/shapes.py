@@ -4,26 +4,16 @@ from typing import Any
 
 from narrows.errors import InputError, did_you_mean
 
+# Points (forward, starboard) of a hull [m] from midship; the hull is as wide as their convex hull.
 Outline = tuple[tuple[float, float], ...]
-"""Points (forward, starboard) of a hull [m] from midship; the hull is as wide as their convex hull."""
 CORNERS, MIDSHIP, OPEN = "corners", "midship", "none"
 SHAPES = (CORNERS, MIDSHIP, OPEN)
 FEWEST_POINTS = 3
 
 
 def checked_shape(shape: Any) -> str | Outline:
-    """Return the name or the outline of a hull's shape (ours).
-
-    Parameters
-    ----------
-    shape : str or sequence of pairs of float [m]
-        ``corners``, ``midship``, ``none``, or points (forward, starboard) of an outline.
-
-    Raises
-    ------
-    InputError
-        Where it is none of these.
-    """
+    """Return the name or the outline of a hull's shape."""
+    # shape [m]
     if isinstance(shape, str):
         if shape not in SHAPES:
             raise InputError(f"contact {shape!r} is unknown{did_you_mean(shape, SHAPES)}, or points of an outline")
@@ -40,11 +30,5 @@ def checked_shape(shape: Any) -> str | Outline:
 
 
 def point_names(count: int) -> list[tuple[str, str]]:
-    """Name the coordinates of an outline's points (ours).
-
-    Parameters
-    ----------
-    count : int
-        How many points.
-    """
+    """Name the coordinates of an outline's points."""
     return [(f"outline_forward_{number}", f"outline_starboard_{number}") for number in range(count)]

@@ -18,25 +18,17 @@ from narrows.codegen.rates import Rates
 from narrows.codegen.shapes import MIDSHIP, OPEN
 
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
+# The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last weigh.
 SIXTH = sympy.Rational(1, 6)
-"""The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last
-weigh."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """The lines of a step.
+    """The lines of a step."""
 
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    out : mapping of str to expression
-        What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and
-        to the limit of heading; ``lean`` [m], positive where the starboard bank is nearer.
-    """
-
-    lines: Lines
+    lines: Lines  # The program
+    # What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and
+    # to the limit of heading; ``lean`` [m], positive where the starboard bank is nearer
     out: Mapping[str, Expr]
 
     def with_whole_steps(self) -> "Step":
@@ -53,15 +45,7 @@ class Step:
 
 
 def step_of(rates: Rates, choices: Choices) -> Step:
-    """Write one step.
-
-    Parameters
-    ----------
-    rates : Rates
-        Of the state.
-    choices : Choices
-        What the step holds.
-    """
+    """Write one step."""
     lines, z = Lines(), {name: real(name) for name in choices.kept}
     h = lines.put("h", real(LENGTH) * real(SHARE))
     moves, out = _orders(lines, choices, z)
@@ -160,19 +144,7 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 
 
 def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str) -> tuple[dict[str, Expr], Expr]:
-    """Write the straight canal that a waterway is at a ship's place, and the curvature of its line there.
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    rates : Rates
-        Of the state.
-    values : mapping of str to expression
-        The state.
-    tag : str
-        Of the names of the lines.
-    """
+    """Write the straight canal that a waterway is at a ship's place, and the curvature of its line there."""
     now = _section(lines, values["x"], _felt_columns(rates), f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
@@ -183,21 +155,7 @@ def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: st
 
 
 def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
-    """Write the rates in the waterway, by those of the straight canal that the water is here.
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    rates : Rates
-        Of the state.
-    choices : Choices
-        What the step holds.
-    values : dict of str to expression
-        State and moving quantities.
-    tag : str
-        Of the names of the lines.
-    """
+    """Write the rates in the waterway, by those of the straight canal that the water is here."""
     if not choices.waterway:
         return {**rates.written(lines, tag, values), COUNTED: values["r"]}
     here, curvature = section_here(lines, rates, values, tag)
@@ -240,17 +198,7 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, felt:
 
 
 def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Expr, Expr]:
-    """Write what is left to whatever ends the voyage, and how much nearer the starboard bank is [m].
-
-    Parameters
-    ----------
-    lines : Lines
-        The program.
-    choices : Choices
-        What the step holds.
-    z : mapping of str to expression
-        The state.
-    """
+    """Write what is left to whatever ends the voyage, and how much nearer the starboard bank is [m]."""
     left = [lines.put("heading_left", z["cos_psi"] - real("least_cos"))]
     if choices.waterway:
         left += [lines.put("left_ahead", real("x_last") - z["x"]), lines.put("left_astern", z["x"] - real("x_first"))]

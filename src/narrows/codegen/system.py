@@ -24,32 +24,20 @@ if TYPE_CHECKING:
     from narrows.codegen.step import Step
 
 FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
+# What numbers are where nothing is said of them.
 DEFAULTS = dict.fromkeys((*FORCES_FROM_OUTSIDE, "heave", "surge_inertia"), 0.0)
-"""What numbers are where nothing is said of them."""
 
 
 @dataclass(frozen=True)
 class System:
-    """Terms, pose, actuators, section of the water, control law and contact as one traced system.
+    """Terms, pose, actuators, section of the water, control law and contact as one traced system."""
 
-    Coefficients, ship, canal and water are arguments: a new fit compiles nothing.
+    # Coefficients, ship, canal and water are arguments: a new fit compiles nothing.
 
-    Parameters
-    ----------
-    table : TermTable
-        The terms.
-    surge : {"held", "free"}
-        Whether the surge velocity is constant.
-    coriolis : bool
-        Whether -m u r in sway and m v r in surge are added to the terms.
-    choices : Choices
-        What a step holds.
-    """
-
-    table: TermTable
-    surge: "Surge"
-    coriolis: bool
-    choices: "Choices"
+    table: TermTable  # The terms
+    surge: "Surge"  # Whether the surge velocity is constant
+    coriolis: bool  # Whether -m u r in sway and m v r in surge are added to the terms
+    choices: "Choices"  # What a step holds
 
     @cached_property
     def tape(self) -> Tape:
@@ -114,18 +102,7 @@ class System:
         return (self.tape.text, forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
-        """Evaluate what stays the same through a voyage, by the names of the lines.
-
-        Parameters
-        ----------
-        values : mapping of str to number
-            Coefficients and particulars by name, each in its SI unit, as columns for a fleet; more is welcome.
-
-        Raises
-        ------
-        InputError
-            Where a value is missing, or no mass resists an acceleration.
-        """
+        """Evaluate what stays the same through a voyage, by the names of the lines."""
         scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)
         functions = self.scalar if scalar else self.columns
         return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
@@ -133,22 +110,7 @@ class System:
     def linearisation(
         self, values: Mapping[str, Number], actuators: Sequence["Actuated"], section: tuple[str, ...] = ()
     ) -> "Linearisation":
-        """Return the exact derivatives of the motion.
-
-        Parameters
-        ----------
-        values : mapping of str to number
-            As for ``constants``.
-        actuators : sequence of Actuated
-            Of the model, whose positions are to be differentiated by.
-        section : tuple of str
-            Particulars of the water, width or depth, that change from point to point.
-
-        Raises
-        ------
-        InputError
-            Where a value is missing, or no mass resists an acceleration.
-        """
+        """Return the exact derivatives of the motion."""
         from narrows.codegen.linearisation import Linearisation
 
         scope = _derivatives(self, tuple(actuators), section)
@@ -165,15 +127,7 @@ class System:
         return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
 
     def kernel(self, vessel_inputs: tuple[str, ...], precision: str) -> ModuleType:
-        """Return the module that sails a fleet; its ``sail`` compiles when first called.
-
-        Parameters
-        ----------
-        vessel_inputs : tuple of str
-            Inputs that each vessel has of its own; with ``k`` among them all constants of the ship are.
-        precision : {"float64", "float32"}
-            Of a lane.
-        """
+        """Return the module that sails a fleet; its ``sail`` compiles when first called."""
 
         def text() -> str:
             from narrows.codegen.kernel import LANES, kernel_text
@@ -187,13 +141,7 @@ class System:
         return generated("kernel", (*self.key, vessel_inputs, precision), text)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
-        """Return the module that sails a voyage with its slopes; its ``march`` compiles when first called.
-
-        Parameters
-        ----------
-        moving : tuple of str
-            Inputs of the step that have slopes, beside what is kept from step to step.
-        """
+        """Return the module that sails a voyage with its slopes; its ``march`` compiles when first called."""
 
         def text() -> str:
             from narrows.codegen.tangent import tangent_text
@@ -205,15 +153,7 @@ class System:
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray | float]:
-        """Differentiate what stays the same through a voyage along some directions, by the names of the lines.
-
-        Parameters
-        ----------
-        values : mapping of str to number
-            As for ``constants``.
-        slopes : mapping of str to array (directions,)
-            Of those values that move.
-        """
+        """Differentiate what stays the same through a voyage along some directions, by the names of the lines."""
         functions = self._constants_slopes
         known = DEFAULTS | dict(values)
         numbers = [float(np.ravel(known[name])[0]) for name in functions.PARAMETERS]

@@ -19,28 +19,18 @@ from narrows.codegen.printers.python import Arithmetic, function_text
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step
 
+# Lanes of a block; more directions take more passes.
 DIRECTIONS = 32
-"""Lanes of a block; more directions take more passes."""
 SLOPE = "d_{}".format
 
 
 @dataclass(frozen=True)
 class Tangent:
-    """A step and its slopes, parted into what is a float and what is a lane.
+    """A step and its slopes, parted into what is a float and what is a lane."""
 
-    Parameters
-    ----------
-    step : Step
-        Whole steps.
-    kept : tuple of str
-        What goes from step to step.
-    moving : tuple of str
-        Inputs that have slopes, beside what is kept.
-    """
-
-    step: Step
-    kept: tuple[str, ...]
-    moving: tuple[str, ...]
+    step: Step  # Whole steps
+    kept: tuple[str, ...]  # What goes from step to step
+    moving: tuple[str, ...]  # Inputs that have slopes, beside what is kept
 
     @cached_property
     def _program(self) -> tuple[Lines, dict[str, Expr], dict[str, Expr]]:
@@ -75,13 +65,7 @@ class Tangent:
         return (*self.moving, *rest)
 
     def text(self, printer: Arithmetic) -> str:
-        """Print the function ``step(z, block, inputs, table)``, in place.
-
-        Parameters
-        ----------
-        printer : Arithmetic
-            Writes expressions.
-        """
+        """Print the function ``step(z, block, inputs, table)``, in place."""
         body = "\n    ".join(self._body(printer))
         return f"@jit\ndef step(z, block, inputs, table):\n    {body}\n"
 
@@ -101,19 +85,7 @@ class Tangent:
 
 
 def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], version: str) -> str:
-    """Write the module that sails a voyage with its slopes (ours).
-
-    Parameters
-    ----------
-    step : Step
-        One step.
-    kept : tuple of str
-        What goes from step to step.
-    moving : sequence of str
-        Inputs that have slopes.
-    version : str
-        Of narrows.
-    """
+    """Write the module that sails a voyage with its slopes."""
     tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
     body = tangent.text(printer)
     numbers = {"KEPT": len(kept), "MOVING": len(moving), "DIRECTIONS": DIRECTIONS, "CELL_ENTRIES": ROW}
@@ -131,13 +103,7 @@ def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], versi
 
 
 def constants_text(rates: Rates) -> str:
-    """Write the function of the slopes of what stays the same through a voyage (ours).
-
-    Parameters
-    ----------
-    rates : Rates
-        Of the state.
-    """
+    """Write the function of the slopes of what stays the same through a voyage."""
     constants, names = rates.constants, rates.motion.names
     assignments, results = straight_lines(list(constants.table))
     used = set().union(*(expression.free_symbols for expression in constants.table))

@@ -19,8 +19,8 @@ from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable, uncompiled
 
+# ``("input", name)``, ``("number", text)``, or an operation and the numbers of the lines that it works on.
 Line = tuple[str, ...]
-"""``("input", name)``, ``("number", text)``, or an operation and the numbers of the lines that it works on."""
 
 OPERATORS: dict[str, Callable[..., Number]] = {
     "+": operator.add,
@@ -118,18 +118,10 @@ class Notes:
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """What a function does.
+    """What a function does."""
 
-    Parameters
-    ----------
-    lines : tuple of Line
-        The operations, in order.
-    results : mapping of str to int
-        The line of each result.
-    """
-
-    lines: tuple[Line, ...]
-    results: Mapping[str, int]
+    lines: tuple[Line, ...]  # The operations, in order
+    results: Mapping[str, int]  # The line of each result
 
     @cached_property
     def text(self) -> str:
@@ -157,17 +149,7 @@ class Tape:
         number: Callable[[int | float], Number] = lambda value: value,
         functions: Mapping[str, Callable[..., Number]] = COLUMNS,
     ) -> dict[str, Number]:
-        """Evaluate every result.
-
-        Parameters
-        ----------
-        inputs : mapping of str to number
-            Floats, columns or symbols by name; more than needed is welcome.
-        number : callable
-            Makes of a plain number what goes with the inputs.
-        functions : mapping of str to callable
-            The functions of ``quantities.arithmetic`` for these inputs.
-        """
+        """Evaluate every result."""
         values: list[Number] = []
         for sign, *operands in self.lines:
             if sign == "input":
@@ -181,18 +163,7 @@ class Tape:
 
 
 def tape_of_terms(table: TermTable) -> Tape:
-    """Write down what the regressors of a table do, a result for each term.
-
-    Parameters
-    ----------
-    table : TermTable
-        The terms.
-
-    Raises
-    ------
-    InputError
-        Where a regressor does more than arithmetic, ``abs()`` and the functions of ``quantities.arithmetic``.
-    """
+    """Write down what the regressors of a table do, a result for each term."""
     notes, results = Notes(), {}
     inputs = {name: notes.note(("input", name)) for name in sorted(table.quantities)}
     for term in table.terms:
@@ -204,22 +175,7 @@ def tape_of_terms(table: TermTable) -> Tape:
 
 
 def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Tape:
-    """Write down what a function of named quantities does.
-
-    Parameters
-    ----------
-    function : callable
-        Takes an object with the quantities as attributes; gives results by name.
-    names : mapping of str to str
-        What the function calls each quantity, and what the tape is to call it.
-    what : str
-        What the function is called in messages.
-
-    Raises
-    ------
-    InputError
-        Where it does more than arithmetic and the functions of ``quantities.arithmetic``, or asks for another quantity.
-    """
+    """Write down what a function of named quantities does."""
     notes = Notes()
     quantities = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
     try:

@@ -12,49 +12,28 @@ from narrows.quantities.arithmetic import choice, clip
 from narrows.results import Described
 from narrows.simulation.controllers import EARLY, Named
 
+# From a look to the next, and from an order to its being heard [s].
 DELAY = 3.0
-"""From a look to the next, and from an order to its being heard [s]."""
+# The most rudder that is ordered [deg].
 CAP_DEG = 20.0
-"""The most rudder that is ordered [deg]."""
+# Degrees, of which whole ones are made up.
 BITS = (32, 16, 8, 4, 2, 1)
-"""Degrees, of which whole ones are made up."""
 DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True, repr=False)
 class Helmsman(Described):
-    """A helm by hand: a look every few seconds, an order in whole degrees, heard at the next, up to a cap (ours).
+    """A helm by hand: a look every few seconds, an order in whole degrees, heard at the next, up to a cap."""
 
-    The order is in proportion to what is off, about a trim that follows slowly where the ship stays off its line.
+    # The order is in proportion to what is off, about a trim that follows slowly where the ship stays off its line.
 
-    Parameters
-    ----------
-    y : float or DataArray [m]
-        Offset to hold.
-    gains : three floats or DataArrays [rad/m, 1, s]
-        Rudder for offset, heading and yaw rate off.
-    trim : float or DataArray [rad/(m s)]
-        Rate of the trim for an offset.
-    rudder, psi : float or DataArray [rad, rad]
-        That are thought to hold it there.
-    delay : float [s]
-        Between looks, and from an order to its being heard.
-    cap_deg : float [deg]
-        The most rudder that is ordered, to 63.
-
-    Raises
-    ------
-    InputError
-        Where there are not three gains, a number is not finite, or delay or cap are out of range.
-    """
-
-    y: Any
-    gains: tuple[Any, Any, Any]
-    trim: Any = 0.0
-    rudder: Any = 0.0
-    psi: Any = 0.0
-    delay: float = DELAY
-    cap_deg: float = CAP_DEG
+    y: Any  # Offset to hold [m]
+    gains: tuple[Any, Any, Any]  # Rudder for offset, heading and yaw rate off [rad/m, 1, s]
+    trim: Any = 0.0  # Rate of the trim for an offset [rad/(m s)]
+    rudder: Any = 0.0  # That are thought to hold it there [rad, rad]
+    psi: Any = 0.0  # That are thought to hold it there [rad, rad]
+    delay: float = DELAY  # Between looks, and from an order to its being heard [s]
+    cap_deg: float = CAP_DEG  # The most rudder that is ordered, to 63 [deg]
 
     def __post_init__(self) -> None:
         if len(self.gains) != 3:
@@ -78,23 +57,11 @@ class Helmsman(Described):
         return {**held, **gains, "delay": self.delay, "cap": self.cap_deg * DEGREE}
 
     def memory(self, start: Named) -> Named:
-        """Return the trim, the time of the next look, the order that was given, and the one that is heard.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return the trim, the time of the next look, the order that was given, and the one that is heard."""
         return {"trimmed": 0.0, "next_look": 0.0, "given": start["rudder"], "heard": start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order that is heard, and what is kept in mind.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the order that is heard, and what is kept in mind."""
         off = at.y - at.held_y
         wanted = at.held_rudder + at.trimmed - (at.by_y * off + at.by_psi * (at.psi - at.held_psi) + at.by_r * at.r)
         looks = at.t + EARLY * at.dt - at.next_look
@@ -109,13 +76,8 @@ class Helmsman(Described):
 
 
 def whole_degrees(angle: Any) -> Any:
-    """Return an angle in whole degrees, in arithmetic; halves go outward [rad].
-
-    Parameters
-    ----------
-    angle : number [rad]
-        Of less than 63.5 degrees to either side.
-    """
+    """Return an angle in whole degrees, in arithmetic; halves go outward [rad]."""
+    # angle [rad]
     left, made = abs(angle) / DEGREE + 0.5, 0.0
     for bit in BITS:
         made = made + choice(left - made - bit + 1e-12, bit, 0.0)

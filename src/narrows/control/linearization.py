@@ -142,15 +142,7 @@ def _steady(
 
 
 def _drag(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
-    """Return the force that keeps the speed of a ship without a propeller [N] (ours).
-
-    Parameters
-    ----------
-    motion : LocalMotion
-        Of the ship.
-    course : mapping of str to array
-        Where.
-    """
+    """Return the force that keeps the speed of a ship without a propeller [N]."""
     slowing, by_force = motion.rates({**course, "X": 0.0})["u"], motion.slopes(course)["X"][..., MOVED.index("u")]
     return np.asarray(-slowing / by_force)
 

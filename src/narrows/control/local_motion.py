@@ -21,24 +21,14 @@ WATER = ("current", "curvature")
 
 @dataclass(frozen=True)
 class LocalMotion:
-    """Rates of y, psi, u, v, r of one ship, or of many where values are columns.
+    """Rates of y, psi, u, v, r of one ship, or of many where values are columns."""
 
-    ``at`` has these five, positions of actuators, forces from outside X, Y, N, and ``current`` and ``curvature`` of the
-    line that y and psi count from; what it leaves out is 0.
+    # ``at`` has these five, positions of actuators, forces from outside X, Y, N, and ``current`` and ``curvature`` of
+    # the line that y and psi count from; what it leaves out is 0.
 
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model, and whether its speed is held.
-    water : LocalWater
-        Where it is.
-    values : mapping of str to number
-        Particulars and coefficients by name.
-    """
-
-    ship: SimulatedShip
-    water: LocalWater
-    values: Mapping[str, Number]
+    ship: SimulatedShip  # The model, and whether its speed is held
+    water: LocalWater  # Where it is
+    values: Mapping[str, Number]  # Particulars and coefficients by name
 
     @cached_property
     def _system(self) -> System:
@@ -49,13 +39,7 @@ class LocalMotion:
         return self._system.constants(self.values)
 
     def rates(self, at: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the rates, by the engine's own lines.
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            Where.
-        """
+        """Return the rates, by the engine's own lines."""
         columns, inputs = self._system.columns, dict(self._constants)
         inputs |= {INPUTS[force]: at.get(force, 0.0) for force in FORCES}
         for actuator in self.ship.model.terms.actuators:
@@ -68,13 +52,7 @@ class LocalMotion:
         return {"psi": at["r"] - at.get("curvature", 0.0) * along, **{n: rates[n] for n in MOVED if n != "psi"}}
 
     def slopes(self, at: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        """Return the derivatives of the five rates by whatever moves them: a column (..., 5) by each name.
-
-        Parameters
-        ----------
-        at : mapping of str to number
-            Where.
-        """
+        """Return the derivatives of the five rates by whatever moves them: a column (..., 5) by each name."""
         linear = self.ship.linearisation(self.values)
         shifted = {**at, "y": at["y"] - self.water.middle} | {INPUTS[f]: at.get(f, 0.0) for f in FORCES}
         matrix = linear.linear(shifted)

@@ -14,46 +14,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LocalWater:
-    """The water at a place, taken to go on as it is there.
+    """The water at a place, taken to go on as it is there."""
 
-    Parameters
-    ----------
-    width : float [m]
-        Of the section.
-    sections : mapping of str to float
-        What the terms are told of it instead of the model's own canal: width and depth [m].
-    middle : float [m]
-        Of the section, to starboard of the line that offsets count from.
-    curvature : float [1/m]
-        Of that line, to starboard.
-    current : float [m/s]
-        Along it.
-    """
-
-    width: float
+    width: float  # Of the section [m]
+    # What the terms are told of it instead of the model's own canal: width and depth [m]
     sections: Mapping[str, float] = field(default_factory=dict)
-    middle: float = 0.0
-    curvature: float = 0.0
-    current: float = 0.0
+    middle: float = 0.0  # Of the section, to starboard of the line that offsets count from [m]
+    curvature: float = 0.0  # Of that line, to starboard [1/m]
+    current: float = 0.0  # Along it [m/s]
 
 
 def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWater:
-    """Return the water at a place of a waterway, or the model's own canal (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Its canal gives the depth where the waterway has none.
-    waterway : Waterway, optional
-        Where the ship is instead of that canal.
-    at : float [m]
-        Along the line.
-
-    Raises
-    ------
-    InputError
-        Where the place is beyond the waterway, or the ship does not fit there.
-    """
+    """Return the water at a place of a waterway, or the model's own canal."""
+    # at [m]
     finite_numbers(at=at)
     check_waterway(waterway)
     if waterway is None:

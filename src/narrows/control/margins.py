@@ -6,29 +6,8 @@ from narrows.errors import needs
 
 
 def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, float]:
-    """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input (ours).
-
-    Parameters
-    ----------
-    A : array (n, n)
-        Rates by states.
-    B : array (n, 1)
-        Rates by the input.
-    gains : array (n,)
-        Input for each state off.
-
-    Returns
-    -------
-    dict of str to float
-        ``gain`` and ``gain_down`` [1], factors on the gain that bring it to instability from above and from below;
-        ``phase_deg``; ``delay`` [s]; ``distance`` [1], the least size of 1 + loop. Infinite (or 0, ``gain_down``) where
-        nothing does.
-
-    Raises
-    ------
-    InputError
-        Where python-control is not there (``pip install narrows[control]``).
-    """
+    """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input."""
+    # A (n, n); B (n, 1); gains (n,)
     with needs("control", "margins"):
         import control
     loop = control.ss(A, B, gains[None, :], 0)

@@ -17,21 +17,21 @@ from narrows.simulation.samples import sampled
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# A heading off, and a rudder off that of the course [rad], that weigh as much as half a beam off the line: the calmest
+# helm first.
 LADDER = tuple(
     (math.radians(heading), math.radians(rudder)) for heading, rudder in ((5, 10), (3, 20), (2, 40), (1, 160))
 )
-"""A heading off, and a rudder off that of the course [rad], that weigh as much as half a beam off the line: the calmest
-helm first."""
+# Ships of drawn coefficients, and the share of them that a helm is to hold by the linear theory.
 DRAWN, NEARLY_ALL = 64, 0.98
-"""Ships of drawn coefficients, and the share of them that a helm is to hold by the linear theory."""
+# Of the time of a ship length, in which that much rudder put over weighs as much; no faster than the gear does it.
 STROKE = 0.1
-"""Of the time of a ship length, in which that much rudder put over weighs as much; no faster than the gear does it."""
+# Times of a ship length for which half a beam off the line weighs as much.
 MEMORY = 1.2
-"""Times of a ship length for which half a beam off the line weighs as much."""
+# Times of a ship length that a bend is looked ahead.
 LEAD = 0.45
-"""Times of a ship length that a bend is looked ahead."""
+# Times of a ship length in which the integral is led back where the gear cannot follow.
 UNWINDING = 0.15
-"""Times of a ship length in which the integral is led back where the gear cannot follow."""
 WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
 SETTLES = 1e-7
 IN_VAIN = "no regulator holds this ship {:g} m off the middle at {:g} m/s: its rudder turns nothing there"
@@ -41,7 +41,7 @@ def regulator(
     model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None,
     at: float | Sequence[float] = 0.0, **values: float,
 ) -> Regulator:  # fmt: skip
-    """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate (ours).
+    """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate.
 
     Half a beam off the line, 5 degrees off the course, 10 degrees of rudder off that of the course, these 10 degrees
     put over in a tenth of the time of a ship length, and half a beam off for 1.2 of these times weigh alike; where that
@@ -94,22 +94,8 @@ def _pairs(y: Any) -> list[tuple[float, float]]:
 
 
 def held_line(model: Model, linear: LinearSystem, start: float = 0.0) -> HeldLine:
-    """Return a line with what holds a ship on it.
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    linear : LinearSystem
-        About one course, its speed held.
-    start : float [s]
-        From when.
-
-    Raises
-    ------
-    InputError
-        Where the course asks for more rudder than there is, or the rudder turns nothing.
-    """
+    """Return a line with what holds a ship on it."""
+    # start [s]
     course = {name: float(value) for name, value in linear.course.items()}
     limit = model.configuration.gear.limit
     if not abs(course["rudder"]) <= limit:
@@ -138,44 +124,17 @@ def _straight(
 
 
 def held_gains(model: Model, linear: LinearSystem) -> list[tuple[Any, ...] | None]:
-    """Return the gains of regulators about many courses, by their offset; None where there is no course (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    linear : LinearSystem
-        Of several offsets and one speed.
-
-    Raises
-    ------
-    InputError
-        Where its rudder turns nothing.
-    """
+    """Return the gains of regulators about many courses, by their offset; None where there is no course."""
     known = np.isfinite(linear.course["rudder"])
     return [regulator_gains(model, linear.one(index)) if known[index] else None for index in range(len(known))]
 
 
 def regulator_gains(model: Model, linear: LinearSystem) -> tuple[Any, ...]:
-    """Return the gains of a regulator for what ``FELT`` names, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)] (ours).
-
-    They are of the ship as if a bank drew it as hard at every distance: its slope is what tests tell least of, and
-    gains that trust it lose twice as many ships whose bank is another. What they are to hold is the ship with its bank,
-    and ships of coefficients drawn from the covariance: of ``LADDER`` the calmest helm that holds nearly all of them by
-    the linear theory, or the one that holds most.
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    linear : LinearSystem
-        About one course, its speed held.
-
-    Raises
-    ------
-    InputError
-        Where its rudder turns nothing.
-    """
+    """Return the gains of a regulator for what ``FELT`` names, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]."""
+    # They are of the ship as if a bank drew it as hard at every distance: its slope is what tests tell least of, and
+    # gains that trust it lose twice as many ships whose bank is another. What they are to hold is the ship with its
+    # bank, and ships of coefficients drawn from the covariance: of ``LADDER`` the calmest helm that holds nearly all
+    # of them by the linear theory, or the one that holds most.
     known = sampled(model, DRAWN, 0) if model.covariance is not None else {}
     A, B = linear.drawn({name: column.to_numpy() for name, column in known.items()}) if known else (linear.A, linear.B)
     ships, (blind, push) = rate_driven(linear, A, B)[0], rate_driven(linear, bank=False)
@@ -222,17 +181,8 @@ def _riccati(
 def rate_driven(
     linear: LinearSystem, A: np.ndarray | None = None, B: np.ndarray | None = None, *, bank: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the system of ``FELT`` whose one input is the rate of the rudder: matrices (..., 6, 6) and (6,) (ours).
-
-    Parameters
-    ----------
-    linear : LinearSystem
-        About one course, its speed held.
-    A, B : array (..., 4, 4), (..., 4, controls), optional
-        Of other ships about the same state.
-    bank : bool
-        Whether what a bank does grows as it comes nearer.
-    """
+    """Return the system of ``FELT`` whose one input is the rate of the rudder: matrices (..., 6, 6) and (6,)."""
+    # A, B (..., 4, 4)
     A, B = (linear.A if A is None else A), (linear.B if B is None else B)
     driven, b = np.zeros((*A.shape[:-2], len(FELT), len(FELT))), np.zeros(len(FELT))
     driven[..., :4, :4] = A

@@ -14,8 +14,8 @@ from narrows.simulation.controllers import EARLY, Named
 
 FELT = ("y", "psi", "v", "r", "rudder", "integral")
 TURNED = ("psi", "v", "rudder")
+# Of the speed that it was made for: below it the gains are those of this speed.
 SLOWEST = 0.05
-"""Of the speed that it was made for: below it the gains are those of this speed."""
 
 
 @dataclass(frozen=True)

@@ -3,29 +3,16 @@
 import numpy as np
 
 ROUNDS, SETTLED = 40, 1e-14
+# Least decay of the slowest motion over the fastest that counts.
 STABLE = 1e-7
-"""Least decay of the slowest motion over the fastest that counts."""
 
 
 def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the gains that cost least of many systems with one input each, (n, k); NaN where nothing stabilises it.
-
-    The cost is the square of the input and those of the states by their weights; the equation is solved by doubling.
-
-    Parameters
-    ----------
-    motion : array (n, k, k)
-        Rates by states, of about size 1.
-    push : array (n, k)
-        Rates by the input.
-    weights : array (k, k)
-        Of the squares of the states, on its diagonal.
-
-    References
-    ----------
-    Chu, Fan and Lin (2005), A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations,
-    Linear Algebra and its Applications 396.
-    """
+    """Return the gains that cost least of many systems with one input each, (n, k); NaN where nothing stabilises it."""
+    # motion (n, k, k); push (n, k); weights (k, k)
+    # The cost is the square of the input and those of the states by their weights; the equation is solved by doubling.
+    # Chu, Fan and Lin (2005), A structure-preserving doubling algorithm for continuous-time algebraic Riccati
+    # equations, Linear Algebra and its Applications 396.
     gains = np.full(push.shape, np.nan)
     known = np.flatnonzero(np.isfinite(motion).all(axis=(1, 2)) & np.isfinite(push).all(axis=1))
     if not known.size:

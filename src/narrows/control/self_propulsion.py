@@ -10,7 +10,7 @@ DOUBLINGS = 30
 
 
 def self_propulsion(model: Model, u: float) -> float:
-    """Return the revolutions at which thrust and resistance balance straight ahead, amidships [1/s] (ours).
+    """Return the revolutions at which thrust and resistance balance straight ahead, amidships [1/s].
 
     Parameters
     ----------
@@ -39,15 +39,8 @@ def self_propulsion(model: Model, u: float) -> float:
 
 
 def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
-    """Return what varies, with revolutions that go with the speed where the terms ask for them (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    vary : dict of str to number, sequence or DataArray
-        With u [m/s].
-    """
+    """Return what varies, with revolutions that go with the speed where the terms ask for them."""
+    # vary [m/s]
     if not model.terms.propelled or "revolutions" in vary:
         return vary
     speed = vary["u"]

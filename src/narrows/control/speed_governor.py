@@ -12,8 +12,8 @@ from narrows.quantities.arithmetic import choice, maximum, minimum
 from narrows.results import Described
 from narrows.simulation.controllers import ControlLaw, Named
 
+# What it remembers: the speed that was lacking, over time [m].
 SHORTFALL = "surge_shortfall"
-"""What it remembers: the speed that was lacking, over time [m]."""
 
 
 @dataclass(frozen=True, repr=False)

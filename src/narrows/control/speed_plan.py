@@ -14,19 +14,19 @@ from narrows.model.model import Model
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.derivative import derivative
 
+# Of what a stopped propeller loses of way, that a plan asks for.
 EASE = 0.5
-"""Of what a stopped propeller loses of way, that a plan asks for."""
+# Times of a ship length in which the governor makes up what is lacking.
 SETTLED = 3.0
-"""Times of a ship length in which the governor makes up what is lacking."""
+# Of which a change of speed is made: v2 is a line along the way, v is not.
 PIECES = 4
-"""Of which a change of speed is made: v2 is a line along the way, v is not."""
 
 
 def speed_governor(
     model: Model, helm: ControlLaw, limits: Sequence[tuple[float, float]], *, deceleration: float | None = None,
     most_revolutions: float = math.inf,
 ) -> SpeedGovernor:  # fmt: skip
-    """Return a governor that keeps a ship's speed to limits along its way and slows in time (ours).
+    """Return a governor that keeps a ship's speed to limits along its way and slows in time.
 
     Speed and revolutions are of a ship straight ahead in the model's own water; what a section, a bend or a rudder adds
     to the resistance the governor makes up.
@@ -79,19 +79,8 @@ def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[f
 
 
 def planned(x: float, places: Sequence[float], speeds: Sequence[float], rate: float) -> float:
-    """Return the fastest speed at a place that keeps every limit [m/s] (ours).
-
-    Parameters
-    ----------
-    x : float [m]
-        Along the way.
-    places : sequence of float [m]
-        From where each limit holds.
-    speeds : sequence of float [m/s]
-        The limits.
-    rate : float [m/s2]
-        With which the speed changes at most.
-    """
+    """Return the fastest speed at a place that keeps every limit [m/s]."""
+    # x [m]; places [m]; speeds [m/s]; rate [m/s2]
     edges = [-math.inf, *places[1:], math.inf]
     away = [max(first - x, x - last, 0.0) for first, last in pairwise(edges)]
     return min(math.sqrt(speed**2 + 2 * rate * gap) for speed, gap in zip(speeds, away, strict=True))

@@ -17,40 +17,20 @@ STATES, (OFF_COURSE, HARD) = ("y", "psi", "v", "r"), LADDER[0]
 
 @dataclass(frozen=True)
 class Tightness:
-    """How hard a regulator holds its line (ours).
+    """How hard a regulator holds its line."""
 
-    Parameters
-    ----------
-    offset : float [1]
-        A half beam over the offset that weighs as much as the usual heading and rudder.
-    memory : float [1]
-        Times of a ship length for which that offset weighs as much.
-    knowing : bool
-        Whether it trusts how what a bank does grows as it comes nearer, or takes the ship as drawn as hard at every
-        distance, as ``regulator_gains`` does.
-    """
-
-    offset: float = 1.0
-    memory: float = MEMORY
+    offset: float = 1.0  # A half beam over the offset that weighs as much as the usual heading and rudder [1]
+    memory: float = MEMORY  # Times of a ship length for which that offset weighs as much [1]
+    # Whether it trusts how what a bank does grows as it comes nearer, or takes the ship as drawn as hard at every
+    # distance, as ``regulator_gains`` does
     knowing: bool = False
 
 
 def stacked_gains(
     ship: SimulatedShip, values: Mapping[str, Any], course: Mapping[str, Any], tightness: Tightness
 ) -> np.ndarray:
-    """Return the gains of a regulator for each of many courses, (n, 6), as of ``regulator_gains`` (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        With its speed held.
-    values : mapping of str to number or array (n,)
-        Particulars and coefficients by name.
-    course : mapping of str to array (n,)
-        y [m], u, v [m/s], rudder [rad] of a straight course, and positions of other actuators; NaN gives NaN.
-    tightness : Tightness
-        How hard it holds the line.
-    """
+    """Return the gains of a regulator for each of many courses, (n, 6), as of ``regulator_gains``."""
+    # course [m]
     particulars, gear = ship.model.configuration.ship, ship.model.configuration.gear
     linear = ship.linearisation({**ship.values(), **values})
     matrix = linear.linear({**course, "psi": -np.arctan(course["v"] / course["u"])})
@@ -80,17 +60,8 @@ def stacked_gains(
 
 
 def holding(motion: np.ndarray, push: np.ndarray, gains: np.ndarray) -> np.ndarray:
-    """Return which of many systems gains hold (n,); false where a gain is NaN (ours).
-
-    Parameters
-    ----------
-    motion : array (n, k, k)
-        Rates by states.
-    push : array (n, k)
-        Rates by the input.
-    gains : array (n, k)
-        Of the states.
-    """
+    """Return which of many systems gains hold (n,); false where a gain is NaN."""
+    # motion (n, k, k); push (n, k); gains (n, k)
     known = np.isfinite(gains).all(axis=1) & np.isfinite(motion).all(axis=(1, 2))
     poles = np.linalg.eigvals(np.where(known[:, None, None], motion - push[:, :, None] * gains[:, None, :], 0.0))
     return np.asarray(known & (poles.real.max(axis=1) < -SETTLES * np.abs(poles).max(axis=1)))

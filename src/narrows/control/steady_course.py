@@ -19,18 +19,18 @@ from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, check_workers
 from narrows.simulation.ship import SimulatedShip
 
+# What a steady course answers or does not feel.
 SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
-"""What a steady course answers or does not feel."""
 RUDDER = "rudder"
+# What bends a steady course, or carries it along: none in a straight canal.
 ALONG = ("path_curvature", "current")
-"""What bends a steady course, or carries it along: none in a straight canal."""
 BLOCK = 16_384
 
 
 def steady_course(
     model: Model, *, samples: int = 0, seed: int = 0, workers: int | None = None, **vary: Any
 ) -> xr.Dataset:  # fmt: skip
-    """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal (ours).
+    """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal.
 
     The speed is held; a propeller turns as the speed asks straight ahead. Where no angle below 69 degrees holds
     the ship, there is no such course: the answer is NaN.
@@ -79,18 +79,7 @@ def steady_course(
 
 
 def check_rudder(model: Model) -> None:
-    """Raise where a model cannot be steered (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-
-    Raises
-    ------
-    InputError
-        Where it has no terms of a rudder.
-    """
+    """Raise where a model cannot be steered."""
     if "sin_rudder" not in model.terms.inputs:
         raise InputError(
             "this model has no terms of a rudder; identify it with the terms steered, or borrow a rudder from one"
@@ -98,20 +87,8 @@ def check_rudder(model: Model) -> None:
 
 
 def check_inside(y: Any, width: Any, beam: Any) -> None:
-    """Raise where a hull beside its line is in a bank (ours).
-
-    Parameters
-    ----------
-    y : array [m]
-        From the middle.
-    width, beam : array [m]
-        Of canal and ship.
-
-    Raises
-    ------
-    InputError
-        Names the farthest offset.
-    """
+    """Raise where a hull beside its line is in a bank."""
+    # y [m]; width, beam [m]
     if not np.all(np.abs(y) < (width - beam) / 2):
         far, room = float(np.abs(y).max()), float(np.min((width - beam) / 2))
         raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
@@ -120,22 +97,9 @@ def check_inside(y: Any, width: Any, beam: Any) -> None:
 def solved(
     ship: SimulatedShip, values: Mapping[str, Any], count: int, workers: int | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses (ours).
-
-    By Newton's method with exact slopes, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the values
-    the course is a steady turn along a bend.
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model.
-    values : mapping of str to float or array (count,)
-        As ``Grid.flat`` gives them.
-    count : int
-        How many.
-    workers : int, optional
-        Threads.
-    """
+    """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses."""
+    # By Newton's method with exact slopes, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
+    # values the course is a steady turn along a bend.
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
     module = balance_module(system)
@@ -157,12 +121,6 @@ def solved(
 
 @lru_cache(maxsize=16)
 def moving(actuators: tuple[Actuated, ...]) -> Law:
-    """Return a law that moves actuators: what it orders is not asked, only that they are variables (ours).
-
-    Parameters
-    ----------
-    actuators : tuple of Actuated
-        Which.
-    """
+    """Return a law that moves actuators: what it orders is not asked, only that they are variables."""
     names = {actuator.name: actuator.name for actuator in actuators}
     return Law(tape_of(vars, names, "what moves"), (), actuators)

@@ -13,16 +13,16 @@ from narrows.simulation.controllers import Autopilot
 from narrows.simulation.ship import SimulatedShip
 
 FELT = ("y", "psi", "v", "r")
+# A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder.
 OFF_COURSE = math.radians(5)
-"""A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder."""
 HARD = math.radians(10)
+# Least decay of the slowest motion over the fastest that counts; rounding moves a double pole at zero by some 1e-8.
 SETTLES = 1e-6
-"""Least decay of the slowest motion over the fastest that counts; rounding moves a double pole at zero by some 1e-8."""
 IN_VAIN = "no autopilot holds this ship on the centreline: its rudder turns nothing"
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
-    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold it there (ours).
+    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold it there.
 
     Parameters
     ----------
@@ -56,29 +56,11 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
 
 
 def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
-    """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s].
-
-    Linear-quadratic, by Bryson's rule: half a beam off the line, 5 degrees off the course and 10 degrees of rudder
-    weigh alike. It is told the sway velocity, as a track pilot with a good fix is.
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        Model with a rudder.
-    speed : float [m/s]
-        Surge velocity.
-    **values : float [SI]
-        Particulars and coefficients other than the model's, as in ``ensemble``.
-
-    Raises
-    ------
-    InputError
-        Where no autopilot can hold it on the centreline.
-
-    References
-    ----------
-    Bryson and Ho (1975), Applied optimal control, section 5.2.
-    """
+    """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s]."""
+    # speed [m/s]; **values [SI]
+    # Linear-quadratic, by Bryson's rule: half a beam off the line, 5 degrees off the course and 10 degrees of rudder
+    # weigh alike. It is told the sway velocity, as a track pilot with a good fix is.
+    # Bryson and Ho (1975), Applied optimal control, section 5.2.
     from scipy.linalg import LinAlgError, solve_continuous_are
 
     inputs = {**ship.values(), **values}

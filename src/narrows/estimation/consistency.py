@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 Readings = dict[str, Any]
+# Takes the time and the readings, and returns what is told instead.
 Fault = Callable[[float, Readings], Readings]
-"""Takes the time and the readings, and returns what is told instead."""
 CHANCE = 0.95
+# Of a ship of 230 m [s], which are left out at the start.
 SETTLING = 60.0
-"""Of a ship of 230 m [s], which are left out at the start."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -192,7 +192,7 @@ def consistency(
     memory: float = MEMORY, refusing: float = 1e-5, step: float | None = None, surge: Surge = "held",
     surge_inertia: float | None = None, coriolis: bool = False,
 ) -> Consistency:  # fmt: skip
-    """Try an estimator on twins: ships that sail by the model, whose truth is known (ours).
+    """Try an estimator on twins: ships that sail by the model, whose truth is known.
 
     Parameters
     ----------

@@ -13,30 +13,22 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+# Readings that a sum remembers.
 MEMORIES = (6.0, 12.0, 24.0)
-"""Readings that a sum remembers."""
+# Standard deviations at which a lean is told: by chance once in 1.7 million sums that have nothing in common.
 THRESHOLD = 5.0
-"""Standard deviations at which a lean is told: by chance once in 1.7 million sums that have nothing in common."""
+# Beyond it a reading is the gate's matter, and counts no more than this.
 LARGEST = 5.0
-"""Beyond it a reading is the gate's matter, and counts no more than this."""
 FADING = 1.0 - 1.0 / np.array(MEMORIES)[:, None]
 SQUARED = FADING * FADING
 
 
 @dataclass
 class DriftMonitor:
-    """Fading sums of the innovations of sensors.
+    """Fading sums of the innovations of sensors."""
 
-    Parameters
-    ----------
-    size : int
-        Numbers that the sensors measure, all together.
-    considered : int
-        Errors of coefficients that the filter carries.
-    """
-
-    size: int
-    considered: int = 0
+    size: int  # Numbers that the sensors measure, all together
+    considered: int = 0  # Errors of coefficients that the filter carries
     sums: np.ndarray = field(init=False)
     variances: np.ndarray = field(init=False)
     common: np.ndarray = field(init=False)
@@ -46,17 +38,8 @@ class DriftMonitor:
         self.common = np.zeros((len(MEMORIES), self.considered, self.size))
 
     def lean(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
-        """Take innovations, and return how far the sums lean to one side, in standard deviations, (numbers,).
-
-        Parameters
-        ----------
-        whitened : array (numbers,)
-            Innovations over their standard deviations.
-        places : array of int (numbers,) or slice
-            Which of all numbers these are.
-        shared : array (considered, numbers)
-            What of each innovation each carried error makes, in the same units.
-        """
+        """Take innovations, and return how far the sums lean to one side, in standard deviations, (numbers,)."""
+        # whitened (numbers,); places (numbers,); shared (considered, numbers)
         told = np.minimum(np.maximum(whitened, -LARGEST), LARGEST)
         sums = FADING * self.sums[:, places] + told
         variances = SQUARED * self.variances[:, places] + 1.0

@@ -68,13 +68,7 @@ class Estimate(Described):
         return np.zeros((0, 0)) if self.normal is None else self.normal.covariance
 
     def __getitem__(self, name: str) -> float:
-        """A state by its name.
-
-        Parameters
-        ----------
-        name : str
-            Of the state.
-        """
+        """A state by its name."""
         return self.values[name]
 
     def summary(self) -> str:

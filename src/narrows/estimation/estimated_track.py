@@ -55,13 +55,7 @@ class EstimatedTrack(Tabulated):
         return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0)))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """The estimates of a state.
-
-        Parameters
-        ----------
-        name : str
-            Of the state.
-        """
+        """The estimates of a state."""
         return np.asarray(self.mean[:, self.states.index(name)])
 
     def summary(self) -> str:

@@ -26,14 +26,14 @@ from narrows.results import Described
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Without any call [s], after which an estimate is begun anew.
 LONGEST_GAP = 600.0
-"""Without any call [s], after which an estimate is begun anew."""
+# Of what readings tell of the coefficients [s]: half an hour, in which a canal changes.
 MEMORY = 1800.0
-"""Of what readings tell of the coefficients [s]: half an hour, in which a canal changes."""
+# Periods without a reading, after which that is told.
 SILENT = 5.0
-"""Periods without a reading, after which that is told."""
+# Times [s] that are one.
 SAME = 1e-9
-"""Times [s] that are one."""
 
 
 class Estimator(Described):

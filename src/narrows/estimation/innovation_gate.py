@@ -7,30 +7,15 @@ import numpy as np
 
 @lru_cache(maxsize=64)
 def gate(probability: float, size: int) -> float:
-    """Return the normalised innovation squared that a sound measurement exceeds with a probability [1].
-
-    Parameters
-    ----------
-    probability : float [1]
-        Of refusing a sound one; 0 refuses none.
-    size : int
-        Numbers of the measurement.
-    """
+    """Return the normalised innovation squared that a sound measurement exceeds with a probability [1]."""
     from scipy.stats import chi2
 
     return float(chi2.isf(probability, size)) if probability > 0.0 else float("inf")
 
 
 def normalised_square(innovation: np.ndarray, covariance: np.ndarray) -> float:
-    """Return the innovation squared over its covariance [1]: chi-squared where the filter is consistent.
-
-    Parameters
-    ----------
-    innovation : array (m,)
-        Measured less expected.
-    covariance : array (m, m)
-        Of it.
-    """
+    """Return the innovation squared over its covariance [1]: chi-squared where the filter is consistent."""
+    # innovation (m,); covariance (m, m)
     if len(innovation) == 1:
         return float(innovation[0] * innovation[0] / covariance[0, 0])
     if len(innovation) == 2:

@@ -15,33 +15,15 @@ from narrows.estimation.unscented import Normal, Transformed
 
 
 class Stage(NamedTuple):
-    """A step of the filter, as the smoother asks for it.
+    """A step of the filter, as the smoother asks for it."""
 
-    Parameters
-    ----------
-    before : Normal
-        The state by what was measured until then.
-    moved : Transformed
-        What the motion made of it.
-    after : Normal
-        The state after the motion, before what was measured there.
-    """
-
-    before: Normal
-    moved: Transformed
-    after: Normal
+    before: Normal  # The state by what was measured until then
+    moved: Transformed  # What the motion made of it
+    after: Normal  # The state after the motion, before what was measured there
 
 
 def smoothed(stages: Sequence[Stage], last: Normal) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return means and covariances at the start of each stage and at the end of the last.
-
-    Parameters
-    ----------
-    stages : sequence of Stage
-        In the order of time.
-    last : Normal
-        The state at the end, by everything.
-    """
+    """Return means and covariances at the start of each stage and at the end of the last."""
     mean, covariance = last.mean, last.covariance
     found = [(mean, covariance)]
     for stage in reversed(stages):

@@ -9,24 +9,10 @@ from narrows.estimation.unscented import Normal
 
 
 class Moment(NamedTuple):
-    """What is known at a time, to go on from or to go back to.
+    """What is known at a time, to go on from or to go back to."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When.
-    normal : Normal
-        The state.
-    positions : array (actuators,)
-        Indicated positions.
-    readings : dict of str to tuple of float
-        What was measured then.
-    monitor : DriftMonitor
-        After them.
-    """
-
-    t: float
-    normal: Normal
-    positions: np.ndarray
-    readings: dict[str, tuple[float, ...]]
-    monitor: DriftMonitor
+    t: float  # When [s]
+    normal: Normal  # The state
+    positions: np.ndarray  # (actuators,) Indicated positions
+    readings: dict[str, tuple[float, ...]]  # What was measured then
+    monitor: DriftMonitor  # After them

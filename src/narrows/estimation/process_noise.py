@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 
 from narrows.errors import InputError
 
+# Of the ship [m] whose numbers stand below; other ships' follow by Froude's law.
 REFERENCE_LENGTH = 230.0
-"""Of the ship [m] whose numbers stand below; other ships' follow by Froude's law."""
 
 
 def _check(numbers: object) -> None:
@@ -55,7 +55,7 @@ class ProcessNoise:
 
     @classmethod
     def of_length(cls, length: float) -> "ProcessNoise":
-        """Return the usual noise of a ship, by Froude's law from one of 230 m (ours).
+        """Return the usual noise of a ship, by Froude's law from one of 230 m.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class Prior:
 
     @classmethod
     def of_length(cls, length: float) -> "Prior":
-        """Return the usual prior of a ship, by Froude's law from one of 230 m (ours).
+        """Return the usual prior of a ship, by Froude's law from one of 230 m.
 
         Parameters
         ----------

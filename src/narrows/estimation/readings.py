@@ -13,40 +13,15 @@ Reading = float | Sequence[float]
 
 
 class Told(NamedTuple):
-    """What came in.
+    """What came in."""
 
-    Parameters
-    ----------
-    measured : dict of str to tuple of float
-        By sensor.
-    positions : dict of str to float
-        Of actuators.
-    notes : tuple of str
-        What was no number.
-    """
-
-    measured: dict[str, tuple[float, ...]]
-    positions: dict[str, float]
-    notes: tuple[str, ...]
+    measured: dict[str, tuple[float, ...]]  # By sensor
+    positions: dict[str, float]  # Of actuators
+    notes: tuple[str, ...]  # What was no number
 
 
 def checked_readings(readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Told:
-    """Part readings into those of sensors and of actuators, and leave out what is no number (ours).
-
-    Parameters
-    ----------
-    readings : mapping of str to float or sequence of float
-        By name.
-    sensors : mapping of str to Sensor
-        By name.
-    actuators : sequence of str
-        Names of those that the model has.
-
-    Raises
-    ------
-    InputError
-        Where a name is of neither, or the numbers are not as many as the sensor's.
-    """
+    """Part readings into those of sensors and of actuators, and leave out what is no number."""
     measured: dict[str, tuple[float, ...]] = {}
     positions: dict[str, float] = {}
     lost = []

@@ -14,21 +14,11 @@ TIME = "t"
 
 @dataclass(frozen=True)
 class Records:
-    """What came in, by columns; NaN where nothing did.
+    """What came in, by columns; NaN where nothing did."""
 
-    Parameters
-    ----------
-    t : array (rows,) [s]
-        When, rising.
-    readings : dict of str to array (rows, numbers)
-        By sensor.
-    positions : dict of str to array (rows,)
-        Of actuators, by name.
-    """
-
-    t: np.ndarray
-    readings: dict[str, np.ndarray]
-    positions: dict[str, np.ndarray]
+    t: np.ndarray  # (rows,) When, rising [s]
+    readings: dict[str, np.ndarray]  # (rows, numbers) By sensor
+    positions: dict[str, np.ndarray]  # (rows,) Of actuators, by name
 
     def rows(self) -> Iterator[tuple[float, dict[str, np.ndarray], dict[str, float]]]:
         """Give each time, what each sensor told, and where the actuators were, without what is NaN."""
@@ -39,22 +29,8 @@ class Records:
 
 
 def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Records:
-    """Read a table of records (ours).
-
-    Parameters
-    ----------
-    table : DataFrame, Dataset or mapping of str to array
-        Columns ``t`` [s], those of the sensors' fields and of the actuators; SI and rad.
-    sensors : mapping of str to Sensor
-        By name.
-    actuators : sequence of str
-        Names of those that the model has.
-
-    Raises
-    ------
-    InputError
-        Where there is no time, it does not rise, or a column belongs to nothing.
-    """
+    """Read a table of records."""
+    # table [s]
     columns = _columns(table)
     fields = {field for sensor in sensors.values() for field in sensor.fields}
     if TIME not in columns:

@@ -24,90 +24,34 @@ from narrows.estimation.unscented import (
 
 TURN = 2.0 * math.pi
 RUDDER = "rudder"
+# Normalised innovation squared beyond which a reading is an error, whatever else is told [1].
 GROSS = 1e4
-"""Normalised innovation squared beyond which a reading is an error, whatever else is told [1]."""
 
 
 class Believed(NamedTuple):
-    """What became of readings.
+    """What became of readings."""
 
-    Parameters
-    ----------
-    normal : Normal
-        The state after them.
-    nis : dict of str to float
-        Normalised innovation squared, by sensor [1].
-    refused : tuple of str
-        Sensors whose reading the gate refused.
-    suspects : tuple of str
-        Sensors whose innovations lean to one side.
-    surprising : tuple of str
-        Sensors of several kinds that all told what was not expected, and were believed.
-    """
-
-    normal: Normal
-    nis: dict[str, float]
-    refused: tuple[str, ...]
-    suspects: tuple[str, ...]
-    surprising: tuple[str, ...] = ()
+    normal: Normal  # The state after them
+    nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
+    refused: tuple[str, ...]  # Sensors whose reading the gate refused
+    suspects: tuple[str, ...]  # Sensors whose innovations lean to one side
+    surprising: tuple[str, ...] = ()  # Sensors of several kinds that all told what was not expected, and were believed
 
 
 class NumberLayout(NamedTuple):
-    """Numbers of some sensors side by side.
+    """Numbers of some sensors side by side."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        Of the sensors.
-    parts : tuple of slice
-        Of the numbers, those of each sensor.
-    places : array of int or slice
-        Of the numbers among those of all sensors.
-    gates : tuple of float
-        Largest normalised innovation squared of each sensor [1].
-    sigma : array
-        Standard deviations.
-    angles : array of int
-        Which are angles.
-    straight : bool
-        Whether all are linear in the state.
-    """
-
-    names: tuple[str, ...]
-    parts: tuple[slice, ...]
-    places: np.ndarray | slice
-    gates: tuple[float, ...]
-    sigma: np.ndarray
-    angles: np.ndarray
-    straight: bool
+    names: tuple[str, ...]  # Of the sensors
+    parts: tuple[slice, ...]  # Of the numbers, those of each sensor
+    places: np.ndarray | slice  # Of the numbers among those of all sensors
+    gates: tuple[float, ...]  # Largest normalised innovation squared of each sensor [1]
+    sigma: np.ndarray  # Standard deviations
+    angles: np.ndarray  # Which are angles
+    straight: bool  # Whether all are linear in the state
 
 
 class Recursion:
-    """Motion and measurement of one ship.
-
-    Parameters
-    ----------
-    lanes : ShipLanes
-        As many as there are sigma points.
-    states : StateNames
-        What is estimated; states after these are directions of the coefficients.
-    sensors : mapping of str to Sensor
-        By the names of their readings.
-    walks : array (n,)
-        Process noise of each state [its unit per root s].
-    moving, measuring : Spread
-        Of the points for the motion, with one pair for the rudder's noise, and for measurements.
-    rudder_noise : float [rad]
-        Standard deviation of the indicated rudder angle.
-    refusing : float [1]
-        Probability with which a gate refuses a sound reading.
-    coefficients : array (coefficients,)
-        Of the model.
-    root : array (coefficients, k)
-        Of their covariance, where they are estimated; without columns else.
-    memory : float [s]
-        Time in which what readings tell of them fades.
-    """
+    """Motion and measurement of one ship."""
 
     def __init__(
         self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], walks: np.ndarray, moving: Spread,
@@ -128,17 +72,8 @@ class Recursion:
     def moved(
         self, now: Normal, duration: float, start: np.ndarray, end: np.ndarray
     ) -> tuple[Normal, Transformed, bool]:
-        """Return the state a step later, how its root was moved, and whether the mean met a bank.
-
-        Parameters
-        ----------
-        now : Normal
-            The state.
-        duration : float [s]
-            Of the step.
-        start, end : array (actuators,)
-            Indicated positions.
-        """
+        """Return the state a step later, how its root was moved, and whether the mean met a bank."""
+        # duration [s]; start, end (actuators,)
         lanes, pairs = self.lanes, len(self.moving.distance)
         if self._displaced:
             rudder = lanes.actuators.index(RUDDER)
@@ -162,17 +97,7 @@ class Recursion:
         return np.concatenate([states, math.exp(-duration / self.memory) * points[:, size:]], axis=1)
 
     def believed(self, now: Normal, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor) -> Believed:
-        """Return the state by readings of one moment, those that no gate refuses.
-
-        Parameters
-        ----------
-        now : Normal
-            The state.
-        readings : mapping of str to sequence of float
-            By sensor, all finite.
-        monitor : DriftMonitor
-            Takes the innovations.
-        """
+        """Return the state by readings of one moment, those that no gate refuses."""
         layout = self._layout(tuple(readings))
         expected = self._expected(now, layout)
         covariance = innovation_covariance(expected, layout.sigma, self.measuring)

@@ -11,36 +11,17 @@ from narrows.errors import InputError
 from narrows.estimation.sensor import Measuring, Values
 from narrows.estimation.states import Columns
 
+# Curvature [1/m] of a line that is straight.
 STRAIGHT = 1e-9
-"""Curvature [1/m] of a line that is straight."""
 
 
 @dataclass(frozen=True)
 class Antenna(Measuring):
-    """What receivers have in common: an antenna, and two numbers, along and across.
-
-    Parameters
-    ----------
-    noise : float
-        Standard deviation along and across [SI].
-    period : float [s]
-        Between readings.
-    late : float [s]
-        How old a reading is when it comes.
-    name : str
-        Of its readings.
-    forward, starboard : float [m]
-        Of the antenna, from midship.
-
-    Raises
-    ------
-    InputError
-        Where a number is none.
-    """
+    """What receivers have in common: an antenna, and two numbers, along and across."""
 
     _: KW_ONLY
-    forward: float = 0.0
-    starboard: float = 0.0
+    forward: float = 0.0  # Of the antenna, from midship [m]
+    starboard: float = 0.0  # Of the antenna, from midship [m]
     angles: ClassVar[tuple[bool, ...]] = (False, False)
     source: ClassVar[str] = "satellites"
 

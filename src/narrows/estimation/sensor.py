@@ -82,30 +82,13 @@ class Sensor(Protocol):
 
 @dataclass(frozen=True)
 class Measuring:
-    """What the package's own sensors have in common: one noise for all of their numbers.
+    """What the package's own sensors have in common: one noise for all of their numbers."""
 
-    Parameters
-    ----------
-    noise : float
-        Standard deviation of each of its numbers [SI].
-    period : float [s]
-        Between readings.
-    late : float [s]
-        How old a reading is when it comes.
-    name : str
-        Of its readings.
-
-    Raises
-    ------
-    InputError
-        Where a number is none.
-    """
-
-    noise: float
+    noise: float  # Standard deviation of each of its numbers [SI]
     _: KW_ONLY
-    period: float = 1.0
-    late: float = 0.0
-    name: str = ""
+    period: float = 1.0  # Between readings [s]
+    late: float = 0.0  # How old a reading is when it comes [s]
+    name: str = ""  # Of its readings
     angles: ClassVar[tuple[bool, ...]] = (False,)
 
     def __post_init__(self) -> None:
@@ -132,38 +115,15 @@ class Measuring:
         return True
 
     def numbers(self, reading: Sequence[float]) -> Values:
-        """Return a reading as it is.
-
-        Parameters
-        ----------
-        reading : sequence of float
-            One for each field.
-        """
+        """Return a reading as it is."""
         return tuple(reading)
 
     def reading(self, numbers: Values) -> Values:
-        """Return the numbers as they are.
-
-        Parameters
-        ----------
-        numbers : tuple of float or array
-            One for each field.
-        """
+        """Return the numbers as they are."""
         return numbers
 
 
 def check_bias(size: float) -> None:
-    """Raise where a standard deviation is none (ours).
-
-    Parameters
-    ----------
-    size : float
-        Of a bias or a noise that may be 0.
-
-    Raises
-    ------
-    InputError
-        Where it is negative or not finite.
-    """
+    """Raise where a standard deviation is none."""
     if not (math.isfinite(size) and size >= 0.0):
         raise InputError(f"a standard deviation of {size} is none; give 0 or more")

@@ -28,81 +28,36 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Of the root of length over gravity, the time that a ship's motion takes.
 STEPS_A_PERIOD = 4.0
-"""Of the root of length over gravity, the time that a ship's motion takes."""
 Coefficients = Literal["considered", "certain", "estimated"]
 
 
 class MotionStep(NamedTuple):
-    """A step of the motion.
+    """A step of the motion."""
 
-    Parameters
-    ----------
-    normal : Normal
-        After it.
-    how : Transformed
-        How the root was moved.
-    aground : bool
-        Whether the mean met a bank, or is no number.
-    """
-
-    normal: Normal
-    how: Transformed
-    aground: bool
+    normal: Normal  # After it
+    how: Transformed  # How the root was moved
+    aground: bool  # Whether the mean met a bank, or is no number
 
 
 @dataclass(frozen=True)
 class ShipFilter:
-    """What an estimator and a smoother share.
+    """What an estimator and a smoother share."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-    sensors : mapping of str to Sensor
-        By the names of their readings.
-    indicator : RudderIndicator
-        What is known of the rudder.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    noise : ProcessNoise
-        How fast the motion wanders from the model.
-    prior : Prior
-        What is believed before any reading.
-    coefficients : {"considered", "certain", "estimated"}
-        Whether their uncertainty is carried, left out, or corrected by the readings.
-    refusing : float [1]
-        Probability with which a gate refuses a sound reading.
-    step : float [s]
-        Longest step of the motion.
-    memory : float [s]
-        Time in which what readings tell of the coefficients fades.
-    surge : {"held", "free"}
-        Whether the model moves the speed.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass.
-    coriolis : bool
-        Add the rigid body's Coriolis force.
-
-    Raises
-    ------
-    InputError
-        Where a number is none.
-    """
-
-    model: Model
-    sensors: Mapping[str, Sensor]
-    indicator: RudderIndicator
-    waterway: "Waterway | None"
-    noise: ProcessNoise
-    prior: Prior
-    coefficients: Coefficients
-    refusing: float
-    step: float
-    memory: float = math.inf
-    surge: Surge = "held"
-    surge_inertia: float | None = None
-    coriolis: bool = False
+    model: Model  # The ship in its canal
+    sensors: Mapping[str, Sensor]  # By the names of their readings
+    indicator: RudderIndicator  # What is known of the rudder
+    waterway: "Waterway | None"  # Where it sails instead of the model's own canal
+    noise: ProcessNoise  # How fast the motion wanders from the model
+    prior: Prior  # What is believed before any reading
+    coefficients: Coefficients  # Whether their uncertainty is carried, left out, or corrected by the readings
+    refusing: float  # Probability with which a gate refuses a sound reading [1]
+    step: float  # Longest step of the motion [s]
+    memory: float = math.inf  # Time in which what readings tell of the coefficients fades [s]
+    surge: Surge = "held"  # Whether the model moves the speed
+    surge_inertia: float | None = None  # Mass in surge with its added mass [kg]
+    coriolis: bool = False  # Add the rigid body's Coriolis force
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.step) and self.step > 0.0):
@@ -190,13 +145,7 @@ class ShipFilter:
         return Start(self.states, self.sensors, self.prior, self.biases, current)
 
     def begun(self, start: Start) -> Normal:
-        """Return the first state.
-
-        Parameters
-        ----------
-        start : Start
-            With enough readings.
-        """
+        """Return the first state."""
         bend = self.recursion.lanes.bend(start.told()["x"][0])
         first = start.normal(self.considered, bend)
         if not self.estimated:
@@ -207,17 +156,8 @@ class ShipFilter:
         return Normal(np.concatenate([first.mean, np.zeros(more)]), root)
 
     def steps(self, now: Normal, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
-        """Move a state on, and return every step until the last or until it is aground.
-
-        Parameters
-        ----------
-        now : Normal
-            The state.
-        duration : float [s]
-            How long.
-        start, end : array (actuators,)
-            Indicated positions, straight between them.
-        """
+        """Move a state on, and return every step until the last or until it is aground."""
+        # duration [s]; start, end (actuators,)
         count = max(1, math.ceil(duration / self.step - 1e-9))
         taken: list[MotionStep] = []
         for number in range(count):
@@ -233,17 +173,7 @@ class ShipFilter:
         return taken
 
     def believed(self, now: Normal, readings: Mapping[str, Any], monitor: DriftMonitor) -> Believed:
-        """Return the state by readings of one moment.
-
-        Parameters
-        ----------
-        now : Normal
-            The state.
-        readings : mapping of str to sequence of float
-            By sensor.
-        monitor : DriftMonitor
-            Takes the innovations.
-        """
+        """Return the state by readings of one moment."""
         return self.recursion.believed(now, readings, monitor)
 
     def monitor(self) -> DriftMonitor:
@@ -252,29 +182,12 @@ class ShipFilter:
 
 
 def usual_step(model: Model) -> float:
-    """Return the longest step of a motion that is followed [s] (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    """
+    """Return the longest step of a motion that is followed [s]."""
     return math.sqrt(model.configuration.ship.length / GRAVITY) / STEPS_A_PERIOD
 
 
 def parted(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
-    """Return sensors by the names of their readings, and what is known of the rudder (ours).
-
-    Parameters
-    ----------
-    sensors : sequence of Sensor and RudderIndicator
-        As a caller gave them.
-
-    Raises
-    ------
-    InputError
-        Where one is no sensor, none tells anything, or two share a name.
-    """
+    """Return sensors by the names of their readings, and what is known of the rudder."""
     if isinstance(sensors, str) or not isinstance(sensors, Sequence):
         raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
     indicators = [sensor for sensor in sensors if isinstance(sensor, RudderIndicator)]

@@ -18,77 +18,40 @@ from narrows.simulation.steering import PARAMETER, steering_of
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Of an actuator whose position is known: it is where it was indicated to be.
 NO_LIMIT = 1e9
-"""Of an actuator whose position is known: it is where it was indicated to be."""
 RUDDER = "rudder"
 AFFINE = 1e-9
 
 
 @dataclass(frozen=True)
 class Follower:
-    """The law of actuators whose positions are told (ours).
+    """The law of actuators whose positions are told."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        Of the actuators.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # Of the actuators
 
     def parameters(self) -> dict[str, float]:
         """Return where each is at the end of a step."""
         return {f"next_{name}": 0.0 for name in self.names}
 
     def memory(self, start: Any) -> dict[str, Number]:
-        """Return nothing.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return nothing."""
         return {}
 
     def orders(self, at: Any) -> tuple[dict[str, Number], dict[str, Number]]:
-        """Return where each is told to be.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return where each is told to be."""
         return {name: getattr(at, f"next_{name}") for name in self.names}, {}
 
 
 @dataclass
 class ShipLanes:
-    """States of one ship, a lane each, with the strength of the bank and the coefficients of each lane's own.
+    """States of one ship, a lane each, with the strength of the bank and the coefficients of each lane's own."""
 
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    states : StateNames
-        What a lane's row holds.
-    lanes : int
-        How many.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    coefficients : array (lanes, coefficients), optional
-        Of each lane; the model's unless given.
-
-    Raises
-    ------
-    InputError
-        Where the model's terms make the bank's strength more than a factor.
-    """
-
-    ship: SimulatedShip
-    states: StateNames
-    lanes: int
-    waterway: "Waterway | None" = None
-    coefficients: np.ndarray | None = None
+    ship: SimulatedShip  # The ship
+    states: StateNames  # What a lane's row holds
+    lanes: int  # How many
+    waterway: "Waterway | None" = None  # Where it sails instead of the model's own canal
+    coefficients: np.ndarray | None = None  # (lanes, coefficients) Of each lane; the model's unless given
     prepared: PreparedRun = field(init=False)
 
     def __post_init__(self) -> None:
@@ -134,13 +97,8 @@ class ShipLanes:
         return none, full - none
 
     def bend(self, x: float) -> float:
-        """Return the curvature of the line at a place [1/m].
-
-        Parameters
-        ----------
-        x : float [m]
-            Along it.
-        """
+        """Return the curvature of the line at a place [1/m]."""
+        # x [m]
         if self._water is None or self.waterway is None:
             return 0.0
         cells = len(self._water)
@@ -151,21 +109,9 @@ class ShipLanes:
     def moved(
         self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray, columns: np.ndarray | None = None
     ) -> np.ndarray:
-        """Return the states a while later, (lanes, states).
-
-        A current that differs from the waterway's carries the ship half before and half after the water's motion.
-
-        Parameters
-        ----------
-        points : array (lanes, states)
-            Now.
-        duration : float [s]
-            How long; one step of the kernel.
-        start, end : array (actuators,) or (lanes, actuators)
-            Indicated positions of the actuators, at the start and at the end.
-        columns : array (lanes, inputs), optional
-            Inputs of each lane; those of its coefficients and the state's bank unless given.
-        """
+        """Return the states a while later, (lanes, states)."""
+        # points (lanes, states); duration [s]; start, end (actuators,); columns (lanes, inputs)
+        # A current that differs from the waterway's carries the ship half before and half after the water's motion.
         after = points.copy()
         self._drift(after, duration / 2)
         self._load(after, duration, start, end, columns)
@@ -221,15 +167,8 @@ class ShipLanes:
         return np.asarray(self.prepared.codes[:, 0] != 0)
 
     def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
-        """Return the inputs of lanes of other coefficients, (lanes, inputs).
-
-        Parameters
-        ----------
-        coefficients : array (lanes, coefficients)
-            In the order of the table.
-        bank : array (lanes,)
-            Strength of the bank.
-        """
+        """Return the inputs of lanes of other coefficients, (lanes, inputs)."""
+        # coefficients (lanes, coefficients); bank (lanes,)
         model = self.ship.model
         numbers = dict(zip(model.terms.names, coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
@@ -242,13 +181,8 @@ class ShipLanes:
 
 
 def directions(covariance: np.ndarray | None) -> np.ndarray:
-    """Return a root of the coefficients' covariance, (coefficients, k), without what is certain (ours).
-
-    Parameters
-    ----------
-    covariance : array (n, n), optional
-        Of the coefficients; none where it is not known.
-    """
+    """Return a root of the coefficients' covariance, (coefficients, k), without what is certain."""
+    # covariance (n, n)
     if covariance is None:
         return np.zeros((0, 0))
     size = np.sqrt(np.diag(covariance))
@@ -259,18 +193,7 @@ def directions(covariance: np.ndarray | None) -> np.ndarray:
 
 
 def lanes_of_directions(middle: np.ndarray, root: np.ndarray, distance: np.ndarray, others: int) -> np.ndarray:
-    """Return coefficients of the lanes of sigma points, (1 + 2 (k + others), coefficients) (ours).
-
-    Parameters
-    ----------
-    middle : array (coefficients,)
-        The coefficients.
-    root : array (coefficients, k)
-        Of their covariance.
-    distance : array (k,)
-        Of the points, in standard deviations.
-    others : int
-        Pairs of points after those of the coefficients.
-    """
+    """Return coefficients of the lanes of sigma points, (1 + 2 (k + others), coefficients)."""
+    # middle (coefficients,); root (coefficients, k); distance (k,)
     steps = np.concatenate([root.T * distance[:, None], np.zeros((others, len(middle)))])
     return np.concatenate([middle[None], middle + steps, middle - steps])

@@ -15,23 +15,11 @@ class Single(Measuring):
     state: ClassVar[str]
 
     def measured(self, at: Columns) -> Values:
-        """Return the state that it tells.
-
-        Parameters
-        ----------
-        at : Columns
-            The states.
-        """
+        """Return the state that it tells."""
         return (getattr(at, self.state),)
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the state that it tells.
-
-        Parameters
-        ----------
-        reading : sequence of float
-            Its number.
-        """
+        """Return the state that it tells."""
         return {self.state: (reading[0], self.noise)}
 
 

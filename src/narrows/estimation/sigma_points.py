@@ -11,52 +11,27 @@ from typing import NamedTuple
 import numpy as np
 
 ALPHA, BETA = 0.5, 2.0
+# Of the points from the mean, in variances: the fourth moment of a normal distribution is met.
 SQUARED_DISTANCE = 3.0
-"""Of the points from the mean, in variances: the fourth moment of a normal distribution is met."""
+# Standard deviations by which a coefficient is moved: so near that the difference is the derivative.
 CONSIDERED_DISTANCE = 0.1
-"""Standard deviations by which a coefficient is moved: so near that the difference is the derivative."""
 
 
 class Spread(NamedTuple):
-    """How far the points lie from the mean and how they weigh.
+    """How far the points lie from the mean and how they weigh."""
 
-    Parameters
-    ----------
-    distance : array (k,)
-        Of each pair, in standard deviations.
-    mean : array (k,)
-        Weight of each pair in the mean.
-    slope : array (k, 1)
-        One over the distance within each pair.
-    centre : float
-        Weight of the central point in the covariance.
-    considered : int
-        Pairs, the first ones, along errors that are carried and not corrected: linear, without weight in the mean.
-    """
-
-    distance: np.ndarray
-    mean: np.ndarray
-    slope: np.ndarray
-    centre: float
+    distance: np.ndarray  # (k,) Of each pair, in standard deviations
+    mean: np.ndarray  # (k,) Weight of each pair in the mean
+    slope: np.ndarray  # (k, 1) One over the distance within each pair
+    centre: float  # Weight of the central point in the covariance
+    # Pairs, the first ones, along errors that are carried and not corrected: linear, without weight in the mean
     considered: int
 
 
 def spread_of(
     size: int, considered: int = 0, alpha: float = ALPHA, beta: float = BETA, kappa: float | None = None
 ) -> Spread:
-    """Return the spread of van der Merwe's scaled points.
-
-    Parameters
-    ----------
-    size : int
-        Directions that are corrected.
-    considered : int
-        Directions before them that are carried only.
-    alpha, beta : float
-        As published.
-    kappa : float, optional
-        As published; such that the points lie the root of 3 standard deviations off unless given.
-    """
+    """Return the spread of van der Merwe's scaled points."""
     squared = SQUARED_DISTANCE if kappa is None else alpha * alpha * (size + kappa)
     distance = np.concatenate([np.full(considered, CONSIDERED_DISTANCE), np.full(size, np.sqrt(squared))])
     mean = np.concatenate([np.zeros(considered), np.full(size, 0.5 / squared)])
@@ -65,17 +40,8 @@ def spread_of(
 
 
 def sigma_points(mean: np.ndarray, root: np.ndarray, spread: Spread) -> np.ndarray:
-    """Return the points, (1 + 2 k, n): the mean, then what lies ahead of it and behind it along each column.
-
-    Parameters
-    ----------
-    mean : array (n,)
-        Of the distribution.
-    root : array (n, k)
-        Of its covariance.
-    spread : Spread
-        Of k directions.
-    """
+    """Return the points, (1 + 2 k, n): the mean, then what lies ahead of it and behind it along each column."""
+    # mean (n,); root (n, k)
     pairs = len(spread.distance)
     points = np.empty((1 + 2 * pairs, len(mean)))
     steps = root.T * spread.distance[:, None]

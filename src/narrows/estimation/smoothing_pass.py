@@ -17,25 +17,15 @@ SAME = 1e-9
 
 
 class Smoothed(NamedTuple):
-    """States by everything that was measured.
+    """States by everything that was measured."""
 
-    Parameters
-    ----------
-    mean : array (times, states)
-        Estimates; NaN before there was anything to start from.
-    covariance : array (times, states, states)
-        Of their errors.
-    refused, suspected : dict of str to array (times,) of bool
-        Where a sensor's reading was refused, and where its readings leaned to one side.
-    resets : tuple of float [s]
-        Where the estimate lay in a bank and began anew.
-    """
-
-    mean: np.ndarray
-    covariance: np.ndarray
+    mean: np.ndarray  # (times, states) Estimates; NaN before there was anything to start from
+    covariance: np.ndarray  # (times, states, states) Of their errors
+    # (times,) Where a sensor's reading was refused, and where its readings leaned to one side
     refused: dict[str, np.ndarray]
+    # (times,) Where a sensor's reading was refused, and where its readings leaned to one side
     suspected: dict[str, np.ndarray]
-    resets: tuple[float, ...]
+    resets: tuple[float, ...]  # Where the estimate lay in a bank and began anew [s]
 
 
 class _Chain:
@@ -48,22 +38,8 @@ class _Chain:
 
 
 def smooth(filter: ShipFilter, records: Records) -> Smoothed:
-    """Estimate states by all readings, before and after (ours).
-
-    The coefficients are states too, with the fit's covariance before: over a whole record they may be corrected.
-
-    Parameters
-    ----------
-    filter : ShipFilter
-        Of the ship; how it treats its coefficients does not count.
-    records : Records
-        What came in.
-
-    Raises
-    ------
-    InputError
-        Where the readings never suffice to start from.
-    """
+    """Estimate states by all readings, before and after."""
+    # The coefficients are states too, with the fit's covariance before: over a whole record they may be corrected.
     joint = replace(filter, coefficients="estimated", memory=math.inf)
     pass_ = _Pass(joint, records)
     chains = pass_.chains()

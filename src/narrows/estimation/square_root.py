@@ -19,13 +19,8 @@ def _upper(size: int) -> np.ndarray:
 
 
 def triangular_root(rows: np.ndarray) -> np.ndarray:
-    """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR.
-
-    Parameters
-    ----------
-    rows : array (k, n)
-        Deviations, each already times the root of its weight.
-    """
+    """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR."""
+    # rows (k, n)
     count, size = rows.shape
     if count < size:
         rows = np.vstack([rows, np.zeros((size - count, size))])
@@ -34,15 +29,8 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
 
 
 def downdated_root(root: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """Return the lower triangular root of L L^T - c c^T; where that is no covariance, L itself, which is too wide.
-
-    Parameters
-    ----------
-    root : array (n, n)
-        Lower triangular.
-    column : array (n,)
-        What is taken away.
-    """
+    """Return the lower triangular root of L L^T - c c^T; where that is no covariance, L itself, which is too wide."""
+    # root (n, n); column (n,)
     inside, failed = lapack.dtrtrs(root, column, lower=1)
     left = 1.0 - float(inside @ inside)
     if failed or not left > 0.0:

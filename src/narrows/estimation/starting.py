@@ -10,40 +10,24 @@ from narrows.estimation.sensor import Sensor
 from narrows.estimation.states import Columns, StateNames
 from narrows.estimation.unscented import Normal
 
+# What there must be to start from, and what it is called.
 NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
-"""What there must be to start from, and what it is called."""
+# Of finding midship from an antenna.
 ROUNDS = 6
-"""Of finding midship from an antenna."""
+# A difference of heading [rad] for a derivative.
 SMALL_TURN = 1e-4
-"""A difference of heading [rad] for a derivative."""
 
 
 @dataclass
 class Start:
-    """Readings as they come, until there are enough to start from.
+    """Readings as they come, until there are enough to start from."""
 
-    Parameters
-    ----------
-    states : StateNames
-        What is estimated.
-    sensors : mapping of str to Sensor
-        By the names of their readings.
-    prior : Prior
-        What is believed without readings.
-    biases : mapping of str to float
-        Standard deviations of the biases, by the names of states.
-    current : float [m/s]
-        Along the waterway, as it is known.
-    readings : dict of str to sequence of float
-        What came in so far.
-    """
-
-    states: StateNames
-    sensors: Mapping[str, Sensor]
-    prior: Prior
-    biases: Mapping[str, float]
-    current: float = 0.0
-    readings: dict[str, Sequence[float]] = field(default_factory=dict)
+    states: StateNames  # What is estimated
+    sensors: Mapping[str, Sensor]  # By the names of their readings
+    prior: Prior  # What is believed without readings
+    biases: Mapping[str, float]  # Standard deviations of the biases, by the names of states
+    current: float = 0.0  # Along the waterway, as it is known [m/s]
+    readings: dict[str, Sequence[float]] = field(default_factory=dict)  # What came in so far
 
     def told(self) -> dict[str, tuple[float, float]]:
         """Return what the readings tell, with standard deviations: of two that tell the same, the better."""
@@ -61,15 +45,8 @@ class Start:
         return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in told))
 
     def normal(self, considered: int, bend: float) -> Normal:
-        """Return the state by the readings and what is believed.
-
-        Parameters
-        ----------
-        considered : int
-            Columns of the root for the coefficients, that nothing has moved yet.
-        bend : float [1/m]
-            Curvature of the waterway's line there.
-        """
+        """Return the state by the readings and what is believed."""
+        # bend [1/m]
         told, prior = self.told(), self.prior
         believed = {
             "v": (0.0, prior.sway), "r": (0.0, prior.yaw_rate), "bank": (1.0, prior.bank),

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 MOTION_STATES = ("x", "y", "psi", "u", "v", "r")
+# Units and meanings; those after the motion are left out where nothing lets them differ from what is expected.
 STATES = {
     "x": ("m", "midship along the canal"),
     "y": ("m", "midship to starboard of the line"),
@@ -19,35 +20,22 @@ STATES = {
     "rudder_bias": ("rad", "rudder angle over the indicated one"),
     "heading_bias": ("rad", "indicated heading over the heading"),
 }
-"""Units and meanings; those after the motion are left out where nothing lets them differ from what is expected."""
+# What a state is where it is left out and where nothing is known of it; the others are 0.
 RESTING = {"bank": 1.0}
-"""What a state is where it is left out and where nothing is known of it; the others are 0."""
 
 
 @dataclass(frozen=True)
 class StateNames:
-    """The states of one estimator, in order.
+    """The states of one estimator, in order."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        Some of ``STATES``, those of the motion first.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # Some of ``STATES``, those of the motion first
 
     def __len__(self) -> int:
         """How many."""
         return len(self.names)
 
     def __contains__(self, name: str) -> bool:
-        """Whether a state is estimated.
-
-        Parameters
-        ----------
-        name : str
-            Of the state.
-        """
+        """Whether a state is estimated."""
         return name in self.names
 
     @cached_property
@@ -56,28 +44,12 @@ class StateNames:
         return {name: place for place, name in enumerate(self.names)}
 
     def vector(self, values: dict[str, float]) -> np.ndarray:
-        """Return numbers by name as a vector; what is not said is at rest.
-
-        Parameters
-        ----------
-        values : dict of str to float
-            By the names of states; those that are not estimated are passed over.
-        """
+        """Return numbers by name as a vector; what is not said is at rest."""
         return np.array([float(values.get(name, RESTING.get(name, 0.0))) for name in self.names])
 
 
 class Columns:
-    """States at many points, a column each, as sensors ask for them.
-
-    Parameters
-    ----------
-    points : array (points, states)
-        Of the states.
-    names : StateNames
-        Their order.
-    curvature : float [1/m]
-        Of the waterway's line where the ship is.
-    """
+    """States at many points, a column each, as sensors ask for them."""
 
     bank: np.ndarray | float = 1.0
     current: np.ndarray | float = 0.0

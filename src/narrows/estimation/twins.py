@@ -18,38 +18,24 @@ from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.samples import sampled
 from narrows.simulation.steering import SEEN
 
+# Standard deviations of the start's place [m of a ship of 230 m] and heading [rad].
 SPREAD_OF_START = (3.0, math.radians(1.0))
-"""Standard deviations of the start's place [m of a ship of 230 m] and heading [rad]."""
+# Of the root of length over gravity, for which the rudder is put over to one side.
 SIDE_TIME = 8.0
-"""Of the root of length over gravity, for which the rudder is put over to one side."""
 
+# That lanes have inputs of their own.
 LEAST_LANES = 2
-"""That lanes have inputs of their own."""
 
 
 @dataclass(frozen=True)
 class Twins:
-    """Ships as they truly sailed, and what was told of them.
+    """Ships as they truly sailed, and what was told of them."""
 
-    Parameters
-    ----------
-    t : array (times,) [s]
-        Time.
-    states : array (times, twins, states)
-        The truth.
-    indicated : array (times, twins, actuators)
-        Positions of the actuators as they were told.
-    readings : dict of str to array (times, twins, numbers)
-        Of each sensor; NaN where none was due.
-    aground : array (twins,)
-        Whether a twin met a bank.
-    """
-
-    t: np.ndarray
-    states: np.ndarray
-    indicated: np.ndarray
-    readings: dict[str, np.ndarray]
-    aground: np.ndarray
+    t: np.ndarray  # (times,) Time [s]
+    states: np.ndarray  # (times, twins, states) The truth
+    indicated: np.ndarray  # (times, twins, actuators) Positions of the actuators as they were told
+    readings: dict[str, np.ndarray]  # (times, twins, numbers) Of each sensor; NaN where none was due
+    aground: np.ndarray  # (twins,) Whether a twin met a bank
 
 
 @dataclass
@@ -123,27 +109,8 @@ def sail_twins(
     filter: ShipFilter, law: ControlLaw | None, start: tuple[float, float, float, float], count: int, duration: float,
     drawn: bool, excitation: float, seed: int,
 ) -> Twins:  # fmt: skip
-    """Sail ships by the model with the noise that the estimate expects (ours).
-
-    Parameters
-    ----------
-    filter : ShipFilter
-        Model, noise, sensors.
-    law : ControlLaw, optional
-        What steers; nothing moves the rudder without.
-    start : four floats
-        x, y [m], u [m/s] and psi [rad] about which they begin.
-    count : int
-        How many.
-    duration : float [s]
-        How long.
-    drawn : bool
-        Whether each has coefficients of its own, drawn from their covariance.
-    excitation : float [rad]
-        Of the rudder, put over and back.
-    seed : int
-        Of all that is drawn.
-    """
+    """Sail ships by the model with the noise that the estimate expects."""
+    # start [m]; duration [s]; excitation [rad]
     many = max(count, LEAST_LANES)
     random = np.random.default_rng(seed)
     fleet = _Fleet(filter, law, many, excitation, random, _coefficients(filter, many, drawn, seed))
@@ -208,17 +175,6 @@ def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) 
 
 
 def check_law(law: Any) -> None:
-    """Raise where what steers twins is no law (ours).
-
-    Parameters
-    ----------
-    law : ControlLaw or None
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Where it does not keep to ``ControlLaw``.
-    """
+    """Raise where what steers twins is no law."""
     if law is not None and not isinstance(law, ControlLaw):
         raise InputError(f"a {type(law).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot")

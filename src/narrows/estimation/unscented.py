@@ -20,18 +20,10 @@ from narrows.estimation.square_root import downdated_root, triangular_root
 
 
 class Normal(NamedTuple):
-    """A normal distribution.
+    """A normal distribution."""
 
-    Parameters
-    ----------
-    mean : array (n,)
-        Its mean.
-    root : array (n, k)
-        Root of its covariance.
-    """
-
-    mean: np.ndarray
-    root: np.ndarray
+    mean: np.ndarray  # (n,) Its mean
+    root: np.ndarray  # (n, k) Root of its covariance
 
     @property
     def covariance(self) -> np.ndarray:
@@ -40,36 +32,17 @@ class Normal(NamedTuple):
 
 
 class Transformed(NamedTuple):
-    """What a function makes of a distribution.
+    """What a function makes of a distribution."""
 
-    Parameters
-    ----------
-    mean : array (m,)
-        Of the values.
-    slopes : array (k, m)
-        Change along each column of the root.
-    bends : array (j, m)
-        What lies off the straight, along each corrected column.
-    centre : array (m,)
-        Of the central point, off the mean.
-    """
-
-    mean: np.ndarray
-    slopes: np.ndarray
-    bends: np.ndarray
-    centre: np.ndarray
+    mean: np.ndarray  # (m,) Of the values
+    slopes: np.ndarray  # (k, m) Change along each column of the root
+    bends: np.ndarray  # (j, m) What lies off the straight, along each corrected column
+    centre: np.ndarray  # (m,) Of the central point, off the mean
 
 
 def transformed(values: np.ndarray, spread: Spread) -> Transformed:
-    """Return mean and deviations of the values at sigma points.
-
-    Parameters
-    ----------
-    values : array (1 + 2 k, m)
-        At the points in their order.
-    spread : Spread
-        Of the points.
-    """
+    """Return mean and deviations of the values at sigma points."""
+    # values (1 + 2 k, m)
     k = len(spread.distance)
     first, ahead, behind = values[0], values[1 : k + 1], values[k + 1 :]
     off = ahead + behind - 2.0 * first
@@ -79,13 +52,8 @@ def transformed(values: np.ndarray, spread: Spread) -> Transformed:
 
 
 def linear(values: np.ndarray) -> Transformed:
-    """Return the same of a function without bends and offset, which needs no points on both sides.
-
-    Parameters
-    ----------
-    values : array (1 + k, m)
-        At the mean, and of each column of the root.
-    """
+    """Return the same of a function without bends and offset, which needs no points on both sides."""
+    # values (1 + k, m)
     none = np.zeros((0, values.shape[1]))
     return Transformed(values[0], values[1:], none, np.zeros(values.shape[1]))
 
@@ -93,19 +61,8 @@ def linear(values: np.ndarray) -> Transformed:
 def predicted(
     now: Normal, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: Spread
 ) -> tuple[Normal, Transformed]:
-    """Return the distribution after a motion, and how each column of the root was moved.
-
-    Parameters
-    ----------
-    now : Normal
-        Before it; columns after those of the state may stand for disturbances of the motion.
-    move : callable
-        Takes the points (1 + 2 k, n) and returns them moved.
-    noise : array (j, n)
-        Rows whose outer products are the covariance of the process noise.
-    spread : Spread
-        Of the columns of the root.
-    """
+    """Return the distribution after a motion, and how each column of the root was moved."""
+    # noise (j, n)
     after = transformed(move(sigma_points(now.mean, now.root, spread)), spread)
     p, centre = spread.considered, spread.centre
     parts = [after.slopes[p:], after.bends, noise]
@@ -119,17 +76,8 @@ def predicted(
 
 
 def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: Spread) -> np.ndarray:
-    """Return the covariance of what is measured about what is expected, (m, m).
-
-    Parameters
-    ----------
-    expected : Transformed
-        The measurement's values at the points.
-    sigma : array (m,)
-        Standard deviations of its noise.
-    spread : Spread
-        Of the points.
-    """
+    """Return the covariance of what is measured about what is expected, (m, m)."""
+    # sigma (m,)
     s, b, c = expected.slopes, expected.bends, expected.centre
     covariance = s.T @ s
     if len(b):
@@ -142,25 +90,9 @@ def corrected(
     now: Normal, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray, sigma: np.ndarray,
     spread: Spread,
 ) -> Normal:  # fmt: skip
-    """Return the distribution after a measurement; columns that are carried only are not corrected.
-
-    In Joseph's form, of which every part is a square: it stays a covariance whatever the gain.
-
-    Parameters
-    ----------
-    now : Normal
-        Before it.
-    expected : Transformed
-        The measurement's values at the points.
-    innovation : array (m,)
-        What was measured less what was expected.
-    covariance : array (m, m)
-        As ``innovation_covariance`` gives it.
-    sigma : array (m,)
-        Standard deviations of the measurement's noise.
-    spread : Spread
-        Of the points.
-    """
+    """Return the distribution after a measurement; columns that are carried only are not corrected."""
+    # innovation (m,); covariance (m, m); sigma (m,)
+    # In Joseph's form, of which every part is a square: it stays a covariance whatever the gain.
     p, s = spread.considered, expected.slopes
     shared = now.root @ s
     gain = lapack.dposv(covariance, shared.T)[1].T

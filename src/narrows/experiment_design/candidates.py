@@ -11,21 +11,21 @@ from narrows.errors import InputError
 from narrows.ship.particulars import Configuration
 from narrows.ship.swept_width import half_swept
 
+# Speeds over the root of g L where none are asked for: slow ships, as in canals.
 FROUDE = (0.08, 0.12, 0.16)
-"""Speeds over the root of g L where none are asked for: slow ships, as in canals."""
+# Of the room between hull and wall that a run may use.
 OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
-"""Of the room between hull and wall that a run may use."""
 CYCLES = (2, 3, 5)
 STRAIGHT_DRIFTS = (0.0, 6.0)
+# Starboard and port: each run off the centreline may be mirrored.
 SIDES = (1, -1)
-"""Starboard and port: each run off the centreline may be mirrored."""
 SAMPLES = 100
+# Of the room that the clearance leaves, where no reach is asked for.
 UNASKED = 0.75
-"""Of the room that the clearance leaves, where no reach is asked for."""
+# A run's steady motion over the ship's length; and more than any tank has of anything, in SI.
 RUN_LENGTHS, MOST = 10.0, 1e5
-"""A run's steady motion over the ship's length; and more than any tank has of anything, in SI."""
+# Speed over the root of g L beyond which no ship in a canal goes; and samples that a run may have.
 MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
-"""Speed over the root of g L beyond which no ship in a canal goes; and samples that a run may have."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Tank:
 
 
 def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
-    """List the runs that fit between the walls and into the length of a tank (ours).
+    """List the runs that fit between the walls and into the length of a tank.
 
     Parameters
     ----------

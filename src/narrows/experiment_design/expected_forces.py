@@ -13,28 +13,14 @@ from narrows.ship.particulars import Configuration
 
 
 def expected_forces(configuration: Configuration) -> Forces:
-    """Return about what forces a motion would have: those of the published model by Froude's law (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship, canal and water.
-    """
+    """Return about what forces a motion would have: those of the published model by Froude's law."""
     scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
     model = replace(scaled, configuration=configuration)
     return lambda motion, _: model.forces(motion)
 
 
 def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
-    """Return the root mean square of each force over the runs on offer [N, N, N m] (ours).
-
-    Parameters
-    ----------
-    offered : list of Run
-        The runs.
-    forces : callable
-        Expected forces of a motion at a depth.
-    """
+    """Return the root mean square of each force over the runs on offer [N, N, N m]."""
     squares = [
         {
             force: float(np.mean(np.square(values)))

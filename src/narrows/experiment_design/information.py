@@ -19,34 +19,22 @@ from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
 
+# Of sampling [Hz]; what a run tells depends on its noise per time, not on how often it is sampled.
 RATE = 5.0
-"""Of sampling [Hz]; what a run tells depends on its noise per time, not on how often it is sampled."""
+# Of harmonic runs, of steady ones to starboard and of those to port: made on days of their own, often.
 ZEROS = 3
-"""Of harmonic runs, of steady ones to starboard and of those to port: made on days of their own, often."""
+# The forces that a motion at a depth is expected to have, to which gains are proportional.
 Forces = Callable[[Motion, float | None], Mapping[str, np.ndarray]]
-"""The forces that a motion at a depth is expected to have, to which gains are proportional."""
 
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """The second level of a run: ``y = D theta + error`` in a few rows for each force.
+    """The second level of a run: ``y = D theta + error`` in a few rows for each force."""
 
-    Parameters
-    ----------
-    d : array (forces, q, p)
-        Columns of the parameters.
-    one : array (forces, q)
-        Column of a constant force.
-    v : array (forces, q, q)
-        Covariance of the rows; ones on the diagonal of empty ones.
-    zero : int
-        Which zero it has: 0 of harmonic runs, 1 of steady ones to starboard, 2 of those to port.
-    """
-
-    d: np.ndarray
-    one: np.ndarray
-    v: np.ndarray
-    zero: int
+    d: np.ndarray  # (forces, q, p) Columns of the parameters
+    one: np.ndarray  # (forces, q) Column of a constant force
+    v: np.ndarray  # (forces, q, q) Covariance of the rows; ones on the diagonal of empty ones
+    zero: int  # Which zero it has: 0 of harmonic runs, 1 of steady ones to starboard, 2 of those to port
 
     @cached_property
     def plain(self) -> tuple[np.ndarray, np.ndarray]:
@@ -63,30 +51,16 @@ class PlannedRun:
 
 
 def zero_columns(one: np.ndarray, force: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """Return columns of the zeros, (blocks, q, forces x zeros), of blocks of the second level (ours).
-
-    Parameters
-    ----------
-    one : array (blocks, q)
-        Column of a constant force.
-    force, zero : array (blocks,) of int
-        Of each block.
-    """
+    """Return columns of the zeros, (blocks, q, forces x zeros), of blocks of the second level."""
+    # one (blocks, q); force, zero (blocks,)
     count = int(force.max()) + 1
     chosen = np.arange(count * ZEROS) == (force * ZEROS + zero)[:, None]
     return np.asarray(one[:, :, None] * chosen[:, None, :])
 
 
 def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Return which zero runs have, as in ``PlannedRun`` (ours).
-
-    Parameters
-    ----------
-    steady : array (runs,) of bool
-        Nothing oscillates.
-    offset : array (runs,) [m]
-        Mean offset from the centreline.
-    """
+    """Return which zero runs have, as in ``PlannedRun``."""
+    # steady (runs,); offset (runs,) [m]
     return np.asarray(np.where(steady, np.where(offset >= 0, 1, 2), 0))
 
 
@@ -94,32 +68,8 @@ def planned_run(
     run: Run, configuration: Configuration, terms: TermTable, forces: Forces, level: Mapping[str, float],
     noise: Mapping[str, float] = NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
 ) -> PlannedRun:  # fmt: skip
-    """Work out what one run would tell (ours).
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    configuration : Configuration
-        Ship, canal and water.
-    terms : TermTable
-        The terms; tied coefficients are one parameter.
-    forces : callable
-        Expected forces of a motion at a depth.
-    level : mapping of str to float [N, N, N m]
-        Root mean square of each force over all tests, which zeros are a share of.
-    noise : mapping of str to float [N, N, N m]
-        Standard deviation of each force.
-    correlation_time : float [s]
-        Of the noise: 2 of these hold one independent row.
-    errors : RunErrors, optional
-        By how much runs differ; those of ``identify`` unless given.
-
-    Raises
-    ------
-    InputError
-        Where a term needs a particular that the ship file does not give.
-    """
+    """Work out what one run would tell."""
+    # level [N, N, N m]; noise [N, N, N m]; correlation_time [s]
     errors = errors or RunErrors()
     columns = run.columns(RATE)
     motion, rows = motion_of(columns), len(columns["t"])
@@ -154,18 +104,10 @@ def planned_run(
 
 
 def expected_errors(runs: Sequence[PlannedRun], known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return standard errors, variance inflations and half widths of the 95 % intervals of a fit, each (p,) (ours).
-
-    The interval is that of the error model, or of leaving out each run where that reaches farther, as ``identify`` has
-    it. All are infinite where the runs do not determine a parameter.
-
-    Parameters
-    ----------
-    runs : sequence of PlannedRun
-        Each a motion of its own.
-    known : array (2, p, p)
-        D'D and D'VD of tests that were made.
-    """
+    """Return standard errors, variance inflations and half widths of the 95 % intervals of a fit, each (p,)."""
+    # known (2, p, p)
+    # The interval is that of the error model, or of leaving out each run where that reaches farther, as ``identify``
+    # has it. All are infinite where the runs do not determine a parameter.
     plain = np.array([run.plain for run in runs])
     gram, middle = known + plain.sum(axis=0)
     inverse, determined = pseudo_inverse(gram)

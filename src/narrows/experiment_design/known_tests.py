@@ -12,20 +12,12 @@ from narrows.identification.uncertainty.error_model import whitened
 from narrows.model.data_range import DataRange
 from narrows.terms.term import TermTable
 
+# Highest speed over lowest, less one, within which tests were at one speed.
 ALIKE = 0.05
-"""Highest speed over lowest, less one, within which tests were at one speed."""
 
 
 def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:
-    """Return a tank at the speeds and offsets that were tested, where none were asked for (ours).
-
-    Parameters
-    ----------
-    tank : Tank
-        What was asked for.
-    tested : DataRange, optional
-        What the tests that were made cover.
-    """
+    """Return a tank at the speeds and offsets that were tested, where none were asked for."""
     notes = []
     if tested is not None and tested.speed is not None and not tank.speeds:
         low, high = tested.speed
@@ -41,17 +33,7 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
 def known_information(
     made: list[Fit], tables: list[TermTable], shape: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return information of tests that were made, and D'D and D'VD of the first table, by the errors of fits (ours).
-
-    Parameters
-    ----------
-    made : list of Fit
-        Of each table of terms to those tests; empty where there are none.
-    tables : list of TermTable
-        The tables.
-    shape : tuple of int
-        Of the information: tables, parameters and zeros, twice.
-    """
+    """Return information of tests that were made, and D'D and D'VD of the first table, by the errors of fits."""
     count = max(slots(tables[0]).values()) + 1
     information, grams = np.zeros(shape), np.zeros((2, count, count))
     for i, fit in enumerate(made):

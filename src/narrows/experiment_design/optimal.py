@@ -6,25 +6,16 @@ import numpy as np
 
 CRITERIA = ("c", "d")
 ROUNDS = 20
+# Over the largest information of each parameter: stands for what is known of it before any test, next to nothing.
 RIDGE = 1e-9
-"""Over the largest information of each parameter: stands for what is known of it before any test, next to nothing."""
+# Share of the spread within which runs are as good as one another: while a parameter is unknown, rounding over the
+# ridge moves the spread by about 1e-5 of it.
 TIE = 1e-4
-"""Share of the spread within which runs are as good as one another: while a parameter is unknown, rounding over the
-ridge moves the spread by about 1e-5 of it."""
 
 
 def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
-    """Return what is to be made small, for each of a stack of information matrices, under the worst form.
-
-    Parameters
-    ----------
-    information : array (..., forms, p, p)
-        Scaled to a unit diagonal or thereabouts.
-    targets : sequence of int
-        The parameters that matter.
-    criterion : str
-        ``c``: the sum of their variances; ``d``: the log of the determinant of their covariance.
-    """
+    """Return what is to be made small, for each of a stack of information matrices, under the worst form."""
+    # information (..., forms, p, p)
     covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
     if criterion == "c":
         return np.asarray(np.trace(covariance, axis1=-2, axis2=-1).max(axis=-1))
@@ -32,25 +23,9 @@ def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> n
 
 
 def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int], criterion: str = "c") -> list[int]:
-    """Choose runs, each at most once: the order is that of their use.
-
-    Parameters
-    ----------
-    runs : array (n, forms, p, p)
-        Information that each would add, under each form that the bank's terms may have.
-    known : array (forms, p, p)
-        Information that there is.
-    count : int
-        How many to choose.
-    targets : sequence of int
-        The parameters that matter.
-    criterion : str
-        ``c`` or ``d``.
-
-    References
-    ----------
-    Fedorov (1972), Theory of optimal experiments: the exchange.
-    """
+    """Choose runs, each at most once: the order is that of their use."""
+    # runs (n, forms, p, p); known (forms, p, p)
+    # Fedorov (1972), Theory of optimal experiments: the exchange.
     scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0))
     scale[scale == 0] = 1.0
     outer = scale[:, :, None] * scale[:, None, :]

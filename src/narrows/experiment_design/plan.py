@@ -33,16 +33,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+# Of the rows of a plan.
 UNITS = {
     "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
 }  # fmt: skip
-"""Of the rows of a plan."""
 
 
+# Straight runs that a plan for the bank begins with.
 SEPARATING = 4
-"""Straight runs that a plan for the bank begins with."""
+# Of the bank, that a plan does for beside that of the terms.
 OTHER_FORMS = ("distance", "tapered")
-"""Of the bank, that a plan does for beside that of the terms."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,13 +10,7 @@ from narrows.export.rendering import bodies_of, places_in, rendered, translated,
 
 
 def c_text(exported: ExportedShip) -> str:
-    """Return the header of a ship (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship, its choices and its waterway.
-    """
+    """Return the header of a ship."""
     printer = CArithmetic(exported.prefix)
     bodies = bodies_of(exported, "{}->{}".format, "{}({})".format, c_name, partial(c_body, printer=printer))
     bodies["step_block"] = "\n    ".join(_block(exported, printer))
@@ -41,12 +35,6 @@ def _block(exported: ExportedShip, printer: CArithmetic) -> list[str]:
 
 
 def c_number(value: float) -> str:
-    """Return a number to its last bit (ours).
-
-    Parameters
-    ----------
-    value : float
-        Any.
-    """
+    """Return a number to its last bit."""
     text = repr(float(value))
     return {"inf": "INFINITY", "-inf": "-INFINITY", "nan": "NAN"}.get(text, text)

@@ -38,46 +38,23 @@ OF_LAW = Quantity("SI", "of the law that steers")
 
 @dataclass(frozen=True)
 class ExportedNumber:
-    """A parameter, input or state of an exported file.
+    """A parameter, input or state of an exported file."""
 
-    Parameters
-    ----------
-    name : str
-        In the file.
-    value : float
-        Unless a caller changes it.
-    unit : str
-        In SI.
-    meaning : str
-        In words.
-    """
-
-    name: str
-    value: float
-    unit: str
-    meaning: str
+    name: str  # In the file
+    value: float  # Unless a caller changes it
+    unit: str  # In SI
+    meaning: str  # In words
 
 
 @dataclass(frozen=True)
 class ExportedShip:
-    """A model with the choices of simulation, ready to be written in another language.
+    """A model with the choices of simulation, ready to be written in another language."""
 
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model under its choices.
-    waterway : Waterway, optional
-        Whose table goes into the file; the section of the water then changes along the way.
-    prefix : str
-        Of the names in the file.
-    steering : Steering, optional
-        What gives the orders instead of a caller.
-    """
-
-    ship: SimulatedShip
+    ship: SimulatedShip  # The model under its choices
+    # Whose table goes into the file; the section of the water then changes along the way
     waterway: "Waterway | None" = None
-    prefix: str = USUAL_PREFIX
-    steering: Steering | None = None
+    prefix: str = USUAL_PREFIX  # Of the names in the file
+    steering: Steering | None = None  # What gives the orders instead of a caller
 
     @cached_property
     def portable(self) -> Portable:
@@ -208,12 +185,6 @@ class ExportedShip:
 
 
 def prefix_of(path: str | Path) -> str:
-    """Return what names in a file begin with, by its own (ours).
-
-    Parameters
-    ----------
-    path : str or Path
-        Of the file.
-    """
+    """Return what names in a file begin with, by its own."""
     stem = re.sub(r"\W+", "_", Path(path).stem, flags=re.ASCII).strip("_")
     return USUAL_PREFIX if is_stream(path) or not stem else stem if stem[0].isalpha() else f"{USUAL_PREFIX}_{stem}"

@@ -15,8 +15,9 @@ from narrows.export.fmu_description import description_text, variables_of
 from narrows.export.native_builds import NativeBuild, libraries_of_source
 from narrows.export.rendering import rendered
 
+# Every file in an FMU bears one time, so that written again it is the same.
 SAME_TIME = (2000, 1, 1, 0, 0, 0)
-"""Every file in an FMU bears one time, so that written again it is the same."""
+# Of either standard: what stands beside the header of the ship.
 SOURCES = {
     2: ("instance.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: (
@@ -28,25 +29,11 @@ SOURCES = {
         "buildDescription.xml",
     ),
 }
-"""Of either standard: what stands beside the header of the ship."""
 
 
 def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2) -> bytes:
-    """Return an FMU (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship, called ``ship``.
-    speed : float [m/s]
-        That it starts with.
-    dt : float [s]
-        Longest step of co-simulation.
-    builds : tuple of NativeBuild
-        What compiles it; sources alone where there are none.
-    fmi : int
-        Of the standard, 2 or 3.
-    """
+    """Return an FMU."""
+    # speed [m/s]; dt [s]
     header, variables = c_text(exported), variables_of(exported, speed, dt, fmi)
     token = hashlib.sha256(f"{header} {speed!r} {dt!r} {fmi}".encode()).hexdigest()[:32]
     sources = {"ship.h": header, "choices.h": _choices(exported, token, speed, dt)}

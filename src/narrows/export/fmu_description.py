@@ -18,52 +18,23 @@ PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
 
 @dataclass(frozen=True)
 class FmuVariable:
-    """A variable; its reference is its place in the array of ``fmi/instance.h``.
+    """A variable; its reference is its place in the array of ``fmi/instance.h``."""
 
-    Parameters
-    ----------
-    name : str
-        In the FMU.
-    reference : int
-        Its place.
-    causality, variability, initial : str
-        As the standard has them; no initial where it forbids one.
-    unit, meaning : str
-        In SI, and in words.
-    start : float, optional
-        Its value at the start, where that may be set.
-    derivative : int
-        Index of the variable that it is the rate of; 0 of none.
-    truth : bool
-        Whether it is true or false.
-    """
-
-    name: str
-    reference: int
-    causality: str
-    variability: str
-    initial: str
-    unit: str
-    meaning: str
-    start: float | None = None
-    derivative: int = 0
-    truth: bool = False
+    name: str  # In the FMU
+    reference: int  # Its place
+    causality: str  # As the standard has them; no initial where it forbids one
+    variability: str  # As the standard has them; no initial where it forbids one
+    initial: str  # As the standard has them; no initial where it forbids one
+    unit: str  # In SI, and in words
+    meaning: str  # In SI, and in words
+    start: float | None = None  # Its value at the start, where that may be set
+    derivative: int = 0  # Index of the variable that it is the rate of; 0 of none
+    truth: bool = False  # Whether it is true or false
 
 
 def variables_of(exported: ExportedShip, speed: float, dt: float, fmi: int) -> tuple[FmuVariable, ...]:
-    """Return the variables of an FMU, by the order of their references (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship.
-    speed : float [m/s]
-        That it starts with.
-    dt : float [s]
-        Longest step of co-simulation.
-    fmi : int
-        Of the standard: 3 has event indicators among the variables, beside the outputs.
-    """
+    """Return the variables of an FMU, by the order of their references."""
+    # speed [m/s]; dt [s]
     variables = tuple(_variables(exported, speed, dt))
     return variables if fmi < 3 else (*variables, *_indicators(len(variables)))
 
@@ -104,32 +75,14 @@ def _number(one: ExportedNumber, name: str, place: int, causality: str, variabil
 
 
 def unit_powers(unit: str) -> dict[str, int]:
-    """Return a unit as powers of base units, ``kg m/s2`` as kg 1, m 1, s -2 (ours).
-
-    Parameters
-    ----------
-    unit : str
-        In SI.
-    """
+    """Return a unit as powers of base units, ``kg m/s2`` as kg 1, m 1, s -2."""
     dimension = dimension_of(unit)
     powers = {"kg": dimension.mass, "m": dimension.length, "s": dimension.time, "rad": int(unit.startswith("rad"))}
     return {base: power for base, power in powers.items() if power}
 
 
 def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str, fmi: int) -> str:
-    """Return the description of an FMU (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship.
-    variables : tuple of FmuVariable
-        In order.
-    token : str
-        What names this very model.
-    fmi : int
-        Of the standard, 2 or 3.
-    """
+    """Return the description of an FMU."""
     outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
     rates = [index for index, one in enumerate(variables, 1) if one.derivative]
     first = [

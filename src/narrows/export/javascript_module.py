@@ -6,15 +6,7 @@ from narrows.export.rendering import bodies_of, rendered, translated, water_of
 
 
 def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
-    """Return the module of a ship (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship, its choices and its waterway.
-    derivatives : bool
-        Whether they go into the module.
-    """
+    """Return the module of a ship."""
     bodies = bodies_of(exported, "{}.{}".format, "Math.{}({})".format, javascript_name, javascript_body)
     return rendered(
         "model.js.j2", exported, f=bodies, water=water_of(exported, javascript_number), number=javascript_number,
@@ -23,12 +15,6 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
 
 
 def javascript_number(value: float) -> str:
-    """Return a number to its last bit (ours).
-
-    Parameters
-    ----------
-    value : float
-        Any.
-    """
+    """Return a number to its last bit."""
     text = repr(float(value))
     return {"inf": "Infinity", "-inf": "-Infinity", "nan": "NaN"}.get(text, text)

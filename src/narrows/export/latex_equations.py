@@ -8,13 +8,7 @@ from narrows.model.model import Model
 
 
 def latex_text(model: Model) -> str:
-    """Return the equations of the forces as a piece of LaTeX, for amsmath (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-    """
+    """Return the equations of the forces as a piece of LaTeX, for amsmath."""
     about = (model.configuration.ship.name, f"terms {model.terms.name}", model.source.text)
     lines = [f"% {commented(line)}" for line in (*about, f"written by narrows {version('narrows')}") if line]
     for coefficients in (None, model.coefficients):

@@ -12,6 +12,8 @@ from pathlib import Path
 from narrows.errors import InputError, needs
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
+# What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard,
+# its suffix.
 ZIG = (
     ("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
     ("aarch64-linux-gnu.2.17", {2: "aarch64-linux", 3: "aarch64-linux"}, ".so"),
@@ -19,8 +21,6 @@ ZIG = (
     ("x86_64-macos.11.0", {2: "darwin64", 3: "x86_64-darwin"}, ".dylib"),
     ("aarch64-macos.11.0", {2: "darwin64", 3: "aarch64-darwin"}, ".dylib"),
 )
-"""What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU of either
-standard, its suffix."""
 PAGE = 1 << 14
 FAT, PROCESSOR, ALIGNMENT = 0xCAFEBABE, slice(4, 12), 14
 LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
@@ -28,35 +28,14 @@ LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
 
 @dataclass(frozen=True)
 class NativeBuild:
-    """A compiler for one platform.
+    """A compiler for one platform."""
 
-    Parameters
-    ----------
-    folder : str
-        Of the platform in an FMU.
-    command : tuple of str
-        That compiles and links.
-    suffix : str
-        Of what it makes.
-    """
-
-    folder: str
-    command: tuple[str, ...]
-    suffix: str
+    folder: str  # Of the platform in an FMU
+    command: tuple[str, ...]  # That compiles and links
+    suffix: str  # Of what it makes
 
     def compiled(self, source: Path) -> bytes:
-        """Return the library of a source.
-
-        Parameters
-        ----------
-        source : Path
-            A C file, beside what it includes.
-
-        Raises
-        ------
-        InputError
-            Where the compiler fails.
-        """
+        """Return the library of a source."""
         target = source.with_name(f"{self.folder}{self.suffix}")
         libraries = () if self.suffix == ".dll" else ("-lm",)
         try:
@@ -72,7 +51,7 @@ class NativeBuild:
 
 
 def lacks_zig() -> str:
-    """Return what to do for libraries for all platforms where their compiler is not here, else nothing (ours)."""
+    """Return what to do for libraries for all platforms where their compiler is not here, else nothing."""
     try:
         with needs("fmu", "an FMU for Linux, Windows and macOS at once"):
             import ziglang  # noqa: F401
@@ -82,13 +61,7 @@ def lacks_zig() -> str:
 
 
 def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
-    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own (ours).
-
-    Parameters
-    ----------
-    fmi : int
-        Of the standard, 2 or 3.
-    """
+    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own."""
     if not lacks_zig():
         zig = (sys.executable, "-m", "ziglang", "cc", "-s", "-target")
         return tuple(NativeBuild(folders[fmi], (*zig, target), suffix) for target, folders, suffix in ZIG)
@@ -97,15 +70,7 @@ def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
 
 
 def libraries_of_source(source: Path, builds: tuple[NativeBuild, ...]) -> Mapping[str, bytes]:
-    """Return the library of a source for each platform, by its place in an FMU (ours).
-
-    Parameters
-    ----------
-    source : Path
-        A C file.
-    builds : tuple of NativeBuild
-        The compilers.
-    """
+    """Return the library of a source for each platform, by its place in an FMU."""
     made: dict[str, list[bytes]] = {}
     for build in builds:
         made.setdefault(f"binaries/{build.folder}/ship{build.suffix}", []).append(build.compiled(source))
@@ -113,13 +78,7 @@ def libraries_of_source(source: Path, builds: tuple[NativeBuild, ...]) -> Mappin
 
 
 def universal(libraries: Sequence[bytes]) -> bytes:
-    """Return one library for macOS of those for its processors: a table of them, then each on pages of its own (ours).
-
-    Parameters
-    ----------
-    libraries : sequence of bytes
-        Mach-O files, which say their processor.
-    """
+    """Return one library for macOS of those for its processors: a table of them, then each on pages of its own."""
     entries, body = b"", b""
     for library in libraries:
         processor, kind = struct.unpack("<2I", library[PROCESSOR])

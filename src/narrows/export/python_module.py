@@ -24,24 +24,12 @@ class PortableArithmetic(Arithmetic):
 
 
 def python_name(name: str) -> str:
-    """Return what a number is called in a Python file (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the lines.
-    """
+    """Return what a number is called in a Python file."""
     return f"{name}_" if name in TAKEN or iskeyword(name) else name
 
 
 def python_text(exported: ExportedShip) -> str:
-    """Return the file of a ship (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship, its choices and its waterway.
-    """
+    """Return the file of a ship."""
     source = plain_functions(exported)
     functions = last_functions(exported, source)
     bodies = bodies_of(exported, "{}.{}".format, "np.{}({})".format, python_name, _body)
@@ -59,13 +47,7 @@ def _constants_of(functions: list[ast.FunctionDef], source: PlainSource) -> dict
 
 
 def python_number(value: float) -> str:
-    """Return a number to its last bit (ours).
-
-    Parameters
-    ----------
-    value : float
-        Any.
-    """
+    """Return a number to its last bit."""
     return repr(float(value))
 
 

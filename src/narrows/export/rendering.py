@@ -16,25 +16,19 @@ from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
 
 WIDTH = 108
+# How a voyage ends, in the order of their codes.
 FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED")
-"""How a voyage ends, in the order of their codes."""
+# Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables.
 PLAIN = (
     "narrows.codegen.kernels.event",
     "narrows.waterway.room",
     "narrows.codegen.kernels.single",
     "narrows.codegen.kernels.filling",
 )
-"""Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables."""
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
-    """Return the plain functions that a file ends with (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose.
-    """
+    """Return the plain functions that a file ends with."""
     absent = frozenset[str]() if exported.waterway else frozenset({"waterway"})
     return PlainSource(tuple(map(text_of, PLAIN)), exported.rule, absent)
 
@@ -45,19 +39,7 @@ Body = Callable[[Program, list[str], dict[str, str]], list[str]]
 
 
 def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> dict[str, str]:
-    """Return where lines find each number: in the state, the inputs, the constants, the waterway (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose lines.
-    of : callable
-        Writes a field of a structure.
-    call : callable
-        Writes the call of ``cos`` or ``sin``.
-    named : callable
-        What a number is called in the language.
-    """
+    """Return where lines find each number: in the state, the inputs, the constants, the waterway."""
     portable = exported.portable
     places = {name: of("constants", named(name)) for name in exported.constants}
     places |= {name: f"state[{number}]" for number, name in enumerate(portable.kept)}
@@ -72,17 +54,7 @@ def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> d
 
 
 def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body: Body) -> dict[str, str]:
-    """Return the body of each function of the lines (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose.
-    of, call, named : callable
-        As of ``places_in``.
-    body : callable
-        Writes a program as statements: of it, what its results are assigned to, and where it finds its numbers.
-    """
+    """Return the body of each function of the lines."""
     places = places_in(exported, of, call, named)
     bodies = {}
     for name, program in exported.programs.items():
@@ -95,17 +67,7 @@ def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body
 
 
 def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation], *more: str) -> dict[str, Any]:
-    """Return the plain functions in another language, with the constants and names that stand before them (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose.
-    language : callable
-        Makes the translation of their source.
-    *more : str
-        Functions beside those of ``last_functions``.
-    """
+    """Return the plain functions in another language, with the constants and names that stand before them."""
     source = plain_functions(exported)
     translation = language(source)
     plain = [translation.text(one) for one in last_functions(exported, source, *more)]
@@ -116,41 +78,17 @@ def translated(exported: ExportedShip, language: Callable[[PlainSource], Transla
 
 
 def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:
-    """Return the plain functions that a file ends with: the clearance where the hull is known, and the voyage (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose.
-    source : PlainSource
-        As ``plain_functions`` gives it.
-    *more : str
-        Other functions.
-    """
+    """Return the plain functions that a file ends with: the clearance where the hull is known, and the voyage."""
     return source.needed(*(("clearance",) * exported.exact), "sail", *more)
 
 
 def rate_names(exported: ExportedShip) -> tuple[str, ...]:
-    """Return what ``rates`` gives, in order (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose.
-    """
+    """Return what ``rates`` gives, in order."""
     return tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))
 
 
 def water_of(exported: ExportedShip, number: Callable[[float], str]) -> dict[str, Any] | None:
-    """Return the table of the waterway as text, its arrays with their lengths; None in a straight canal (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Whose.
-    number : callable
-        Writes a number.
-    """
+    """Return the table of the waterway as text, its arrays with their lengths; None in a straight canal."""
     if exported.waterway is None:
         return None
     channel = exported.channel
@@ -161,13 +99,7 @@ def water_of(exported: ExportedShip, number: Callable[[float], str]) -> dict[str
 
 
 def text_of(module: str) -> str:
-    """Return the text of a module of the package (ours).
-
-    Parameters
-    ----------
-    module : str
-        Its name.
-    """
+    """Return the text of a module of the package."""
     spec = find_spec(module)
     assert spec is not None
     assert spec.origin is not None
@@ -175,29 +107,13 @@ def text_of(module: str) -> str:
 
 
 def commented(text: str) -> str:
-    """Return words that cannot end the comment that they stand in, nor begin another (ours).
-
-    Parameters
-    ----------
-    text : str
-        Of a file: a name, a source.
-    """
+    """Return words that cannot end the comment that they stand in, nor begin another."""
     plain = " ".join("".join(letter if letter.isprintable() else " " for letter in text).split())
     return plain.replace("\\", "|").replace("??", "? ?").replace("*/", "* /").replace("/*", "/ *")
 
 
 def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
-    """Return a template with the numbers of a ship (ours).
-
-    Parameters
-    ----------
-    template : str
-        Its name.
-    exported : ExportedShip
-        The ship.
-    **told : Any
-        What else it asks for.
-    """
+    """Return a template with the numbers of a ship."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.export", "templates")

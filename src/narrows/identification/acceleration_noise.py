@@ -8,33 +8,17 @@ from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import Solution
 
+# Of the size of the accelerations that is taken for noise.
 SHARE = 0.1
-"""Of the size of the accelerations that is taken for noise."""
 
 
 def noise_bias(
     problem: Problem, solution: Solution, equations: NormalEquations, share: float = SHARE
 ) -> dict[str, float]:
-    """Return how far white noise in the accelerations draws each coefficient from its value, to first order (ours).
-
-    The noise adds to the diagonal of H alone, and the solution moves by -H^-1 D z: attenuation, and what others take
-    over. Coefficients at a bound stay there.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    solution : Solution
-        Its optimum.
-    equations : NormalEquations
-        The sums.
-    share : float [1]
-        Standard deviation of the noise over the root mean square of each acceleration.
-
-    References
-    ----------
-    Fuller (1987), Measurement Error Models, section 2.2.
-    """
+    """Return how far white noise in the accelerations draws each coefficient from its value, to first order."""
+    # The noise adds to the diagonal of H alone, and the solution moves by -H^-1 D z: attenuation, and what others take
+    # over. Coefficients at a bound stay there.
+    # Fuller (1987), Measurement Error Models, section 2.2.
     h, _ = problem.normal(equations.total)
     plain, _ = problem.normal(equations.unweighted.sum(axis=0))
     noisy = np.zeros(len(h))
@@ -49,17 +33,7 @@ def noise_bias(
 
 
 def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float]) -> str:
-    """Say what noise in accelerations would do where nothing checks them; nothing where time does (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    bias : dict of str to float
-        Of ``noise_bias``.
-    values : dict of str to float
-        The coefficients themselves.
-    """
+    """Say what noise in accelerations would do where nothing checks them; nothing where time does."""
     if isinstance(tests, CaptiveTests) and "t" in tests.columns:
         return ""
     shifts = {

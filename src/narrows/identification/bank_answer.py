@@ -13,27 +13,19 @@ from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
+# Error on what was left out, over that of the given terms, below which tests prefer other terms.
 BETTER = 0.98
-"""Error on what was left out, over that of the given terms, below which tests prefer other terms."""
 UNITS = {"X": "N", "Y": "N", "N": "N m"}
+# Of the half width of the canal: an offset that a straight run must have to tell of a bank.
 OFF_CENTRE = 0.1
-"""Of the half width of the canal: an offset that a straight run must have to tell of a bank."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What comes first of all that is known of a fit.
+    """What comes first of all that is known of a fit."""
 
-    Parameters
-    ----------
-    fit : Fit
-        Of the terms that were asked for.
-    preferred : Fit, optional
-        Of the hull's terms that err least on what was left out, where these are others.
-    """
-
-    fit: Fit
-    preferred: Fit | None
+    fit: Fit  # Of the terms that were asked for
+    preferred: Fit | None  # Of the hull's terms that err least on what was left out, where these are others
 
     @property
     def sentences(self) -> tuple[str, str, str]:
@@ -109,37 +101,18 @@ class Answer:
 
 
 def answer_of(fit: Fit) -> Answer:
-    """Put the answer of a fit first: its bank's coefficients, under its terms and under those that its tests prefer.
-
-    Parameters
-    ----------
-    fit : Fit
-        With tests in memory; of streamed ones no other terms are tried.
-    """
+    """Put the answer of a fit first: its bank's coefficients, under its terms and under those that its tests prefer."""
     return Answer(fit, preferred_fit(fit) if _comparable(fit) else None)
 
 
 def bank_names(fit: Fit) -> list[str]:
-    """Return the bank's coefficients (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose terms.
-    """
+    """Return the bank's coefficients."""
     return [term.name for term in fit.terms.terms if term.from_bank]
 
 
 def preferred_fit(fit: Fit) -> Fit | None:
-    """Return the fit of the hull's terms, with the same form of the bank, that errs least on what was left out (ours).
-
-    None where the terms of the fit do, within two per cent.
-
-    Parameters
-    ----------
-    fit : Fit
-        Of one of the package's tables of a hull.
-    """
+    """Return the fit of the hull's terms, with the same form of the bank, that errs least on what was left out."""
+    # None where the terms of the fit do, within two per cent.
     others = []
     for table in _others(fit.terms):
         try:
@@ -153,13 +126,7 @@ def preferred_fit(fit: Fit) -> Fit | None:
 
 
 def missing_runs(fit: Fit) -> list[str]:
-    """Name the kinds of runs that part a bank from the hull and are not among the tests (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose tests.
-    """
+    """Name the kinds of runs that part a bank from the hull and are not among the tests."""
     motions, strata = fit.motions, fit.motions.strata
     off = motions.steady & (motions.reach > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
     speeds = sorted({round(float(motions.features["speed"][group].mean()), 2) for group in motions.by_speed})

@@ -118,7 +118,7 @@ def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
 
 
 def ready_tables() -> tuple[str, ...]:
-    """Return the names of the tables to compare where none are asked for, the last without any bank (ours)."""
+    """Return the names of the tables to compare where none are asked for, the last without any bank."""
     return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"), f"paper+{OPEN_WATER}")
 
 

@@ -46,20 +46,7 @@ def identify_conditions(
 
 
 def the_condition(tests: Tests, condition: str | None) -> Tests:
-    """Return the tests of one condition (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        Of one or several conditions.
-    condition : str, optional
-        Which; may be left out where there is one.
-
-    Raises
-    ------
-    InputError
-        Where there is no such condition, or several and none was chosen.
-    """
+    """Return the tests of one condition."""
     parts = tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}
     known = [label for label in parts if label]
     if condition is None:

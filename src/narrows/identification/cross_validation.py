@@ -14,49 +14,23 @@ from narrows.terms.term import TermTable
 
 
 class Validation(NamedTuple):
-    """How well a fit foresees rows that it did not see.
+    """How well a fit foresees rows that it did not see."""
 
-    Parameters
-    ----------
-    scores : mapping of str to Score
-        R2 and RMSE of each force on rows left out.
-    split : str
-        ``test``, by distinct motion, or ``random``.
-    """
-
-    scores: Mapping[str, Score]
-    split: str
+    scores: Mapping[str, Score]  # R2 and RMSE of each force on rows left out
+    split: str  # ``test``, by distinct motion, or ``random``
 
 
 def left_out_coefficients(problem: Problem, without: np.ndarray) -> np.ndarray:
-    """Fit without each group of rows in turn, (groups, n).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    without : array (groups, m, m)
-        Sums over all but each group.
-    """
+    """Fit without each group of rows in turn, (groups, n)."""
+    # without (groups, m, m)
     return problem.coefficients(solve_many(*problem.normal(without), problem.lower, problem.upper))
 
 
 def left_out_score(
     equations: NormalEquations, terms: TermTable, groups: np.ndarray, without: np.ndarray
 ) -> dict[str, Score]:
-    """Score each group of rows with the coefficients that were fitted without it; NaN where there is one group.
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        For its columns.
-    terms : TermTable
-        The terms.
-    groups : array (groups, m, m)
-        Sums over each group.
-    without : array (groups, n)
-        Coefficients fitted without it.
-    """
+    """Score each group of rows with the coefficients that were fitted without it; NaN where there is one group."""
+    # groups (groups, m, m); without (groups, n)
     if len(groups) < 2:
         return {force: Score(float("nan"), float("nan")) for force, part in terms.forces.items() if part}
     index = {name: i for i, name in enumerate(terms.names)}
@@ -72,17 +46,7 @@ def left_out_score(
 
 
 def left_out_by_speed(problem: Problem, equations: NormalEquations, motions: DistinctMotions) -> dict[str, Score]:
-    """Score each speed with the coefficients that were fitted to the others: force -> score (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    equations : NormalEquations
-        The sums.
-    motions : DistinctMotions
-        The distinct motions, and their speeds.
-    """
+    """Score each speed with the coefficients that were fitted to the others: force -> score."""
     groups = np.stack([motions.sums[members].sum(axis=0) for members in motions.by_speed])
     if len(groups) < 2:
         return {}

@@ -23,10 +23,10 @@ from narrows.ship.ship_file import ShipSource
 if TYPE_CHECKING:
     import pandas as pd
 
+# Joint standard errors between the model's coefficient and the table's beyond which they disagree.
 UNLIKELY = 3.0
-"""Joint standard errors between the model's coefficient and the table's beyond which they disagree."""
+# What two hulls are told apart by, and how near they are to be [1].
 SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
-"""What two hulls are told apart by, and how near they are to be [1]."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -80,18 +80,7 @@ class Fit(Prediction):
         return f"<Fit of {self.terms.name}: {len(self.terms.names)} coefficients, {self._size}>"
 
     def __getitem__(self, name: str) -> float:
-        """The value of a coefficient [SI].
-
-        Parameters
-        ----------
-        name : str
-            Of the coefficient.
-
-        Raises
-        ------
-        InputError
-            Where there is no such coefficient.
-        """
+        """The value of a coefficient [SI]."""
         return self.model[name]
 
     @property

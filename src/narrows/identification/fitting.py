@@ -27,8 +27,8 @@ from narrows.terms.term import TermTable
 
 Split = Literal["test", "random"]
 Pool = Literal["depth"]
+# Stretches of each test: how they scatter about a fit to it says how large its noise is.
 PIECES = 8
-"""Stretches of each test: how they scatter about a fit to it says how large its noise is."""
 DEFAULT_ERRORS = RunErrors()
 
 
@@ -119,18 +119,7 @@ def identify(
 
 
 def depths_of(tests: Tests) -> list[float]:
-    """Return the depths of tests, those within 5 % of the first of them as one [m] (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-
-    Raises
-    ------
-    InputError
-        Where they do not say how deep the water was.
-    """
+    """Return the depths of tests, those within 5 % of the first of them as one [m]."""
     by_test: dict[str, list[float]] = {}
     for block in tests.blocks(1):
         depth = np.broadcast_to(block.values.get("depth", np.nan), block.rows)
@@ -144,20 +133,7 @@ def depths_of(tests: Tests) -> list[float]:
 
 
 def check_one_condition(tests: Tests, terms: TermTable) -> None:
-    """Raise where tests at several depths are to share coefficients that do not know the depth (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    terms : TermTable
-        The terms.
-
-    Raises
-    ------
-    InputError
-        Names the conditions.
-    """
+    """Raise where tests at several depths are to share coefficients that do not know the depth."""
     if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and not terms.feels_depth:
         labels = ", ".join(dict.fromkeys(tests.conditions))
         raise InputError(

@@ -8,53 +8,36 @@ import numpy as np
 
 from narrows.identification.regression.normal_equations import NormalEquations
 
+# Of each feature, or of a fifth of the largest in the table where that is more: within it two tests are one motion.
 SAME_MOTION = 0.03
-"""Of each feature, or of a fifth of the largest in the table where that is more: within it two tests are one motion."""
+# Of speed, period or depth against the first test of a stratum.
 SAME_STRATUM = 0.05
-"""Of speed, period or depth against the first test of a stratum."""
+# Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length.
 STEADY = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
-"""Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length."""
 FLOOR = 0.2
+# What is at a tolerance is within it, whatever the rounding of sums.
 EDGE = 1 + 1e-6
-"""What is at a tolerance is within it, whatever the rounding of sums."""
+# Of the largest offset of the table: a mean offset beyond it lies on a side of the canal.
 SIDE = 0.15
-"""Of the largest offset of the table: a mean offset beyond it lies on a side of the canal."""
 
 
 @dataclass(frozen=True)
 class DistinctMotions:
-    """The distinct motions of a table, and the strata that they fall into.
+    """The distinct motions of a table, and the strata that they fall into."""
 
-    A group is kept against its own first member, never against its last: neighbours do not chain.
+    # A group is kept against its own first member, never against its last: neighbours do not chain.
 
-    Parameters
-    ----------
-    sums : array (motions, m, m)
-        Sums of products over all tests of a motion.
-    halves : array (2, motions, m, m)
-        The same over the first half of each test, and over the later half.
-    members : tuple of tuple of str
-        The tests of each motion: the first one and its repeats.
-    strata : mapping of str to array (motions,) of int
-        ``speed``, ``period``, ``depth`` and ``side`` of each motion, numbered; period 0 holds the steady ones where
-        there are any.
-    steady : array (motions,) of bool
-        Nothing oscillates.
-    reach : array (motions,) [m]
-        Offset from the centreline that a motion comes to, about.
-    cube : array (motions,) [m2]
-        How a force that goes as y cubed compares with one that goes as y: their slope in each motion.
-    features : mapping of str to array (motions,)
-        Mean speed [m/s], period [s], 0 of steady motions, and depth [m] of each.
-    """
-
-    sums: np.ndarray
-    halves: np.ndarray
-    members: tuple[tuple[str, ...], ...]
+    sums: np.ndarray  # (motions, m, m) Sums of products over all tests of a motion
+    halves: np.ndarray  # (2, motions, m, m) The same over the first half of each test, and over the later half
+    members: tuple[tuple[str, ...], ...]  # The tests of each motion: the first one and its repeats
+    # (motions,) ``speed``, ``period``, ``depth`` and ``side`` of each motion, numbered; period 0 holds the steady
+    # ones where there are any
     strata: Mapping[str, np.ndarray]
-    steady: np.ndarray
-    reach: np.ndarray
+    steady: np.ndarray  # (motions,) Nothing oscillates
+    reach: np.ndarray  # (motions,) Offset from the centreline that a motion comes to, about [m]
+    # (motions,) How a force that goes as y cubed compares with one that goes as y: their slope in each motion [m2]
     cube: np.ndarray
+    # (motions,) Mean speed [m/s], period [s], 0 of steady motions, and depth [m] of each
     features: Mapping[str, np.ndarray]
 
     def __len__(self) -> int:
@@ -111,13 +94,7 @@ def _label(tests: tuple[str, ...]) -> str:
 
 
 def distinct_motions(equations: NormalEquations) -> DistinctMotions:
-    """Group tests by what was done in them (ours).
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        Sums of products, and the sums of what moved.
-    """
+    """Group tests by what was done in them."""
     runs = _Runs(equations)
     group = _same_motion(runs)
     firsts = [int(np.flatnonzero(group == g)[0]) for g in range(group.max() + 1)]
@@ -148,15 +125,8 @@ def _in_halves(equations: NormalEquations, group: np.ndarray) -> np.ndarray:
 
 
 def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_STRATUM) -> np.ndarray:
-    """Number values by the first one that each is within a tolerance of (ours).
-
-    Parameters
-    ----------
-    values : array (n,)
-        Speeds, say.
-    tolerance : float [1]
-        Of the first member of a group.
-    """
+    """Number values by the first one that each is within a tolerance of."""
+    # values (n,)
     firsts: list[float] = []
     numbers = []
     for value in values:

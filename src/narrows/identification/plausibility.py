@@ -16,60 +16,36 @@ from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
 from narrows.terms.about import TermKind
 from narrows.terms.term import TermTable
 
+# Of the added mass in deep water that a hull has at least; of mass and added mass in deep water, at most, which
+# shallow water and near banks multiply.
 LEAST_ADDED, MOST = 0.5, 10.0
-"""Of the added mass in deep water that a hull has at least; of mass and added mass in deep water, at most, which
-shallow water and near banks multiply."""
+# Standard errors that a mass must be beyond what a ship can have; the force that such a mass makes over what the fit
+# leaves, below which nothing is said.
 SURE, FELT = 2.0, 0.1
-"""Standard errors that a mass must be beyond what a ship can have; the force that such a mass makes over what the fit
-leaves, below which nothing is said."""
+# Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt.
 CLEARLY = 0.7
-"""Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt."""
+# How a force may have been counted whose other sign fits better.
 AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
-"""How a force may have been counted whose other sign fits better."""
+# What forces come in beside N and N m, and how many of these one is.
 UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
-"""What forces come in beside N and N m, and how many of these one is."""
 RUDDER_MOVES = math.radians(1.0)
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What a fit is judged by.
+    """What a fit is judged by."""
 
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        What it was fitted on.
-    equations : NormalEquations
-        Sums over the rows.
-    problem : Problem
-        What was solved.
-    coefficients : mapping of str to float
-        The optimum.
-    unbounded : mapping of str to float
-        What the data alone say.
-    std : mapping of str to float
-        Standard error of each coefficient that the tests determine.
-    rejected : tuple of str
-        Coefficients that the data put beyond their bounds for certain.
-    """
-
-    tests: Tests
-    equations: NormalEquations
-    problem: Problem
-    coefficients: Mapping[str, float]
-    unbounded: Mapping[str, float]
-    std: Mapping[str, float]
-    rejected: tuple[str, ...]
+    tests: Tests  # What it was fitted on
+    equations: NormalEquations  # Sums over the rows
+    problem: Problem  # What was solved
+    coefficients: Mapping[str, float]  # The optimum
+    unbounded: Mapping[str, float]  # What the data alone say
+    std: Mapping[str, float]  # Standard error of each coefficient that the tests determine
+    rejected: tuple[str, ...]  # Coefficients that the data put beyond their bounds for certain
 
 
 def implausible(evidence: Judged) -> tuple[str, ...]:
-    """Say what cannot be of a fit, each in a sentence with its likely cause; nothing of one that can (ours).
-
-    Parameters
-    ----------
-    evidence : Judged
-        What it is judged by.
-    """
+    """Say what cannot be of a fit, each in a sentence with its likely cause; nothing of one that can."""
     reversed_forces = [force for force in AXES if fits_reversed(evidence, force)]
     signs = [f"{force} of the other sign fits far better: is {AXES[force]}?" for force in reversed_forces]
     masses = [mass_sentence(evidence, mass) for mass in MASSES if mass.force not in reversed_forces]
@@ -77,15 +53,7 @@ def implausible(evidence: Judged) -> tuple[str, ...]:
 
 
 def fits_reversed(evidence: Judged, force: str) -> bool:
-    """Say whether a force of the other sign would be fitted far better (ours).
-
-    Parameters
-    ----------
-    evidence : Judged
-        What it is judged by.
-    force : str
-        ``X``, ``Y`` or ``N``.
-    """
+    """Say whether a force of the other sign would be fitted far better."""
     equations, problem = evidence.equations, evidence.problem
     if not problem.terms.forces[force]:
         return False
@@ -99,30 +67,14 @@ def fits_reversed(evidence: Judged, force: str) -> bool:
 
 
 class Mass(NamedTuple):
-    """What resists an acceleration.
+    """What resists an acceleration."""
 
-    Parameters
-    ----------
-    force : str
-        That accelerates.
-    rate : str
-        The acceleration.
-    words : str
-        What it is called.
-    unit : str
-        Its unit.
-    bare : callable
-        Of the configuration: what the ship has of it.
-    added : callable
-        Of the configuration: what deep water adds.
-    """
-
-    force: str
-    rate: str
-    words: str
-    unit: str
-    bare: Callable[..., float]
-    added: Callable[..., float]
+    force: str  # That accelerates
+    rate: str  # The acceleration
+    words: str  # What it is called
+    unit: str  # Its unit
+    bare: Callable[..., float]  # Of the configuration: what the ship has of it
+    added: Callable[..., float]  # Of the configuration: what deep water adds
 
 
 MASSES = (
@@ -132,15 +84,7 @@ MASSES = (
 
 
 def mass_sentence(evidence: Judged, mass: Mass) -> str:
-    """Say that a mass or inertia cannot be that of the ship with its added mass, and why; nothing where it can (ours).
-
-    Parameters
-    ----------
-    evidence : Judged
-        What it is judged by.
-    mass : Mass
-        Which.
-    """
+    """Say that a mass or inertia cannot be that of the ship with its added mass, and why; nothing where it can."""
     names = [term.name for term in evidence.problem.terms.forces[mass.force] if term.inputs == (mass.rate,)]
     if len(names) != 1 or names[0] not in evidence.std:
         return ""
@@ -179,13 +123,7 @@ def _cause(value: float, usual: float, force: str, side: str) -> str:
 
 
 def rudder_sentence(evidence: Judged) -> str:
-    """Say that a rudder's force is of the other sign than a rudder's; nothing where it is not (ours).
-
-    Parameters
-    ----------
-    evidence : Judged
-        What it is judged by.
-    """
+    """Say that a rudder's force is of the other sign than a rudder's; nothing where it is not."""
     helm = [term.name for term in evidence.problem.terms.terms if term.kind == TermKind.RUDDER]
     wrong = [name for name in helm if name in evidence.rejected]
     if not wrong:
@@ -197,17 +135,7 @@ def rudder_sentence(evidence: Judged) -> str:
 
 
 def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:
-    """Say that a rudder moves while no term has it, and what to do; nothing where it does not (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    equations : NormalEquations
-        Sums of what moved: of rows on disk these alone are known.
-    terms : TermTable
-        The terms.
-    """
+    """Say that a rudder moves while no term has it, and what to do; nothing where it does not."""
     if any(actuator.name == "rudder" for actuator in terms.actuators):
         return ""
     angle = _rudder_angle(tests, equations)

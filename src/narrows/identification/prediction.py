@@ -21,8 +21,8 @@ from narrows.terms.term import TermTable
 if TYPE_CHECKING:
     import pandas as pd
 
+# Share of the truths that intervals are to miss.
 ALPHA = 0.05
-"""Share of the truths that intervals are to miss."""
 
 
 class Fitted(Protocol):
@@ -61,25 +61,7 @@ class Prediction(Shown):
     """What a fit says of rows, its own or others."""
 
     def predict(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":
-        """Estimate surge force [N], sway force [N] and yaw moment [N m] at each row.
-
-        Parameters
-        ----------
-        tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
-            Whose rows; those of the fit unless given.
-        ship : str, Path, Configuration or mapping, optional
-            Of a table that was not read yet; the fit's own unless given.
-
-        Returns
-        -------
-        DataFrame
-            A row a row, by test, and time where it is known; a column each force that has terms.
-
-        Raises
-        ------
-        InputError
-            Where a table cannot be read, or lacks what the terms ask for.
-        """
+        """Estimate surge force [N], sway force [N] and yaw moment [N m] at each row."""
         return _rows(self, _or_own(self, tests, ship), measured=False)
 
     @property
@@ -88,55 +70,18 @@ class Prediction(Shown):
         return _rows(self, self.tests, measured=True)
 
     def score(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
-        """Return R2 and RMSE of each force on other tests than those of the fit.
-
-        Parameters
-        ----------
-        tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
-            Whose rows; those of the fit unless given.
-        ship : str, Path, Configuration or mapping, optional
-            Of a table that was not read yet; the fit's own unless given.
-
-        Raises
-        ------
-        InputError
-            Where a table cannot be read, or lacks what the terms ask for.
-        """
+        """Return R2 and RMSE of each force on other tests than those of the fit."""
         read = _or_own(self, tests, ship)
         equations, _ = accumulate(read, self.terms, balance=self.normal_equations.balance)
         return score(equations, equations.total, self.terms, self.coefficients)
 
     def report(self: Fitted, path: str | Path, title: str = "narrows") -> None:
-        """Write one HTML page with everything that is known of it, its answer first.
-
-        Parameters
-        ----------
-        path : str or Path
-            Where to.
-        title : str
-            Of the page.
-
-        Raises
-        ------
-        InputError
-            Where the file cannot be written.
-        """
+        """Write one HTML page with everything that is known of it, its answer first."""
         fit: Any = self
         narrows.report.write_report({"": fit}, path, title)
 
     def conf_int(self: Fitted, alpha: float = ALPHA) -> "pd.DataFrame":
-        """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient.
-
-        Parameters
-        ----------
-        alpha : float [1]
-            Share that they miss: 0.05.
-
-        Raises
-        ------
-        InputError
-            Where it is another: the coverage of no others has been measured.
-        """
+        """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient."""
         import pandas as pd
 
         if alpha != ALPHA:

@@ -12,68 +12,35 @@ from narrows.terms.term import TermTable
 
 Kind = Literal["mse", "mean_abs", "lmg"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+# Of a column's sum of squares: with less left beside others it tells nothing that they do not.
 COLLINEAR = 1e-12
-"""Of a column's sum of squares: with less left beside others it tells nothing that they do not."""
 
 
 def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share of each term when the value of a set of terms is minus its mean squared error, (n,).
-
-    The coefficients stay as they are. The game is quadratic, so that the shares have a closed form:
-    phi_j = theta_j (2 x_j'y - x_j'X theta) / rows, here up to the rows, which normalising removes.
-
-    Parameters
-    ----------
-    gram : array (n, n)
-        Sums of products of the columns.
-    cross : array (n,)
-        Sums of products of the columns and the force.
-    values : array (n,)
-        Coefficients.
-    """
+    """Share of each term when the value of a set of terms is minus its mean squared error, (n,)."""
+    # gram (n, n); cross (n,); values (n,)
+    # The coefficients stay as they are. The game is quadratic, so that the shares have a closed form: phi_j = theta_j
+    # (2 x_j'y - x_j'X theta) / rows, here up to the rows, which normalising removes.
     return _normalised(values * (2 * cross - gram @ values))
 
 
 def mean_abs_shares(deviations: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share of each term by the mean size of its contribution, mean ``|theta_j (x_j - mean x_j)|``, (n,).
-
-    For a linear model these are the means of the sizes of the exact per-row Shapley values; never negative.
-
-    Parameters
-    ----------
-    deviations : array (n,)
-        Mean absolute deviation of each column from its mean.
-    values : array (n,)
-        Coefficients.
-    """
+    """Share of each term by the mean size of its contribution, mean ``|theta_j (x_j - mean x_j)|``, (n,)."""
+    # deviations (n,); values (n,)
+    # For a linear model these are the means of the sizes of the exact per-row Shapley values; never negative.
     return _normalised(np.abs(values) * deviations)
 
 
 def lmg_shares(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
-    """Share of each term in R2 when every subset of terms is fitted anew, averaged over all orders, (n,).
-
-    Parameters
-    ----------
-    gram : array (n, n)
-        Sums of products of the columns.
-    cross : array (n,)
-        Sums of products of the columns and the force.
-
-    References
-    ----------
-    Lindeman, Merenda, Gold (1980); no bounds are imposed on the subsets' fits.
-    """
+    """Share of each term in R2 when every subset of terms is fitted anew, averaged over all orders, (n,)."""
+    # gram (n, n); cross (n,)
+    # Lindeman, Merenda, Gold (1980); no bounds are imposed on the subsets' fits.
     return _normalised(shapley_values(_explained(gram, cross)))
 
 
 def shapley_values(worth: np.ndarray) -> np.ndarray:
-    """Return the exact Shapley values of a game from the value of every subset, (players,).
-
-    Parameters
-    ----------
-    worth : array (2**players,)
-        Of the subset whose players are the ones in the binary digits of the place, the first player the lowest digit.
-    """
+    """Return the exact Shapley values of a game from the value of every subset, (players,)."""
+    # worth (2**players,)
     players = len(worth).bit_length() - 1
     others = np.bitwise_count(np.arange(len(worth) // 2))
     orders = np.array([factorial(size) * factorial(players - size - 1) / factorial(players) for size in range(players)])
@@ -85,11 +52,9 @@ def shapley_values(worth: np.ndarray) -> np.ndarray:
 
 
 def _explained(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
-    """Sum of squares that a fit of every subset of columns explains, (2**n,), numbered as in ``shapley_values``.
-
-    Column by column every subset so far is kept as it is and with the column eliminated, as sums of products of what
-    the columns still to come, and the force, have left beside it.
-    """
+    """Sum of squares that a fit of every subset of columns explains, (2**n,), numbered as in ``shapley_values``."""
+    # Column by column every subset so far is kept as it is and with the column eliminated, as sums of products of what
+    # the columns still to come, and the force, have left beside it.
     size = np.sqrt(np.diag(gram))
     scale = np.append(np.divide(1.0, size, out=np.zeros_like(size), where=size > 0), 1.0)
     products = np.block([[gram, cross[:, None]], [cross, np.zeros(1)]]) * np.outer(scale, scale)
@@ -114,26 +79,7 @@ def shares(
     coefficients: Mapping[str, float],
     deviations: Callable[[], Mapping[str, float]],
 ) -> dict[str, dict[str, float]]:
-    """Share out each force among its terms: force -> coefficient -> share (ours).
-
-    Parameters
-    ----------
-    kind : str
-        ``mse``, ``mean_abs`` or ``lmg``.
-    equations : NormalEquations
-        Sums over the rows.
-    terms : TermTable
-        The terms.
-    coefficients : mapping of str to float
-        Their values.
-    deviations : callable
-        Gives the mean absolute deviation of each column, which sums of products cannot.
-
-    Raises
-    ------
-    InputError
-        Where the kind is none of these.
-    """
+    """Share out each force among its terms: force -> coefficient -> share."""
     if kind not in KINDS:
         raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
     shared, total = {}, equations.total

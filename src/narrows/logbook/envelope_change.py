@@ -19,14 +19,14 @@ from narrows.safety.envelope import safe_envelope
 if TYPE_CHECKING:
     import pandas as pd
 
+# Of coefficients and disturbances: a look, not a chart to sail by.
 SAMPLES = 200
-"""Of coefficients and disturbances: a look, not a chart to sail by."""
+# Offsets that are looked at, over the farthest of a record.
 BESIDE = (0.0, 0.5, 1.0, 1.5)
-"""Offsets that are looked at, over the farthest of a record."""
+# Speeds, over the mean of a record.
 SLOWER_AND_FASTER = (0.8, 1.0, 1.2)
-"""Speeds, over the mean of a record."""
+# Of the samples, between which a rudder angle is told.
 BAND = (0.05, 0.95)
-"""Of the samples, between which a rudder angle is told."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -97,7 +97,7 @@ def envelope_change(
     before: Model, after: Model, y: Sequence[float] | np.ndarray, u: Sequence[float] | np.ndarray, *,
     samples: int = SAMPLES, seed: int = 0, **envelope: Any,
 ) -> EnvelopeChange:  # fmt: skip
-    """Ask the same safe envelope of a model before a record and after it (ours).
+    """Ask the same safe envelope of a model before a record and after it.
 
     Parameters
     ----------
@@ -126,38 +126,16 @@ def envelope_change(
 
 
 def places_of(y: np.ndarray, u: np.ndarray, room: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return offsets [m] and speeds [m/s] at which to look, of those of a record (ours).
-
-    Parameters
-    ----------
-    y : array (n,) [m]
-        Off the middle in the record.
-    u : array (n,) [m/s]
-        Through the water.
-    room : float [m]
-        How far off the middle the ship can be at all.
-    """
+    """Return offsets [m] and speeds [m/s] at which to look, of those of a record."""
+    # y (n,) [m]; u (n,) [m/s]; room [m]
     far = float(np.abs(y).max()) or room / 4
     offsets = far * np.array(BESIDE)
     return offsets[offsets < room], float(u.mean()) * np.array(SLOWER_AND_FASTER)
 
 
 def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = SAMPLES, seed: int = 0) -> np.ndarray:
-    """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (offsets, 3) (ours).
-
-    Parameters
-    ----------
-    model : Model
-        With a covariance.
-    y : array (offsets,) [m]
-        To starboard of the middle.
-    u : float [m/s]
-        Through the water.
-    samples : int
-        Of the coefficients.
-    seed : int
-        Of the samples.
-    """
+    """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (offsets, 3)."""
+    # y (offsets,) [m]; u [m/s]
     rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=samples, seed=seed)["rudder"]
     angles = rudder.transpose("place", "sample").to_numpy()
     # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.

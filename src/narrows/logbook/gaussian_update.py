@@ -9,41 +9,21 @@ from narrows.errors import InputError
 UNLIKE = (
     "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and its unit"
 )
+# Of a standard deviation, by which a bound may be missed.
 MISSED = 1e-12
-"""Of a standard deviation, by which a bound may be missed."""
 
 
 @dataclass(frozen=True)
 class NormalPrior:
-    """What is known before: means, and a root of the covariance.
+    """What is known before: means, and a root of the covariance."""
 
-    Parameters
-    ----------
-    mean : array (n,)
-        Means.
-    root : array (n, rank)
-        ``root @ root.T`` is the covariance.
-    """
-
-    mean: np.ndarray
-    root: np.ndarray
+    mean: np.ndarray  # (n,) Means
+    root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance
 
     @classmethod
     def of(cls, mean: np.ndarray, covariance: np.ndarray) -> "NormalPrior":
-        """Return the prior of a covariance, which may lack rank: coefficients that are one, or are known exactly.
-
-        Parameters
-        ----------
-        mean : array (n,)
-            Means.
-        covariance : array (n, n)
-            By its correlations, for coefficients differ in size by many powers of ten.
-
-        Raises
-        ------
-        InputError
-            Where it is none.
-        """
+        """Return the prior of a covariance, which may lack rank: coefficients that are one, or are known exactly."""
+        # mean (n,); covariance (n, n)
         size = np.sqrt(np.diag(covariance))
         scale = np.where(size > 0, size, 1.0)
         share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
@@ -60,30 +40,14 @@ class NormalPrior:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Linear readings ``value = design @ unknowns + error`` in blocks whose errors are independent.
+    """Linear readings ``value = design @ unknowns + error`` in blocks whose errors are independent."""
 
-    Parameters
-    ----------
-    value : array (blocks, q)
-        Read.
-    design : array (blocks, q, n)
-        By the unknowns.
-    covariance : array (blocks, q, q)
-        Of the errors.
-    """
-
-    value: np.ndarray
-    design: np.ndarray
-    covariance: np.ndarray
+    value: np.ndarray  # (blocks, q) Read
+    design: np.ndarray  # (blocks, q, n) By the unknowns
+    covariance: np.ndarray  # (blocks, q, q) Of the errors
 
     def whitened(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return values and design with independent errors of size one.
-
-        Raises
-        ------
-        InputError
-            Where errors are none, or differ by too many powers of ten.
-        """
+        """Return values and design with independent errors of size one."""
         try:
             root = np.linalg.cholesky(self.covariance)
         except np.linalg.LinAlgError:
@@ -93,27 +57,14 @@ class Blocks:
 
 @dataclass(frozen=True)
 class Posterior:
-    """What is known after.
+    """What is known after."""
 
-    Parameters
-    ----------
-    mean : array (n,)
-        Means, within bounds where there are any.
-    free_mean : array (n,)
-        Means without the bounds.
-    root : array (n, rank)
-        ``root @ root.T`` is the covariance, bounds left aside.
-    chi_square : float [1]
-        Of the readings under the prior, bounds left aside: sum of squares over what was to be expected.
-    beside : array (blocks,) [1]
-        The same of each block beside all others and the prior.
-    """
-
-    mean: np.ndarray
-    free_mean: np.ndarray
-    root: np.ndarray
+    mean: np.ndarray  # (n,) Means, within bounds where there are any
+    free_mean: np.ndarray  # (n,) Means without the bounds
+    root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance, bounds left aside
+    # Of the readings under the prior, bounds left aside: sum of squares over what was to be expected [1]
     chi_square: float
-    beside: np.ndarray
+    beside: np.ndarray  # (blocks,) The same of each block beside all others and the prior [1]
 
     @property
     def covariance(self) -> np.ndarray:
@@ -122,17 +73,8 @@ class Posterior:
 
 
 def updated(prior: NormalPrior, blocks: Blocks, bounds: np.ndarray | None = None) -> Posterior:
-    """Return what is known after readings, exactly for linear ones (Bayes).
-
-    Parameters
-    ----------
-    prior : NormalPrior
-        What was known.
-    blocks : Blocks
-        What was read.
-    bounds : array (n, 2), optional
-        Between which the unknowns are.
-    """
+    """Return what is known after readings, exactly for linear ones (Bayes)."""
+    # bounds (n, 2)
     value, design = blocks.whitened()
     innovation, seen = value - design @ prior.mean, design @ prior.root
     rows = seen.reshape(-1, seen.shape[-1])
@@ -146,30 +88,16 @@ def updated(prior: NormalPrior, blocks: Blocks, bounds: np.ndarray | None = None
 
 
 def _beside(rest: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Sum of squares of each block over what all others leave open of it, (blocks,).
-
-    The residual of a block beside the others is that of the fit over what of the block's own error no fit takes up.
-    """
+    """Sum of squares of each block over what all others leave open of it, (blocks,)."""
+    # The residual of a block beside the others is that of the fit over what of the block's own error no fit takes up.
     share = np.eye(rest.shape[1]) - known @ np.swapaxes(known, 1, 2)
     return np.asarray(np.einsum("bq,bq->b", rest, np.linalg.solve(share, rest[..., None])[..., 0]))
 
 
 def brought_within(mean: np.ndarray, root: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    """Return the most likely values of a normal distribution within bounds.
-
-    Parameters
-    ----------
-    mean : array (n,)
-        Means.
-    root : array (n, rank)
-        ``root @ root.T`` is the covariance.
-    bounds : array (n, 2)
-        Lowest and highest; values that have no variance stay.
-
-    References
-    ----------
-    Lawson and Hanson (1974), Solving least squares problems, chapter 23: least distance programming.
-    """
+    """Return the most likely values of a normal distribution within bounds."""
+    # mean (n,); root (n, rank); bounds (n, 2)
+    # Lawson and Hanson (1974), Solving least squares problems, chapter 23: least distance programming.
     from scipy.optimize import nnls
 
     size = np.linalg.norm(root, axis=1)

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
+# Of the standard error before, what is left where a record has three quarters or a fifth of the information.
 LEARNED_TO, SHARPENED_TO = 0.5, 0.9
-"""Of the standard error before, what is left where a record has three quarters or a fifth of the information."""
+# Standard errors either way, 95 % of a normal distribution.
 WIDE = 1.959964
-"""Standard errors either way, 95 % of a normal distribution."""
+# Correlation over which two coefficients are one.
 ONE = 1 - 1e-9
-"""Correlation over which two coefficients are one."""
+# Correlation over which two coefficients are told as a pair.
 TELLING = 0.7
-"""Correlation over which two coefficients are told as a pair."""
 
 
 @dataclass(frozen=True)
@@ -103,17 +103,8 @@ class LearnedCoefficient:
 
 
 def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarray) -> dict[str, LearnedCoefficient]:
-    """Return each coefficient before and after (ours).
-
-    Parameters
-    ----------
-    prior : Model
-        With its covariance.
-    values : array (n,)
-        After, in the order of the table.
-    covariance : array (n, n)
-        After.
-    """
+    """Return each coefficient before and after."""
+    # values (n,); covariance (n, n)
     before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
     return {
         term.name: LearnedCoefficient(
@@ -125,13 +116,7 @@ def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarra
 
 
 def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.DataFrame":
-    """Return coefficients as a table: a row each, before and after (ours).
-
-    Parameters
-    ----------
-    coefficients : mapping of str to LearnedCoefficient
-        By name.
-    """
+    """Return coefficients as a table: a row each, before and after."""
     import pandas as pd
 
     rows = [
@@ -142,15 +127,8 @@ def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.Dat
 
 
 def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray) -> list[tuple[str, str, float]]:
-    """Return what was learned only together with another: a name, its nearest partner, their correlation (ours).
-
-    Parameters
-    ----------
-    coefficients : mapping of str to LearnedCoefficient
-        In the order of the covariance.
-    covariance : array (n, n)
-        After.
-    """
+    """Return what was learned only together with another: a name, its nearest partner, their correlation."""
+    # covariance (n, n)
     names, size = list(coefficients), np.sqrt(np.maximum(np.diag(covariance), 0.0))
     scale = np.where(size > 0, size, np.inf)
     correlation = covariance / np.outer(scale, scale)
@@ -164,17 +142,7 @@ def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray
 
 
 def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient], contradicted: bool) -> dict[str, str]:
-    """Return the verdicts of the model that comes out: those of the tests, but for what was learned (ours).
-
-    Parameters
-    ----------
-    prior : Model
-        With the verdicts of its tests.
-    coefficients : mapping of str to LearnedCoefficient
-        What was learned.
-    contradicted : bool
-        Whether the record contradicts the model.
-    """
+    """Return the verdicts of the model that comes out: those of the tests, but for what was learned."""
     learned = [name for name, coefficient in coefficients.items() if coefficient.word == LEARNED]
     if contradicted:
         return {**prior.verdicts, **dict.fromkeys(learned, "contradicted by the ship's own record")}

@@ -14,25 +14,8 @@ def learned_model(
     prior: Model, coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray, source: str,
     offsets: Range, speeds: Range, contradicted: bool = False,
 ) -> Model:  # fmt: skip
-    """Return the model after a record (ours).
-
-    Parameters
-    ----------
-    prior : Model
-        Before.
-    coefficients : mapping of str to LearnedCoefficient
-        After.
-    covariance : array (n, n)
-        After.
-    source : str
-        The record, as the end of a sentence.
-    offsets : pair of float [m]
-        Least and largest distance off the middle in the record.
-    speeds : pair of float [m/s]
-        In the record.
-    contradicted : bool
-        Whether the record contradicts the model.
-    """
+    """Return the model after a record."""
+    # covariance (n, n); offsets [m]; speeds [m/s]
     return replace(
         prior,
         coefficients={name: coefficient.value for name, coefficient in coefficients.items()},
@@ -44,20 +27,10 @@ def learned_model(
 
 
 def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
-    """Return what tests and record cover together (ours).
-
-    In a section that no test had, the record alone says how far off the middle and how fast the bank was met; slower
-    than that, its force is less. Where no bank is felt, speeds count alone.
-
-    Parameters
-    ----------
-    prior : Model
-        In the canal of the record.
-    offsets : pair of float [m]
-        Least and largest distance off the middle in the record.
-    speeds : pair of float [m/s]
-        In the record.
-    """
+    """Return what tests and record cover together."""
+    # offsets [m]; speeds [m/s]
+    # In a section that no test had, the record alone says how far off the middle and how fast the bank was met; slower
+    # than that, its force is less. Where no bank is felt, speeds count alone.
     known, configuration = prior.data_range, prior.configuration
     section = {"width_to_beam": configuration.canal.width / configuration.ship.beam}
     if configuration.canal.depth is not None:

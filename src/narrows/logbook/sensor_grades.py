@@ -135,12 +135,12 @@ AIS = SensorGrade(
         "speed_over_ground": SignalGrade(0.05 * KNOT, period=10.0, wander=0.05 * KNOT, memory=300.0),
     },
 )
+# Grades by name, the best first.
 GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}
-"""Grades by name, the best first."""
 
 
 def sensor_grade(sensors: str | SensorGrade) -> SensorGrade:
-    """Return a grade of sensors (ours).
+    """Return a grade of sensors.
 
     Parameters
     ----------

@@ -64,18 +64,7 @@ class ShipLog(Shown):
         return name in self.names
 
     def __getitem__(self, key: str | int) -> ShipRecord:
-        """A record.
-
-        Parameters
-        ----------
-        key : str or int
-            Its name, or its place.
-
-        Raises
-        ------
-        InputError
-            Where there is none.
-        """
+        """A record."""
         if isinstance(key, str):
             if key not in self.names:
                 raise InputError(f"there is no record {key!r}{did_you_mean(key, self.names)}")

@@ -48,18 +48,7 @@ class ShipRecord:
             raise InputError(f"record {self.name}: an antenna stands forward and to starboard of midship; give both")
 
     def __getitem__(self, name: str) -> Signal:
-        """A signal.
-
-        Parameters
-        ----------
-        name : str
-            Of ``SIGNALS``.
-
-        Raises
-        ------
-        InputError
-            Where the record has none of that name.
-        """
+        """A signal."""
         if name not in self.signals:
             raise InputError(f"record {self.name} has no signal {name!r}{did_you_mean(name, self.signals)}")
         return self.signals[name]

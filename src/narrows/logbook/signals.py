@@ -9,6 +9,7 @@ from narrows.errors import InputError, did_you_mean
 from narrows.quantities.names import Quantity
 
 MEETING = "meeting"
+# Every signal: its unit and meaning.
 SIGNALS = {
     "x": Quantity("m", "antenna or reference point along the waterway, or along the axis that psi is measured from"),
     "y": Quantity("m", "antenna or reference point to starboard of the centreline, or of that axis"),
@@ -26,24 +27,12 @@ SIGNALS = {
     "wind_speed": Quantity("m/s", "speed of the wind over ground"),
     "wind_direction": Quantity("rad", "where the wind comes from, measured as psi is"),
 }
-"""Every signal: its unit and meaning."""
+# Directions: a whole turn more is the same.
 TURNING = ("psi", "course", "wind_direction")
-"""Directions: a whole turn more is the same."""
 
 
 def check_signals(names: Iterable[str]) -> None:
-    """Raise where a name is no signal's (ours).
-
-    Parameters
-    ----------
-    names : iterable of str
-        Of signals.
-
-    Raises
-    ------
-    InputError
-        Names the nearest that there is.
-    """
+    """Raise where a name is no signal's."""
     for name in names:
         if name not in SIGNALS:
             raise InputError(f"there is no signal {name!r}{did_you_mean(str(name), SIGNALS)}")

@@ -5,20 +5,7 @@ from narrows.model.model import Model
 
 
 def learnable(model: Model, targets: object) -> tuple[str, ...]:
-    """Return the coefficients that matter: those that were named, or those of the bank (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Whose coefficients.
-    targets : str or sequence of str
-        Names; none for those of the bank.
-
-    Raises
-    ------
-    InputError
-        Where there is no such coefficient, or none of the bank.
-    """
+    """Return the coefficients that matter: those that were named, or those of the bank."""
     names = (targets,) if isinstance(targets, str) else targets
     if not isinstance(names, tuple | list):
         raise InputError(f"targets = {shown(targets)}: give names of coefficients")

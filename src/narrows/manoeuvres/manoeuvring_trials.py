@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 STEPS_A_LENGTH = 120
+# Below this [m] a hull is taken for a model's.
 MODEL_LENGTH = 30.0
-"""Below this [m] a hull is taken for a model's."""
+# Ship lengths at the approach speed that a trial lasts.
 TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
-"""Ship lengths at the approach speed that a trial lasts."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,7 +110,7 @@ def sail_trials(
     model: Model, speed: float, turn_deg: float = 35.0, zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)),
     dt: float | None = None,
 ) -> Trials:  # fmt: skip
-    """Sail turning circles and zigzags in open water (ours).
+    """Sail turning circles and zigzags in open water.
 
     The speed is free where the model knows what resists its change, and held where it does not.
 
@@ -163,18 +163,8 @@ def sail_trials(
 
 
 def parse_zigzags(text: str) -> tuple[tuple[float, float], ...]:
-    """Read ``10/10,20/20`` (ours).
-
-    Parameters
-    ----------
-    text : str
-        Rudder and heading [deg].
-
-    Raises
-    ------
-    InputError
-        Where it is not that.
-    """
+    """Read ``10/10,20/20``."""
+    # text [deg]
     try:
         pairs = [word.split("/") for word in text.split(",") if word]
         return tuple((float(rudder), float(heading)) for rudder, heading in pairs)

@@ -31,7 +31,7 @@ class Turning:
 
 
 def turning_circle(voyage: Voyage) -> Turning:
-    """Read a turning circle from a voyage that starts with the order, x along the first course (ours).
+    """Read a turning circle from a voyage that starts with the order, x along the first course.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def turning_circle(voyage: Voyage) -> Turning:
 
 
 def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
-    """Return how far the heading went on after each order that reversed the rudder [rad] (ours).
+    """Return how far the heading went on after each order that reversed the rudder [rad].
 
     Parameters
     ----------

@@ -10,40 +10,25 @@ import numpy as np
 from narrows.quantities.names import Number
 
 Range = tuple[float, float]
+# Of the larger end of a range, by which a value may leave it and still count as covered: a depth or a speed is no
+# better known.
 SLACK = 0.01
-"""Of the larger end of a range, by which a value may leave it and still count as covered: a depth or a speed is no
-better known."""
 
 
 class Measure(NamedTuple):
-    """How a range is spoken of.
+    """How a range is spoken of."""
 
-    Parameters
-    ----------
-    words : str
-        What it is.
-    unit : str
-        To print it in; nothing where it has none.
-    scale : float [1]
-        How many of that unit one of its own is.
-    """
-
-    words: str
-    unit: str
-    scale: float = 1.0
+    words: str  # What it is
+    unit: str  # To print it in; nothing where it has none
+    scale: float = 1.0  # How many of that unit one of its own is [1]
 
     def shown(self, low: float, high: float) -> str:
-        """Return a range in words.
-
-        Parameters
-        ----------
-        low, high : float
-            In its own unit.
-        """
+        """Return a range in words."""
         ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
         return " ".join([" to ".join(ends), self.unit]).rstrip()
 
 
+# Every range, as sentences speak of it.
 MEASURES = {
     "speed": Measure("surge velocity", "m/s"),
     "abs_y": Measure("offset from the centreline", "m"),
@@ -52,7 +37,6 @@ MEASURES = {
     "depth_to_draft": Measure("h/T", ""),
     "width_to_beam": Measure("W/B", ""),
 }
-"""Every range, as sentences speak of it."""
 
 
 @dataclass(frozen=True)
@@ -100,19 +84,7 @@ class DataRange:
 def extrapolation(
     known: DataRange, asked: Mapping[str, Number], measures: Mapping[str, Measure] = MEASURES, unknown: bool = False
 ) -> tuple[str, ...]:
-    """Say in what a question goes beyond the data, a sentence each (ours).
-
-    Parameters
-    ----------
-    known : DataRange
-        What the data covered.
-    asked : mapping of str to number or array
-        What is asked about, by the names of the ranges and in their units.
-    measures : mapping of str to Measure
-        How to speak of them.
-    unknown : bool
-        Whether to name what the data did not say.
-    """
+    """Say in what a question goes beyond the data, a sentence each."""
     sentences = []
     for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
         covered, measure = getattr(known, name), measures[name]

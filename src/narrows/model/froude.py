@@ -25,8 +25,8 @@ from narrows.terms.term import Term
 if TYPE_CHECKING:
     import pandas as pd
 
+# Length [m] that no ship has.
 LONGEST = 1e4
-"""Length [m] that no ship has."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,22 +121,8 @@ class Friction:
 
 
 def ittc57(reynolds: float) -> float:
-    """Return the frictional resistance coefficient of the ITTC's line [1], 0.075/(log10 Re - 2)^2.
-
-    Parameters
-    ----------
-    reynolds : float [1]
-        Number of Reynolds, over 1e5.
-
-    Raises
-    ------
-    InputError
-        Where the number is below the line's range.
-
-    References
-    ----------
-    ITTC (1957), Report of the 8th conference: model-ship correlation line.
-    """
+    """Return the frictional resistance coefficient of the ITTC's line [1], 0.075/(log10 Re - 2)^2."""
+    # ITTC (1957), Report of the 8th conference: model-ship correlation line.
     if not reynolds >= 1e5:
         raise InputError(f"a Reynolds number of {reynolds:g} is below the range of the ITTC's line; check the speed")
     return 0.075 / (log10(reynolds) - 2) ** 2

@@ -3,64 +3,34 @@
 from narrows.physics.added_mass import clarke_sway, clarke_yaw
 from narrows.ship.particulars import Configuration
 
+# Radius of gyration over length of a ship that does not give its inertia, at least.
 SLENDEREST = 0.2
-"""Radius of gyration over length of a ship that does not give its inertia, at least."""
 
 
 def displacement(configuration: Configuration) -> float:
-    """Return the mass of the water that a ship displaces at rest [kg] (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    """
+    """Return the mass of the water that a ship displaces at rest [kg]."""
     ship = configuration.ship
     return configuration.water.density * ship.length * ship.beam * ship.draft * ship.block_coefficient
 
 
 def ship_mass(configuration: Configuration) -> float:
-    """Return the mass of a ship, by its displacement where it is not given [kg] (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    """
+    """Return the mass of a ship, by its displacement where it is not given [kg]."""
     return configuration.ship.mass or displacement(configuration)
 
 
 def ship_inertia(configuration: Configuration) -> float:
-    """Return the yaw inertia of a ship, of the slenderest one where it is not given [kg m2] (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    """
+    """Return the yaw inertia of a ship, of the slenderest one where it is not given [kg m2]."""
     ship = configuration.ship
     return ship.inertia or ship_mass(configuration) * (SLENDEREST * ship.length) ** 2
 
 
 def added_sway(configuration: Configuration) -> float:
-    """Return the added mass in sway in deep water by Clarke's formula [kg] (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    """
+    """Return the added mass in sway in deep water by Clarke's formula [kg]."""
     ship = configuration.ship
     return clarke_sway(ship.length, ship.beam, ship.draft, ship.block_coefficient, configuration.water.density)
 
 
 def added_yaw(configuration: Configuration) -> float:
-    """Return the added inertia in yaw in deep water by Clarke's formula [kg m2] (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    """
+    """Return the added inertia in yaw in deep water by Clarke's formula [kg m2]."""
     ship = configuration.ship
     return clarke_yaw(ship.length, ship.beam, ship.draft, ship.block_coefficient, configuration.water.density)

@@ -27,10 +27,10 @@ from narrows.terms.term import Term, TermTable
 if TYPE_CHECKING:
     import pandas as pd
 
+# How a note begins that says so of the bank's coefficients of a model.
 UNSETTLED = "What the banks do is not settled by the tests"
-"""How a note begins that says so of the bank's coefficients of a model."""
+# The verdict that needs no word, and how the one begins that is no adjective.
 SETTLED, ALONE = "identified", "rests"
-"""The verdict that needs no word, and how the one begins that is no adjective."""
 NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
 
 
@@ -104,18 +104,7 @@ class Model(Configured, Operations):
     __hash__ = None  # type: ignore[assignment]
 
     def __getitem__(self, name: str) -> float:
-        """The value of a coefficient [SI].
-
-        Parameters
-        ----------
-        name : str
-            Of the coefficient.
-
-        Raises
-        ------
-        InputError
-            Where there is no such coefficient.
-        """
+        """The value of a coefficient [SI]."""
         if name not in self.coefficients:
             raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
         return self.coefficients[name]

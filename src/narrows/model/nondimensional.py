@@ -16,54 +16,21 @@ SYSTEMS = get_args(System)
 
 @dataclass(frozen=True)
 class Units:
-    """A unit of mass, of length and of time.
+    """A unit of mass, of length and of time."""
 
-    Parameters
-    ----------
-    mass : float [kg]
-        One unit of mass.
-    length : float [m]
-        One unit of length.
-    time : float [s]
-        One unit of time.
-    """
-
-    mass: float
-    length: float
-    time: float
+    mass: float  # One unit of mass [kg]
+    length: float  # One unit of length [m]
+    time: float  # One unit of time [s]
 
     def factor(self, dimension: Dimension) -> float:
-        """Return one unit of a quantity of some dimension, in SI (ours).
-
-        Parameters
-        ----------
-        dimension : Dimension
-            Of the quantity.
-        """
+        """Return one unit of a quantity of some dimension, in SI."""
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
 
 
 def units_of(configuration: Configuration, system: System, speed: float | None = None) -> Units:
-    """Return the units of a nondimensional system.
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and water.
-    system : str
-        ``prime1``: rho/2 L^3, L, L/U; ``prime2``: rho/2 L^2 T, L, L/U; ``bis``: the displacement, L, (L/g)^(1/2).
-    speed : float [m/s], optional
-        U, for the prime systems.
-
-    Raises
-    ------
-    InputError
-        Where the system is none of these, or a prime system is given no speed.
-
-    References
-    ----------
-    SNAME (1950), Nomenclature for treating the motion of a submerged body through a fluid; Norrbin (1970) for bis.
-    """
+    """Return the units of a nondimensional system."""
+    # speed [m/s]
+    # SNAME (1950), Nomenclature for treating the motion of a submerged body through a fluid; Norrbin (1970) for bis.
     ship, density = configuration.ship, configuration.water.density
     if system not in SYSTEMS:
         raise InputError(f"nondimensional system {system!r} is unknown; choose {', '.join(SYSTEMS)}")

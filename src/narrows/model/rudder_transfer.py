@@ -13,7 +13,7 @@ from narrows.terms.term import TermTable
 
 
 def borrow_rudder(model: Model, lender: Model) -> Model:
-    """Return a model with the rudder of another (ours).
+    """Return a model with the rudder of another.
 
     The coefficients of a rudder are over the area L T/100 and the length, so they hold for a hull with as large a
     rudder for its size, behind a propeller as loaded. What is known of their errors goes along where the model's own

@@ -24,13 +24,7 @@ def sections_of(
     configuration: Configuration, terms: TermTable, coefficients: Mapping[str, float], covariance: np.ndarray | None,
     data_range: DataRange, source: Source, verdicts: Mapping[str, str],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the sections of the file of a model, of its fields (ours).
-
-    Parameters
-    ----------
-    configuration, terms, coefficients, covariance, data_range, source, verdicts
-        As of a ``Model``.
-    """
+    """Return the sections of the file of a model, of its fields."""
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
     lists = {force: [term.name for term in group] for force, group in terms.forces.items()}
@@ -50,20 +44,7 @@ def _without_none(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, Any]:
-    """Return the fields of a ``Model``, by name, of the sections of its file (ours).
-
-    Parameters
-    ----------
-    tables : mapping of str to mapping
-        By section.
-    terms : TermTable, optional
-        The user's own table, where the file was made with one.
-
-    Raises
-    ------
-    InputError
-        Where a section, a key or a coefficient is missing or misspelt.
-    """
+    """Return the fields of a ``Model``, by name, of the sections of its file."""
     actuators = terms.actuators if terms else ()
     parts = (*PARTS, *actuator_sections(actuators))
     _check_sections(tables, parts)

@@ -16,10 +16,10 @@ from narrows.terms.about import DepthLaw
 if TYPE_CHECKING:
     import pandas as pd
 
+# h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2.
 SHALLOWEST = 1.5
-"""h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2."""
+# A depth [m] at which every factor is 1.
 DEEP = 1e9
-"""A depth [m] at which every factor is 1."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,17 +69,8 @@ class DepthCorrected(Shown):
 
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
-    """Return the factor of a coefficient over deep water at a depth [1].
-
-    Parameters
-    ----------
-    law : DepthLaw
-        Of the coefficient's term.
-    configuration : Configuration
-        The ship.
-    depth : float [m]
-        Of the water.
-    """
+    """Return the factor of a coefficient over deep water at a depth [1]."""
+    # depth [m]
     values = {**configuration.values(), "depth": depth}
     return float(law.factor(*[values[word] for word in asked_by(law.factor)]))
 

@@ -78,6 +78,7 @@ class SquatFormula:
 
 
 SLOW = {"froude": (0.0, 0.7)}
+# The formulas by name, the preferred first.
 SQUAT = {
     "huuska": SquatFormula(formulas.huuska, "bow", VERIFIED, {**SLOW, "block_coefficient": (0.6, 0.8)}),
     "icorels": SquatFormula(formulas.icorels, "bow", VERIFIED, {**SLOW, "blockage": (0.0, 0.03)}),
@@ -87,7 +88,6 @@ SQUAT = {
     "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SLOW),
     "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SLOW),
 }
-"""The formulas by name, the preferred first."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,20 +137,8 @@ class Squat(Shown):
 
 
 def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
-    """Return what validity is stated in: froude, blockage, depth_to_draft, block_coefficient [1] (ours).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and canal.
-    speed : float [m/s]
-        Through the water.
-
-    Raises
-    ------
-    InputError
-        Where the canal has no depth.
-    """
+    """Return what validity is stated in: froude, blockage, depth_to_draft, block_coefficient [1]."""
+    # speed [m/s]
     ship, canal = configuration.ship, configuration.canal
     if canal.depth is None:
         raise InputError("[canal] depth is not given, and squat needs it; add it in metres")

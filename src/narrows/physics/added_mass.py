@@ -7,19 +7,6 @@ def clarke_sway(length: float, beam: float, draft: float, block_coefficient: flo
     """Added mass in sway in deep water [kg].
 
     Source: Clarke, Gedling, Hine (1983), The application of manoeuvring criteria in hull design using linear theory.
-
-    Parameters
-    ----------
-    length : float [m]
-        Length L.
-    beam : float [m]
-        Beam B.
-    draft : float [m]
-        Draft T.
-    block_coefficient : float [1]
-        Displaced volume over L B T, C_B.
-    density : float [kg/m3]
-        Of the water.
     """
     slender = 1 + 0.16 * block_coefficient * beam / draft - 5.1 * (beam / length) ** 2
     return math.pi * (draft / length) ** 2 * slender * density * length**3 / 2
@@ -29,19 +16,6 @@ def clarke_yaw(length: float, beam: float, draft: float, block_coefficient: floa
     """Added moment of inertia in yaw about midship in deep water [kg m2].
 
     Source: Clarke, Gedling, Hine (1983), The application of manoeuvring criteria in hull design using linear theory.
-
-    Parameters
-    ----------
-    length : float [m]
-        Length L.
-    beam : float [m]
-        Beam B.
-    draft : float [m]
-        Draft T.
-    block_coefficient : float [1]
-        Displaced volume over L B T, C_B.
-    density : float [kg/m3]
-        Of the water.
     """
     slender = 1 / 12 + 0.017 * block_coefficient * beam / draft - 0.33 * beam / length
     return math.pi * (draft / length) ** 2 * slender * density * length**5 / 2

@@ -16,23 +16,6 @@ def suction(
     The paper leaves u_w open: here it is the surge velocity through the water.
 
     Source: Mikkelsen et al. (2025), eq. (bank_sway_w_assum), for delta.
-
-    Parameters
-    ----------
-    pressure : number [1]
-        Pressure on the side away from the nearer bank less that on the other, over the dynamic pressure.
-    u : number [m/s]
-        Surge velocity through the water.
-    heave : number [m]
-        Midship sinkage z, positive down.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     side = length * (draft + heave)
     return 0.5 * block_coefficient * density * side * pressure * (u * u)
@@ -47,22 +30,5 @@ def cushion(
     The paper prints both signs; this one, of its regression matrix, turns the bow away from the bank.
 
     Source: Mikkelsen et al. (2025), Theta_N, for delta.
-
-    Parameters
-    ----------
-    pressure : number [1]
-        Pressure on the side away from the nearer bank less that on the other, over the dynamic pressure.
-    u : number [m/s]
-        Surge velocity through the water.
-    heave : number [m]
-        Midship sinkage z, positive down.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return -length * suction(pressure, u, heave, length, draft, block_coefficient, density)

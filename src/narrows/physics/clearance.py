@@ -10,17 +10,6 @@ def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number)
     """Midship hull clearance to the starboard bank [m], y_s = (W/2 - y) sec|psi| - B/2; to port, y_p, that of -y.
 
     Source: Mikkelsen et al. (2025), eq. (clearance_w_heading).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
     """
     return (width / 2 - y) / cos_psi - beam / 2
 
@@ -33,17 +22,6 @@ def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
     with one division, exactly odd in y, and zero at 90 degrees of heading without a secant.
 
     Source: Mikkelsen et al. (2025), eqs. (Delta_1) and (clearance_w_heading); the closed form is ours.
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
     """
     shadow = beam * cos_psi
     half_gap = (width - shadow) / 2
@@ -54,17 +32,10 @@ def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
 def taper(y: Number, width: Number) -> Number:
     """Boundary-layer taper near a wall [1], ``1/2 - 1/2 tanh(5 (|y| - 2.5))`` for a canal 7 m wide.
 
-    The paper gives its two numbers for that tank alone; here they scale with the width (ours), so that a
+    The paper gives its two numbers for that tank alone; here they scale with the width, so that a
     geosim of the tank tapers at the same relative place.
 
     Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    width : number [m]
-        Canal width W.
     """
     steepness, midpoint = 5 * 7 / width, 2.5 / 7 * width
     return 1 / (1 + math.e ** (2 * steepness * (abs(y) - midpoint)))
@@ -74,17 +45,6 @@ def tapered_delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Nu
     """Pressure difference delta [1], fading in the boundary layer of a wall.
 
     Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
     """
     return taper(y, width) * delta(y, cos_psi, width, beam)
 
@@ -94,18 +54,7 @@ def bank_distance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Nu
 
     Half of delta where the ship is far from the banks: delta closes it nonlinearly.
 
-    Source: form of Ch'ng (1993) and Vantorre et al. (2003); over one denominator and with the heading (ours).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
+    Source: form of Ch'ng (1993) and Vantorre et al. (2003); over one denominator and with the heading.
     """
     half = width / 2
     return beam * cos_psi * y / (half * half - y * y)
@@ -117,21 +66,6 @@ def shallow_bank_distance(
     """Bank parameter y_B times T/(h - T), draft over under-keel clearance [1].
 
     Source: form of Vantorre et al. (2003).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    depth : number [m]
-        Water depth h.
     """
     return bank_distance(y, cos_psi, width, beam) * draft / (depth - draft)
 
@@ -143,21 +77,6 @@ def critical_bank_distance(y: Number, cos_psi: Number, u: Number, width: Number,
     F = 1 and beyond.
 
     Source: form of Tuck (1966) as Lataire (2014) uses it.
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    u : number [m/s]
-        Surge velocity through the water.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
-    depth : number [m]
-        Water depth h.
     """
     return bank_distance(y, cos_psi, width, beam) / abs(1 - u * u / (GRAVITY * depth)) ** 0.5
 
@@ -168,21 +87,6 @@ def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draf
     The paper lets all water pass beside the hull; this lets it pass below too, and is the paper's at T = h.
 
     Source: ours.
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    depth : number [m]
-        Water depth h.
     """
     return delta(y, cos_psi, width, beam * draft / depth)
 
@@ -191,20 +95,5 @@ def shallow_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft
     """Pressure difference delta times T/(h - T), draft over under-keel clearance [1].
 
     Source: ours, after the depth factor of Vantorre et al. (2003).
-
-    Parameters
-    ----------
-    y : number [m]
-        Midship to starboard of the centreline.
-    cos_psi : number [1]
-        Cosine of the heading.
-    width : number [m]
-        Canal width W.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    depth : number [m]
-        Water depth h.
     """
     return delta(y, cos_psi, width, beam) * draft / (depth - draft)

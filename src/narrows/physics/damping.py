@@ -7,11 +7,6 @@ def linear_surge(u: Number) -> Number:
     """Regressor [m/s] of damping linear in the surge velocity, -u.
 
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
     """
     return -u
 
@@ -20,11 +15,6 @@ def quadratic_surge(u: Number) -> Number:
     """Regressor [m2/s2] of damping quadratic in the surge velocity, -abs(u) u.
 
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
     """
     return -abs(u) * u
 
@@ -33,11 +23,6 @@ def linear_sway(v: Number) -> Number:
     """Regressor [m/s] of damping linear in the sway velocity, -v.
 
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
     """
     return -v
 
@@ -46,11 +31,6 @@ def quadratic_sway(v: Number) -> Number:
     """Regressor [m2/s2] of damping quadratic in the sway velocity, -abs(v) v.
 
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
     """
     return -abs(v) * v
 
@@ -59,11 +39,6 @@ def linear_yaw(r: Number) -> Number:
     """Regressor [rad/s] of damping linear in the yaw velocity, -r.
 
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
-
-    Parameters
-    ----------
-    r : number [rad/s]
-        Yaw rate.
     """
     return -r
 
@@ -72,11 +47,6 @@ def quadratic_yaw(r: Number) -> Number:
     """Regressor [rad2/s2] of damping quadratic in the yaw velocity, -abs(r) r.
 
     Source: Mikkelsen et al. (2025), section Damping Force and Moment.
-
-    Parameters
-    ----------
-    r : number [rad/s]
-        Yaw rate.
     """
     return -abs(r) * r
 
@@ -85,13 +55,6 @@ def sway_lift(u: Number, v: Number) -> Number:
     """Regressor [m2/s2] of the hull's lift from drift and of the Munk moment, -u v.
 
     Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
     """
     return -u * v
 
@@ -100,13 +63,6 @@ def yaw_lift(u: Number, r: Number) -> Number:
     """Regressor [m rad/s2] of the hull's lift from turning and of the centripetal force, -u r.
 
     Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
     """
     return -u * r
 
@@ -115,13 +71,6 @@ def yaw_in_crossflow(v: Number, r: Number) -> Number:
     """Regressor [m rad/s2] of crossflow drag, -abs(v) r.
 
     Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
     """
     return -abs(v) * r
 
@@ -130,13 +79,6 @@ def sway_in_crossflow(v: Number, r: Number) -> Number:
     """Regressor [m rad/s2] of crossflow drag, -abs(r) v.
 
     Source: the usual 3-DOF models, as in Fossen (2011), section 6.5.
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
     """
     return -abs(r) * v
 
@@ -145,11 +87,6 @@ def sway_squared(v: Number) -> Number:
     """Regressor [m2/s2] of the surge force of drift, -v v.
 
     Source: the usual 3-DOF models.
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
     """
     return -v * v
 
@@ -158,13 +95,6 @@ def sway_yaw(v: Number, r: Number) -> Number:
     """Regressor [m rad/s2] of the surge force of drift and turning together, -v r.
 
     Source: the usual 3-DOF models.
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
     """
     return -v * r
 
@@ -173,10 +103,5 @@ def yaw_squared(r: Number) -> Number:
     """Regressor [rad2/s2] of the surge force of turning, -r r.
 
     Source: the usual 3-DOF models.
-
-    Parameters
-    ----------
-    r : number [rad/s]
-        Yaw rate.
     """
     return -r * r

@@ -9,13 +9,6 @@ def speed(u: Number, v: Number) -> Number:
     """Whole speed through the water [m/s], (u^2 + v^2)^(1/2).
 
     Source: definition.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
     """
     return (u * u + v * v) ** 0.5
 
@@ -24,13 +17,6 @@ def drift(u: Number, v: Number) -> Number:
     """Angle of drift [rad], arctan(-v/u), by a fraction of arithmetic: to 4e-6 at 30 degrees, 2e-4 at 45.
 
     Source: definition; the fraction is Pade's.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
     """
     slope = -v / u
     square = slope * slope
@@ -41,15 +27,6 @@ def scale_force(length: Number, draft: Number, density: Number) -> Number:
     """What makes the method's forces numbers [kg/m], 1/2 rho L d.
 
     Source: Yasukawa and Yoshimura (2015).
-
-    Parameters
-    ----------
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return 0.5 * density * length * draft
 
@@ -58,18 +35,7 @@ def scale_force(length: Number, draft: Number, density: Number) -> Number:
 class HullPower:
     """Force of the hull per unit coefficient [N] or moment [N m], 1/2 rho L d U^2 v'^i r'^j L^k, v' = v/U, r' = r L/U.
 
-    Parameters
-    ----------
-    sway, yaw : int
-        The powers of v' and r'.
-    lever : int
-        1 for the moment, 0 for a force.
-    sign : int
-        -1 for the resistance.
-
-    References
-    ----------
-    Yasukawa and Yoshimura (2015), eqs. (17) and (18), the MMG standard method.
+    Source: Yasukawa and Yoshimura (2015), eqs. (17) and (18), the MMG standard method.
     """
 
     sway: int
@@ -95,19 +61,6 @@ def rigid_surge(udot: Number, v: Number, r: Number, mass: Number, x_g: Number) -
     """Surge force on the rig of the ship's own mass [N], -m (udot - v r - x_G r^2).
 
     Source: Newton, about midship.
-
-    Parameters
-    ----------
-    udot : number [m/s2]
-        Surge acceleration in the ship's axes.
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    mass : number [kg]
-        Displacement m.
-    x_g : number [m]
-        Centre of gravity forward of midship.
     """
     return -mass * (udot - v * r - x_g * r * r)
 
@@ -116,21 +69,6 @@ def rigid_sway(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x
     """Sway force on the rig of the ship's own mass [N], -m (vdot + u r + x_G rdot).
 
     Source: Newton, about midship.
-
-    Parameters
-    ----------
-    vdot : number [m/s2]
-        Sway acceleration in the ship's axes.
-    rdot : number [rad/s2]
-        Yaw acceleration.
-    u : number [m/s]
-        Surge velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    mass : number [kg]
-        Displacement m.
-    x_g : number [m]
-        Centre of gravity forward of midship.
     """
     return -mass * (vdot + u * r + x_g * rdot)
 
@@ -139,23 +77,6 @@ def rigid_yaw(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x_
     """Yaw moment on the rig of the ship's own mass [N m], -I_z rdot - m x_G (vdot + u r).
 
     Source: Newton, about midship.
-
-    Parameters
-    ----------
-    vdot : number [m/s2]
-        Sway acceleration in the ship's axes.
-    rdot : number [rad/s2]
-        Yaw acceleration.
-    u : number [m/s]
-        Surge velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    mass : number [kg]
-        Displacement m.
-    x_g : number [m]
-        Centre of gravity forward of midship.
-    inertia : number [kg m2]
-        Yaw moment of inertia about midship I_z.
     """
     return -inertia * rdot - mass * x_g * (vdot + u * r)
 
@@ -164,17 +85,6 @@ def added_surge(udot: Number, length: Number, draft: Number, density: Number) ->
     """Surge force of the added mass in surge per unit m_x' [N], -1/2 rho L^2 d udot.
 
     Source: Yasukawa and Yoshimura (2015), eq. (4).
-
-    Parameters
-    ----------
-    udot : number [m/s2]
-        Surge acceleration in the ship's axes.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return -scale_force(length, draft, density) * length * udot
 
@@ -183,19 +93,6 @@ def added_surge_turning(u: Number, r: Number, length: Number, draft: Number, den
     """Sway force of the added mass in surge per unit m_x' [N], -1/2 rho L^2 d u r.
 
     Source: Yasukawa and Yoshimura (2015), eq. (4).
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return -scale_force(length, draft, density) * length * u * r
 
@@ -204,17 +101,6 @@ def added_sway(vdot: Number, length: Number, draft: Number, density: Number) -> 
     """Sway force of the added mass in sway per unit m_y' [N], -1/2 rho L^2 d vdot.
 
     Source: Yasukawa and Yoshimura (2015), eq. (4).
-
-    Parameters
-    ----------
-    vdot : number [m/s2]
-        Sway acceleration in the ship's axes.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return -scale_force(length, draft, density) * length * vdot
 
@@ -223,19 +109,6 @@ def added_sway_turning(v: Number, r: Number, length: Number, draft: Number, dens
     """Surge force of the added mass in sway per unit m_y' [N], 1/2 rho L^2 d v r.
 
     Source: Yasukawa and Yoshimura (2015), eq. (4).
-
-    Parameters
-    ----------
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return scale_force(length, draft, density) * length * v * r
 
@@ -244,16 +117,5 @@ def added_yaw(rdot: Number, length: Number, draft: Number, density: Number) -> N
     """Yaw moment of the added inertia per unit J_z' [N m], -1/2 rho L^4 d rdot.
 
     Source: Yasukawa and Yoshimura (2015), eq. (4).
-
-    Parameters
-    ----------
-    rdot : number [rad/s2]
-        Yaw acceleration.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return -scale_force(length, draft, density) * length**3 * rdot

@@ -7,11 +7,6 @@ def surge_inertia(udot: Number) -> Number:
     """Regressor of the mass in surge [m/s2], X = -a_udot udot.
 
     Source: Mikkelsen et al. (2025), eq. (mass_inertia_x).
-
-    Parameters
-    ----------
-    udot : number [m/s2]
-        Surge acceleration in the ship's axes.
     """
     return -udot
 
@@ -20,11 +15,6 @@ def sway_inertia(vdot: Number) -> Number:
     """Regressor of the mass in sway [m/s2], Y = -b_vdot vdot and N = -c_vdot vdot.
 
     Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y) and (mass_inertia_z).
-
-    Parameters
-    ----------
-    vdot : number [m/s2]
-        Sway acceleration in the ship's axes.
     """
     return -vdot
 
@@ -35,10 +25,5 @@ def yaw_inertia(rdot: Number) -> Number:
     The paper once prints + for the latter; its regression matrix and the physics have -.
 
     Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y) and (mass_inertia_z).
-
-    Parameters
-    ----------
-    rdot : number [rad/s2]
-        Yaw acceleration.
     """
     return -rdot

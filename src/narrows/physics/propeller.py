@@ -6,47 +6,13 @@ from dataclasses import dataclass
 from narrows.physics.hull import drift, speed
 from narrows.quantities.names import Number
 
+# An angle [rad] too small to have a side.
 NOTHING = 1e-9
-"""An angle [rad] too small to have a side."""
 
 
 @dataclass(frozen=True)
 class PropellerQuantities:
-    """What a propeller's force depends on.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    length : number [m]
-        Length between perpendiculars L.
-    propeller_wake : number [1]
-        Wake fraction at the propeller straight ahead w_P0.
-    propeller_position : number [1]
-        Propeller forward of midship over L, x_P'.
-    propeller_wake_rate : number [1]
-        How soon the wake thins as the ship turns C_1.
-    propeller_wake_starboard : number [1]
-        Inflow turning to starboard over inflow straight C_2.
-    propeller_wake_port : number [1]
-        Inflow turning to port over inflow straight C_2.
-    revolutions : number [1/s]
-        Propeller revolutions n.
-    propeller_diameter : number [m]
-        Propeller diameter D_P.
-    propeller_thrust_0 : number [1]
-        K_T at no advance k_0.
-    propeller_thrust_1 : number [1]
-        Slope of K_T by the advance k_1.
-    propeller_thrust_2 : number [1]
-        Curvature of K_T by the advance k_2.
-    density : number [kg/m3]
-        Mass density of the water rho.
-    """
+    """What a propeller's force depends on."""
 
     u: Number
     v: Number
@@ -71,11 +37,6 @@ def inflow(at: PropellerQuantities) -> Number:
     ``(1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1)``, C_2 by the side of beta_P = beta - x_P' r'.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : PropellerQuantities [SI]
-        What it depends on.
     """
     angle = drift(at.u, at.v) - at.propeller_position * at.r * at.length / speed(at.u, at.v)
     turned = 1 - math.e ** (-at.propeller_wake_rate * abs(angle))
@@ -91,11 +52,6 @@ def loading(at: PropellerQuantities) -> Number:
     Written without J, which has no end where the propeller stands.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : PropellerQuantities [SI]
-        What it depends on.
     """
     tip, coming = at.revolutions * at.propeller_diameter, inflow(at)
     return at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
@@ -105,10 +61,5 @@ def thrust(at: PropellerQuantities) -> Number:
     """Surge force of the propeller per unit of 1 - t_P [N], rho n^2 D^4 K_T.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : PropellerQuantities [SI]
-        What it depends on.
     """
     return at.density * at.propeller_diameter * at.propeller_diameter * loading(at)

@@ -12,8 +12,8 @@ from narrows.physics.hull import drift, speed
 from narrows.physics.propeller import PropellerQuantities, inflow, loading
 from narrows.quantities.names import Number
 
+# Of the rudder, over length times draft [1].
 REFERENCE_AREA = 0.01
-"""Of the rudder, over length times draft [1]."""
 
 
 def _pressure(length: Number, draft: Number, density: Number) -> Number:
@@ -37,27 +37,6 @@ def helm_surge(
     """Surge force [N] of the rudder per unit coefficient, -1/2 rho A U_R (u sin delta - v_R cos delta) sin delta.
 
     Source: form of Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    cos_rudder : number [1]
-        Cosine of the rudder angle.
-    sin_rudder : number [1]
-        Sine of the rudder angle, positive where it turns the bow to starboard.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    flow_straightening : number [1]
-        Flow across the rudder over that across the stern, over its flow along, gamma_R.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     across = _across(v, r, length, flow_straightening)
     return -_pressure(length, draft, density) * _normal(u, across, cos_rudder, sin_rudder) * sin_rudder
@@ -70,27 +49,6 @@ def helm_sway(
     """Sway force [N] that turning the rudder adds per unit coefficient: to port for a turn to starboard.
 
     Source: form of Yasukawa and Yoshimura (2015), the MMG standard method, less its value with the rudder amidships.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    cos_rudder : number [1]
-        Cosine of the rudder angle.
-    sin_rudder : number [1]
-        Sine of the rudder angle, positive where it turns the bow to starboard.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    flow_straightening : number [1]
-        Flow across the rudder over that across the stern, over its flow along, gamma_R.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     across = _across(v, r, length, flow_straightening)
     turned = _normal(u, across, cos_rudder, sin_rudder) * cos_rudder
@@ -104,88 +62,13 @@ def helm_yaw(
     """Yaw moment [N m] that turning the rudder adds per unit coefficient, -L times the sway force.
 
     Source: form of Yasukawa and Yoshimura (2015), the MMG standard method, less its value with the rudder amidships.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    cos_rudder : number [1]
-        Cosine of the rudder angle.
-    sin_rudder : number [1]
-        Sine of the rudder angle, positive where it turns the bow to starboard.
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    flow_straightening : number [1]
-        Flow across the rudder over that across the stern, over its flow along, gamma_R.
-    density : number [kg/m3]
-        Mass density of the water rho.
     """
     return -length * helm_sway(u, v, r, cos_rudder, sin_rudder, length, draft, flow_straightening, density)
 
 
 @dataclass(frozen=True)
 class RudderQuantities(PropellerQuantities):
-    """What the force of a rudder in a propeller's slipstream depends on.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    v : number [m/s]
-        Sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    length : number [m]
-        Length between perpendiculars L.
-    propeller_wake : number [1]
-        Wake fraction at the propeller straight ahead w_P0.
-    propeller_position : number [1]
-        Propeller forward of midship over L, x_P'.
-    propeller_wake_rate : number [1]
-        How soon the wake thins as the ship turns C_1.
-    propeller_wake_starboard : number [1]
-        Inflow turning to starboard over inflow straight C_2.
-    propeller_wake_port : number [1]
-        Inflow turning to port over inflow straight C_2.
-    revolutions : number [1/s]
-        Propeller revolutions n.
-    propeller_diameter : number [m]
-        Propeller diameter D_P.
-    propeller_thrust_0 : number [1]
-        K_T at no advance k_0.
-    propeller_thrust_1 : number [1]
-        Slope of K_T by the advance k_1.
-    propeller_thrust_2 : number [1]
-        Curvature of K_T by the advance k_2.
-    density : number [kg/m3]
-        Mass density of the water rho.
-    rudder_wake_ratio : number [1]
-        Inflow at the rudder over that at the propeller epsilon.
-    rudder_slipstream : number [1]
-        How far the slipstream is sped up at the rudder kappa.
-    rudder_in_slipstream : number [1]
-        Propeller diameter over rudder height eta.
-    rudder_position : number [1]
-        Effective place of the rudder over L, l_R'.
-    rudder_straightening_starboard : number [1]
-        Flow straightening in a turn to starboard gamma_R.
-    rudder_straightening_port : number [1]
-        Flow straightening in a turn to port gamma_R.
-    cos_rudder : number [1]
-        Cosine of the rudder angle.
-    sin_rudder : number [1]
-        Sine of the rudder angle, positive where it turns the bow to starboard.
-    rudder_area : number [m2]
-        Rudder area A_R.
-    rudder_lift : number [1]
-        Slope of the rudder's lift f_alpha.
-    """
+    """What the force of a rudder in a propeller's slipstream depends on."""
 
     rudder_wake_ratio: Number
     rudder_slipstream: Number
@@ -205,11 +88,6 @@ def along(at: RudderQuantities) -> Number:
     u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2).
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : RudderQuantities [SI]
-        What it depends on.
     """
     coming = inflow(at)
     # A propeller that drags slows its slipstream down, to nothing at most.
@@ -226,11 +104,6 @@ def across(at: RudderQuantities) -> Number:
     beta_R = beta - l_R' r'.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : RudderQuantities [SI]
-        What it depends on.
     """
     whole = speed(at.u, at.v)
     angle = drift(at.u, at.v) - at.rudder_position * at.r * at.length / whole
@@ -243,11 +116,6 @@ def normal_force(at: RudderQuantities) -> Number:
     """Normal force of the rudder [N], 1/2 rho A_R f_alpha U_R (u_R sin delta - v_R cos delta).
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : RudderQuantities [SI]
-        What it depends on.
     """
     forward, sideways = along(at), across(at)
     lift = 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
@@ -258,11 +126,6 @@ def rudder_surge(at: RudderQuantities) -> Number:
     """Surge force of the rudder per unit of 1 - t_R [N], -F_N sin delta.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : RudderQuantities [SI]
-        What it depends on.
     """
     return -normal_force(at) * at.sin_rudder
 
@@ -271,11 +134,6 @@ def rudder_sway(at: RudderQuantities) -> Number:
     """Sway force of the rudder per unit of 1 + a_H [N], -F_N cos delta.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : RudderQuantities [SI]
-        What it depends on.
     """
     return -normal_force(at) * at.cos_rudder
 
@@ -284,10 +142,5 @@ def rudder_yaw(at: RudderQuantities) -> Number:
     """Yaw moment of the rudder per unit of -(x_R' + a_H x_H') [N m], L F_N cos delta.
 
     Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-
-    Parameters
-    ----------
-    at : RudderQuantities [SI]
-        What it depends on.
     """
     return at.length * normal_force(at) * at.cos_rudder

@@ -12,17 +12,6 @@ def kijima_drift_force(beam: Number, draft: Number, block_coefficient: Number, d
     """Factor on the sway force of drift [1], 1/(1 - T/h)^n - T/h with n = 0.40 C_B B/T.
 
     Source: Kijima et al. (1990).
-
-    Parameters
-    ----------
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    depth : number [m]
-        Water depth h.
     """
     return _factor(draft / depth, 0.40 * block_coefficient * beam / draft)
 
@@ -33,17 +22,6 @@ def kijima_drift_moment(beam: Number, draft: Number, block_coefficient: Number, 
     The exponent is from memory and not verified against the text.
 
     Source: form of Kijima et al. (1990).
-
-    Parameters
-    ----------
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    depth : number [m]
-        Water depth h.
     """
     return _factor(draft / depth, 0.425 * block_coefficient * beam / draft)
 
@@ -52,14 +30,5 @@ def kijima_yaw_moment(length: Number, draft: Number, depth: Number) -> Number:
     """Factor on the yaw moment of turning [1], 1/(1 - T/h)^n - T/h with n = 1.5 - 14.28 T/L.
 
     Source: Kijima et al. (1990), as printed: the exponent falls as the draft grows.
-
-    Parameters
-    ----------
-    length : number [m]
-        Length between perpendiculars L.
-    draft : number [m]
-        Draft at rest T0.
-    depth : number [m]
-        Water depth h.
     """
     return _factor(draft / depth, 1.5 - 14.28 * draft / length)

@@ -5,21 +5,14 @@ import math
 from narrows.quantities.constants import GRAVITY, KNOT
 from narrows.quantities.names import Number
 
+# Of beam times draft, where a ship's midship section is not known [1].
 MIDSHIP_SECTION = 0.98
-"""Of beam times draft, where a ship's midship section is not known [1]."""
 
 
 def depth_froude(u: Number, depth: Number) -> Number:
     """Depth Froude number [1], u/(g h)^(1/2).
 
     Source: definition.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    depth : number [m]
-        Water depth h.
     """
     return u / (GRAVITY * depth) ** 0.5
 
@@ -28,17 +21,6 @@ def blockage(beam: Number, draft: Number, width: Number, depth: Number) -> Numbe
     """Share of the canal's section that the ship takes [1], S = 0.98 B T/(W h).
 
     Source: definition; 0.98 for the midship section as PIANC uses it.
-
-    Parameters
-    ----------
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    width : number [m]
-        Canal width W.
-    depth : number [m]
-        Water depth h.
     """
     return MIDSHIP_SECTION * beam * draft / (width * depth)
 
@@ -58,21 +40,6 @@ def icorels(u: Number, length: Number, beam: Number, draft: Number, block_coeffi
     """Bow sinkage [m] in water without banks, C_S V/L^2 F^2/(1 - F^2)^(1/2); C_S is 1.7, 2.0 or 2.4 by C_B.
 
     Source: ICORELS (1980), as reviewed by PIANC.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    length : number [m]
-        Length between perpendiculars L.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    depth : number [m]
-        Water depth h.
     """
     fullness = 1.7 if block_coefficient < 0.7 else 2.0 if block_coefficient < 0.8 else 2.4
     return fullness * _slender(length, beam, draft, block_coefficient) * _tuck(u, depth)
@@ -84,23 +51,6 @@ def huuska(
     """Bow sinkage [m] in a canal, 2.4 V/L^2 F^2/(1 - F^2)^(1/2) K_s, K_s = 7.45 S + 0.76, and 1 where S <= 0.03.
 
     Source: Huuska (1976) with Guliev's factor for a canal, as reviewed by PIANC.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    length : number [m]
-        Length between perpendiculars L.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    width : number [m]
-        Canal width W.
-    depth : number [m]
-        Water depth h.
     """
     share = blockage(beam, draft, width, depth)
     narrow = 7.45 * share + 0.76 if share > 0.03 else 1.0
@@ -111,21 +61,6 @@ def barrass(u: Number, beam: Number, draft: Number, block_coefficient: Number, w
     """Largest sinkage [m] in a canal, K C_B V^2/100 with V in knots, K = 5.74 S^0.76, and 1 where S < 0.10.
 
     Source: Barrass (2004), Ship design and performance for masters and mates.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    width : number [m]
-        Canal width W.
-    depth : number [m]
-        Water depth h.
     """
     share = blockage(beam, draft, width, depth)
     narrow = 5.74 * share**0.76 if share >= 0.10 else 1.0
@@ -138,21 +73,6 @@ def tuck_midship(
     """Midship sinkage [m] in water without banks, 1.4 V/L^2 F^2/(1 - F^2)^(1/2).
 
     Source: Tuck (1966) with Hooft's (1974) coefficient.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    length : number [m]
-        Length between perpendiculars L.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    depth : number [m]
-        Water depth h.
     """
     return 1.4 * _slender(length, beam, draft, block_coefficient) * _tuck(u, depth)
 
@@ -163,21 +83,6 @@ def tuck_bow(
     """Bow sinkage [m] in water without banks, 1.46 V/L^2 q + L/2 sin(V/L^3 q), q = F^2/(1 - F^2)^(1/2).
 
     Source: Tuck (1966) with Hooft's (1974) coefficients.
-
-    Parameters
-    ----------
-    u : number [m/s]
-        Surge velocity through the water.
-    length : number [m]
-        Length between perpendiculars L.
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    block_coefficient : number [1]
-        Displaced volume over L B T0, C_B.
-    depth : number [m]
-        Water depth h.
     """
     q, slender = _tuck(u, depth), _slender(length, beam, draft, block_coefficient)
     return 1.46 * slender * q + length / 2 * _small_sine(slender / length * q)
@@ -194,17 +99,6 @@ def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) ->
     It solves Schijf's equation 1 - S = 3/2 F^(2/3) - F^2/2 for the depth Froude number exactly.
 
     Source: Schijf (1949); closed form of Roemisch (1989), verified against Schijf's equation.
-
-    Parameters
-    ----------
-    beam : number [m]
-        Beam B.
-    draft : number [m]
-        Draft at rest T0.
-    width : number [m]
-        Canal width W.
-    depth : number [m]
-        Water depth h.
     """
     free = 1 - blockage(beam, draft, width, depth)
     return (2 * math.sin(math.asin(free) / 3)) ** 1.5 * (GRAVITY * depth) ** 0.5

@@ -7,6 +7,7 @@ import numpy as np
 
 from narrows.quantities.names import Number
 
+# The functions for floats and columns, by name.
 COLUMNS: dict[str, Callable[..., Any]] = {
     "minimum": np.minimum,
     "maximum": np.maximum,
@@ -15,63 +16,30 @@ COLUMNS: dict[str, Callable[..., Any]] = {
     "sine": np.sin,
     "cosine": np.cos,
 }
-"""The functions for floats and columns, by name."""
 
 
 def minimum(one: Number, other: Number) -> Number:
-    """Return the lesser of two numbers.
-
-    Parameters
-    ----------
-    one, other : number
-        In the same unit.
-    """
+    """Return the lesser of two numbers."""
     return _evaluated("minimum", one, other)
 
 
 def maximum(one: Number, other: Number) -> Number:
-    """Return the greater of two numbers.
-
-    Parameters
-    ----------
-    one, other : number
-        In the same unit.
-    """
+    """Return the greater of two numbers."""
     return _evaluated("maximum", one, other)
 
 
 def clip(value: Number, most: Number) -> Number:
-    """Return a number brought to between ``-most`` and ``most``.
-
-    Parameters
-    ----------
-    value, most : number
-        In the same unit.
-    """
+    """Return a number brought to between ``-most`` and ``most``."""
     return minimum(maximum(value, -most), most)
 
 
 def choice(test: Number, over: Number, under: Number) -> Number:
-    """Return ``over`` where ``test`` is over 0, else ``under``.
-
-    Parameters
-    ----------
-    test : number
-        What decides.
-    over, under : number
-        In the same unit.
-    """
+    """Return ``over`` where ``test`` is over 0, else ``under``."""
     return _evaluated("choice", test, over, under)
 
 
 def angle(cosine: Number, sine: Number) -> Number:
-    """Return the angle from its cosine and sine, between -pi and pi [rad].
-
-    Parameters
-    ----------
-    cosine, sine : number [1]
-        Of one length.
-    """
+    """Return the angle from its cosine and sine, between -pi and pi [rad]."""
     return _evaluated("angle", cosine, sine)
 
 

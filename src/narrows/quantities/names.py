@@ -4,23 +4,15 @@ import inspect
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+# A float, a NumPy array or a symbol: whatever knows arithmetic and ``abs()``.
 Number = Any
-"""A float, a NumPy array or a symbol: whatever knows arithmetic and ``abs()``."""
 
 
 class Quantity(NamedTuple):
-    """What a name stands for.
+    """What a name stands for."""
 
-    Parameters
-    ----------
-    unit : str
-        In SI.
-    meaning : str
-        In words.
-    """
-
-    unit: str
-    meaning: str
+    unit: str  # In SI
+    meaning: str  # In words
 
 
 MOTION = {
@@ -56,28 +48,16 @@ FORCES = {
     "Y": Quantity("N", "sway force, positive to starboard"),
     "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
 }
+# What the function of any term may ask for; actuators bring what is theirs.
 REGRESSOR_INPUTS = MOTION | PARTICULARS
-"""What the function of any term may ask for; actuators bring what is theirs."""
 
 
 def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
-    """Return the names of the quantities that a function takes, in its order (ours).
-
-    Parameters
-    ----------
-    function : callable
-        Its arguments are names of the vocabulary; or it says what it takes by an ``inputs`` of its own.
-    """
+    """Return the names of the quantities that a function takes, in its order."""
     stated: tuple[str, ...] | None = getattr(function, "inputs", None)
     return tuple(inspect.signature(function).parameters) if stated is None else stated
 
 
 def name_of(function: Callable[..., Number]) -> str:
-    """Return what a function is called in print (ours).
-
-    Parameters
-    ----------
-    function : callable
-        A function, or an object with a ``name``.
-    """
+    """Return what a function is called in print."""
     return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))

@@ -14,42 +14,18 @@ from narrows.readers.table_head import seen
 from narrows.readers.text_table import FIRST_ROW
 
 LONGEST_CELL = 60
+# Beyond this a number stands for a missing one (netCDF fills with 9.97e36), and its square spoils every sum.
 LARGEST = 1e20
-"""Beyond this a number stands for a missing one (netCDF fills with 9.97e36), and its square spoils every sum."""
 
 
 def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
-    """Return the file's row of the first hit (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Its index counts the rows of the file.
-    where : array (rows,) of bool
-        The hits.
-    """
+    """Return the file's row of the first hit."""
+    # where (rows,)
     return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
 
 
 def check_once(columns: list[Column], headers: list[str], known: Iterable[str], table: str) -> None:
-    """Raise where no header is a quantity, or a quantity has two columns (ours).
-
-    Parameters
-    ----------
-    columns : list of Column
-        What was recognised.
-    headers : list of str
-        Every header of the table.
-    known : iterable of str
-        What the table may carry.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the quantity and both headers.
-    """
+    """Raise where no header is a quantity, or a quantity has two columns."""
     if not columns:
         raise InputError(
             f"{table}: no column is headed as a quantity: seen {seen(headers)}; head them {', '.join(known)}, "
@@ -68,24 +44,7 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
 
 
 def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) -> np.ndarray:
-    """Return a column as floats (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    header : str
-        The column.
-    table : str
-        The file.
-    blanks : bool
-        Whether cells may be empty: NaN then.
-
-    Raises
-    ------
-    InputError
-        At the first cell that is not a finite number, or beyond all measure.
-    """
+    """Return a column as floats."""
     values = _floats(frame[header])
     # NaN is not below either.
     wrong = ~(np.abs(values) < LARGEST)
@@ -126,22 +85,7 @@ def _float(cell: Any) -> float:
 
 
 def labels(frame: pd.DataFrame, header: str, table: str) -> np.ndarray:
-    """Return a column of names as words, without blanks around them (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    header : str
-        The column.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        At the first empty cell.
-    """
+    """Return a column of names as words, without blanks around them."""
     empty = frame[header].isna().to_numpy()
     if empty.any():
         raise InputError(f"{table}: row {row_number(frame, empty)}, column {header!r} is empty; name the {header}")

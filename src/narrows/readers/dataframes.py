@@ -12,18 +12,7 @@ from narrows.readers.text_table import FIRST_ROW
 
 
 def as_sheet(table: object) -> Sheet:
-    """Return a table of a program as the reader takes it: rows counted from 0 in sentences (ours).
-
-    Parameters
-    ----------
-    table : DataFrame, Dataset, or mapping of str to array
-        Of pandas, Polars, Arrow or xarray. Units of an xarray Dataset are those of its attributes.
-
-    Raises
-    ------
-    InputError
-        Where it is none of these.
-    """
+    """Return a table of a program as the reader takes it: rows counted from 0 in sentences."""
     try:
         frame = _as_frame(table)
     except InputError:
@@ -36,24 +25,12 @@ def as_sheet(table: object) -> Sheet:
 
 
 def name_of(table: object) -> str:
-    """Return what to call a table that is no file (ours).
-
-    Parameters
-    ----------
-    table : object
-        Of ``as_sheet``.
-    """
+    """Return what to call a table that is no file."""
     return f"the {type(table).__name__}"
 
 
 def sha256_of_frame(frame: pd.DataFrame) -> str:
-    """Return a hash of the cells and headers of a frame (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Of ``as_sheet``.
-    """
+    """Return a hash of the cells and headers of a frame."""
     words = {header: str for header in frame if pd.api.types.is_object_dtype(frame[header])}
     rows = pd.util.hash_pandas_object(frame.astype(words), index=False)
     return hashlib.sha256("\n".join(frame.columns).encode() + rows.to_numpy().tobytes()).hexdigest()

@@ -11,13 +11,13 @@ from typing import NamedTuple
 from narrows.errors import InputError, shown
 from narrows.readers.table_head import Head, head_of, is_number, width_of
 
+# Bytes that are looked at.
 SAMPLE = 1 << 18
-"""Bytes that are looked at."""
 ROWS = 400
+# What may part cells; blanks are any white space.
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
-"""What may part cells; blanks are any white space."""
+# With which a comment begins.
 REMARKS = ("#", "%")
-"""With which a comment begins."""
 MARKS = {
     codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
 }  # fmt: skip
@@ -25,60 +25,25 @@ LINE = re.compile(r"\r\n|\n|\r")
 
 
 class Dialect(NamedTuple):
-    """How a file is written.
+    """How a file is written."""
 
-    Parameters
-    ----------
-    encoding : str
-        Of its text.
-    separator : str
-        Of cells; a blank stands for any white space.
-    decimal : str
-        Point or comma.
-    head : Head
-        Header and first row.
-    """
-
-    encoding: str
-    separator: str
-    decimal: str
-    head: Head
+    encoding: str  # Of its text
+    separator: str  # Of cells; a blank stands for any white space
+    decimal: str  # Point or comma
+    head: Head  # Header and first row
 
 
 class Split(NamedTuple):
-    """Lines parted at a separator.
+    """Lines parted at a separator."""
 
-    Parameters
-    ----------
-    separator : str
-        Of cells.
-    rows : list of list of str
-        The cells.
-    decimal : str
-        Point or comma, whichever makes more cells numbers.
-    score : float [1]
-        Share of the later cells that are numbers in rows of one width.
-    """
-
-    separator: str
-    rows: list[list[str]]
-    decimal: str
-    score: float
+    separator: str  # Of cells
+    rows: list[list[str]]  # The cells
+    decimal: str  # Point or comma, whichever makes more cells numbers
+    score: float  # Share of the later cells that are numbers in rows of one width [1]
 
 
 def dialect_of(path: Path) -> Dialect:
-    """Find how a table of text is written (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        Where it is no text, is empty, or cannot be split: says what was seen.
-    """
+    """Find how a table of text is written."""
     encoding, numbered = _sample(path)
     lines = [(number, line) for number, line in numbered if not line.lstrip().startswith(REMARKS)][:ROWS]
     if not lines:
@@ -156,15 +121,7 @@ def _check_decimals(rows: list[list[str]], lines: list[int]) -> None:
 
 
 def cells_of(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
-    """Part lines into cells (ours).
-
-    Parameters
-    ----------
-    lines : sequence of str
-        Of a file.
-    separator : str
-        A blank for any white space.
-    """
+    """Part lines into cells."""
     if separator == " ":
         return (line.split() for line in lines)
     return (next(csv.reader([line], delimiter=separator, skipinitialspace=True)) for line in lines)

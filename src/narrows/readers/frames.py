@@ -17,38 +17,19 @@ from narrows.readers.text_table import FIRST_ROW, read_text, text_chunks
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
 READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
 STREAMED = (*TEXT, ".parquet")
+# Of a sheet, among which its header is looked for.
 SHEET_ROWS = 400
-"""Of a sheet, among which its header is looked for."""
 
 
 class Sheet(NamedTuple):
-    """A table as it was read.
+    """A table as it was read."""
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Its index counts the rows of the file, less ``FIRST_ROW``.
-    notes : tuple of str
-        What there is to say of the file.
-    """
-
-    frame: pd.DataFrame
-    notes: tuple[str, ...] = ()
+    frame: pd.DataFrame  # Its index counts the rows of the file, less ``FIRST_ROW``
+    notes: tuple[str, ...] = ()  # What there is to say of the file
 
 
 def read_frame(path: Path) -> Sheet:
-    """Read a whole table (ours).
-
-    Parameters
-    ----------
-    path : Path
-        Text in any dialect, Parquet, Excel or MATLAB, by its suffix.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, empty, damaged or of another kind.
-    """
+    """Read a whole table."""
     readers: dict[str, Callable[[Path], Sheet]] = {
         **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
     }  # fmt: skip
@@ -59,20 +40,7 @@ def read_frame(path: Path) -> Sheet:
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
-    """Read a table chunk by chunk, holding one at a time (ours).
-
-    Parameters
-    ----------
-    path : Path
-        Text or Parquet by its suffix.
-    rows : int
-        Of a chunk, at most.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, empty, damaged or of another kind.
-    """
+    """Read a table chunk by chunk, holding one at a time."""
     parquet = _suffix(path, STREAMED) == ".parquet"
     chunks = _parquet_chunks(path, rows) if parquet else guarded(path, lambda: _text_chunks(path, rows))
     while (chunk := guarded(path, lambda: next(chunks, None))) is not None:
@@ -80,18 +48,7 @@ def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
 
 
 def notes_of(path: Path) -> tuple[str, ...]:
-    """Return what there is to say of a file that is read in chunks (ours).
-
-    Parameters
-    ----------
-    path : Path
-        Text or Parquet by its suffix.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, empty, damaged or of another kind.
-    """
+    """Return what there is to say of a file that is read in chunks."""
     if _suffix(path, STREAMED) == ".parquet":
         return ()
     notes: tuple[str, ...] = guarded(path, lambda: dialect_of(path).head.notes)
@@ -122,20 +79,7 @@ def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
 
 
 def guarded(path: Path, read: Callable[[], Any]) -> Any:
-    """Return what reads a table, or say in one sentence why it cannot (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    read : callable
-        Reads it.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, or is not what its suffix says.
-    """
+    """Return what reads a table, or say in one sentence why it cannot."""
     try:
         return read()
     except FileNotFoundError:

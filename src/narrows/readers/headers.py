@@ -21,6 +21,7 @@ SPELLINGS = {
     "rpm": "1/minute", "rps": "1/s",
     "mps": "m/s", "mps2": "m/s^2", "degps": "deg/s", "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2",
 }  # fmt: skip
+# How many of an SI unit one of another is, for those that most tables have: the units library takes long to load.
 USUAL = {
     "m": {"mm": 1e-3, "cm": 1e-2}, "m/s": {"mm/s": 1e-3, "mps": 1.0, "kn": KNOT, "knot": KNOT},
     "m/s2": {"mps2": 1.0, "mm/s2": 1e-3, "m/s^2": 1.0},
@@ -28,7 +29,6 @@ USUAL = {
     "rad/s2": {"radps2": 1.0, "deg/s2": DEGREE, "degps2": DEGREE, "rad/s^2": 1.0, "deg/s^2": DEGREE},
     "N": {"kN": 1e3}, "N m": {"Nm": 1.0, "kNm": 1e3, "N*m": 1.0, "Nmm": 1e-3}, "1/s": {"rpm": 1 / 60, "rps": 1.0},
 }  # fmt: skip
-"""How many of an SI unit one of another is, for those that most tables have: the units library takes long to load."""
 SUFFIXES = (
     "m",
     "mm",
@@ -52,64 +52,24 @@ SUFFIXES = (
 
 
 class Vocabulary(NamedTuple):
-    """What tables of one kind may carry.
+    """What tables of one kind may carry."""
 
-    Parameters
-    ----------
-    quantities : mapping of str to Quantity
-        Columns of numbers.
-    labels : tuple of str
-        Columns of words.
-    blanks : bool
-        Whether a cell of numbers may be empty.
-    """
-
-    quantities: Mapping[str, Quantity]
-    labels: tuple[str, ...] = ()
-    blanks: bool = False
+    quantities: Mapping[str, Quantity]  # Columns of numbers
+    labels: tuple[str, ...] = ()  # Columns of words
+    blanks: bool = False  # Whether a cell of numbers may be empty
 
 
 class Column(NamedTuple):
-    """A column of the user's table.
+    """A column of the user's table."""
 
-    Parameters
-    ----------
-    header : str
-        As in the table.
-    quantity : str
-        Of the vocabulary.
-    scale : float [1]
-        How many SI units one of it is.
-    stated : bool
-        Whether the header carries a unit.
-    """
-
-    header: str
-    quantity: str
-    scale: float
-    stated: bool
+    header: str  # As in the table
+    quantity: str  # Of the vocabulary
+    scale: float  # How many SI units one of it is [1]
+    stated: bool  # Whether the header carries a unit
 
 
 def parse_header(header: str, known: Mapping[str, Quantity]) -> Column | None:
-    """Read one header: ``psi``, ``psi [deg]``, ``psi (deg)`` or ``psi_deg`` (ours).
-
-    Parameters
-    ----------
-    header : str
-        As in the table.
-    known : mapping of str to Quantity
-        What the table may carry.
-
-    Returns
-    -------
-    Column or None
-        None where the header is no quantity of the vocabulary.
-
-    Raises
-    ------
-    InputError
-        Where the unit is unknown or is of another kind than the quantity.
-    """
+    """Read one header: ``psi``, ``psi [deg]``, ``psi (deg)`` or ``psi_deg``."""
     name, unit = _split(header.strip(), known)
     if name not in known:
         return None
@@ -118,22 +78,7 @@ def parse_header(header: str, known: Mapping[str, Quantity]) -> Column | None:
 
 
 def recognised_in(frame: "pd.DataFrame", known: Mapping[str, Quantity], table: str) -> list[Column]:
-    """Return the columns of a frame that are quantities (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    known : mapping of str to Quantity
-        What the table may carry.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Where a unit is unknown or is of another kind than its quantity.
-    """
+    """Return the columns of a frame that are quantities."""
     try:
         return [column for header in frame.columns if (column := parse_header(str(header), known))]
     except InputError as error:
@@ -141,13 +86,7 @@ def recognised_in(frame: "pd.DataFrame", known: Mapping[str, Quantity], table: s
 
 
 def unit_of(header: str) -> str:
-    """Return the unit that any header carries, be it of a quantity or not; empty where it carries none (ours).
-
-    Parameters
-    ----------
-    header : str
-        As in the table.
-    """
+    """Return the unit that any header carries, be it of a quantity or not; empty where it carries none."""
     if match := re.search(r"(?:\[([^\]]*)\]|\(([^)]*)\))\s*$", header):
         return (match[1] or match[2] or "").strip()
     name, _, suffix = header.strip().rpartition("_")
@@ -185,13 +124,7 @@ def _powers(unit: str) -> str:
 
 @cache
 def is_unit(word: str) -> bool:
-    """Say whether a word is a unit of anything (ours).
-
-    Parameters
-    ----------
-    word : str
-        As written, without brackets.
-    """
+    """Say whether a word is a unit of anything."""
     try:
         _registry()(SPELLINGS.get(word, _powers(word)))
     except Exception:  # The units library raises nearly anything on what is no unit.

@@ -13,10 +13,11 @@ from narrows.readers import cells
 from narrows.readers.headers import Vocabulary, parse_header, unit_of
 from narrows.ship.ship_file import check_table, load_toml
 
+# Which way a quantity counts here, and the other way.
 WAYS = {
     "forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise",
 }  # fmt: skip
-"""Which way a quantity counts here, and the other way."""
+# Which way each quantity is positive here; a rudder by the side to which it turns the bow.
 COUNTED = {
     **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),
     **dict.fromkeys(("y", "v", "vdot", "Y", "v_ground", "y_rate"), ("starboard",)),
@@ -24,34 +25,18 @@ COUNTED = {
     "rudder": ("starboard",),
     "heave": ("down",),
 }
-"""Which way each quantity is positive here; a rudder by the side to which it turns the bow."""
 
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """How a laboratory's columns are read as the documented ones.
+    """How a laboratory's columns are read as the documented ones."""
 
-    Parameters
-    ----------
-    columns : mapping of str to str
-        Headers of the table by the documented names; an empty one where a column of that name is none.
-    units : mapping of str to str
-        Of columns whose headers do not say it.
-    positive : mapping of str to str
-        Which way a column counts: ``port``, ``aft``, ``up``, ``counter-clockwise`` turn its sign.
-    name : str
-        Of the file.
-
-    Raises
-    ------
-    InputError
-        Where a name, a unit or a way is none.
-    """
-
+    # Headers of the table by the documented names; an empty one where a column of that name is none
     columns: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)  # Of columns whose headers do not say it
+    # Which way a column counts: ``port``, ``aft``, ``up``, ``counter-clockwise`` turn its sign
     positive: Mapping[str, str] = field(default_factory=dict)
-    name: str = "the mapping"
+    name: str = "the mapping"  # Of the file
 
     def __post_init__(self) -> None:
         for section in fields(self)[:3]:
@@ -66,22 +51,7 @@ class ColumnMapping:
             _sign(name, way, self.name)
 
     def applied(self, frame: pd.DataFrame, table: str, vocabulary: Vocabulary) -> tuple[pd.DataFrame, tuple[str, ...]]:
-        """Bring a frame to the documented headers, units and signs, with a sentence of what was done (ours).
-
-        Parameters
-        ----------
-        frame : DataFrame
-            As read.
-        table : str
-            The file.
-        vocabulary : Vocabulary
-            What a table may carry.
-
-        Raises
-        ------
-        InputError
-            Where a name is unknown, or the table has no such column.
-        """
+        """Bring a frame to the documented headers, units and signs, with a sentence of what was done."""
         headers = {str(header): _parsed(str(header), vocabulary) for header in frame.columns}
         sources = self._sources(headers, table, vocabulary)
         notes = []
@@ -136,18 +106,8 @@ class ColumnMapping:
 
 
 def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None) -> ColumnMapping | None:
-    """Return a mapping of columns, read where it is a file (ours).
-
-    Parameters
-    ----------
-    mapping : str, Path, mapping or ColumnMapping, optional
-        TOML with sections ``[columns]``, ``[units]`` and ``[positive]``, or what is in one.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, is not TOML, or has other sections.
-    """
+    """Return a mapping of columns, read where it is a file."""
+    # mapping [columns]
     if mapping is None or isinstance(mapping, ColumnMapping):
         return mapping
     tables = mapping if isinstance(mapping, Mapping) else load_toml(mapping)

@@ -14,29 +14,18 @@ from collections.abc import Iterator
 
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
+# Types of numbers and of characters.
 NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
-"""Types of numbers and of characters."""
+# Types of the first three elements of a matrix.
 FLAGS, SHAPE, NAME = 6, (5, 6), (1, 16)
-"""Types of the first three elements of a matrix."""
 CHARACTERS, SPARSE, OPAQUE = 4, 5, 17
+# Elements of a matrix by its class, where all of them are numbers; an imaginary part is one more.
 PARTS = {CHARACTERS: 4, SPARSE: 6, **dict.fromkeys(range(6, 16), 4)}
-"""Elements of a matrix by its class, where all of them are numbers; an imaginary part is one more."""
 DEEPEST = 50
 
 
 def check_elements(content: bytes) -> None:
-    """Raise where a file is of MATLAB 5 to 7.2 and one of its elements is none (ours).
-
-    Parameters
-    ----------
-    content : bytes
-        Of the file.
-
-    Raises
-    ------
-    ValueError
-        Where a type is unknown, or an element longer than what holds it.
-    """
+    """Raise where a file is of MATLAB 5 to 7.2 and one of its elements is none."""
     if len(content) < HEADER or 0 in content[:4] or content[124:128] not in (b"\0\1IM", b"\1\0MI"):
         return  # Of another version, whose readers are safe.
     _check(memoryview(content)[HEADER:], "<" if content[126:128] == b"IM" else ">", 0)

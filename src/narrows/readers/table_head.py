@@ -9,78 +9,37 @@ from narrows.errors import InputError, shown
 from narrows.readers.headers import is_unit
 
 NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.IGNORECASE)
+# Of its cells that a row has at least, where it is no line of text above the table.
 MOST = 0.5
-"""Of its cells that a row has at least, where it is no line of text above the table."""
+# Of the cells under a header that read as units, where they are its units.
 UNITS = 0.6
-"""Of the cells under a header that read as units, where they are its units."""
 NO_UNIT = ("-", "--", "n/a", "none")
 
 Row = Sequence[str]
 
 
 class Head(NamedTuple):
-    """The top of a table.
+    """The top of a table."""
 
-    Parameters
-    ----------
-    headers : tuple of str
-        One for each column, with the unit where a row of units stands under them.
-    first : int
-        The line, or row of a sheet, with which the data begin, counted from 1.
-    notes : tuple of str
-        What there is to say of it.
-    """
-
-    headers: tuple[str, ...]
-    first: int
-    notes: tuple[str, ...]
+    headers: tuple[str, ...]  # One for each column, with the unit where a row of units stands under them
+    first: int  # The line, or row of a sheet, with which the data begin, counted from 1
+    notes: tuple[str, ...]  # What there is to say of it
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
-    """Say whether a cell reads as a number (ours).
-
-    Parameters
-    ----------
-    cell : str
-        As written.
-    decimal : str
-        Point or comma.
-    """
+    """Say whether a cell reads as a number."""
     if decimal == ",":
         cell = "" if "." in cell else cell.replace(",", ".")
     return NUMBER.fullmatch(cell.strip()) is not None
 
 
 def width_of(rows: Sequence[Row]) -> int:
-    """Return how many cells most of the later rows have (ours).
-
-    Parameters
-    ----------
-    rows : sequence of sequences of str
-        Of a table.
-    """
+    """Return how many cells most of the later rows have."""
     return Counter(len(row) for row in rows[len(rows) // 2 :]).most_common(1)[0][0]
 
 
 def head_of(rows: Sequence[Row], lines: Sequence[int], decimal: str = ".", remark: Row = ()) -> Head:
-    """Find header, units and first row of a table (ours).
-
-    Parameters
-    ----------
-    rows : sequence of sequences of str
-        Cells of its first rows, none of them empty.
-    lines : sequence of int
-        Where each row stands, counted from 1.
-    decimal : str
-        Point or comma.
-    remark : sequence of str
-        Cells of the last comment above the first numbers, the header where there is no other.
-
-    Raises
-    ------
-    InputError
-        Where the header has another number of cells than the rows.
-    """
+    """Find header, units and first row of a table."""
     width = width_of(rows)
     full = MOST * sorted(map(_filled, rows[len(rows) // 2 :]))[len(rows[len(rows) // 2 :]) // 2]
     texts = [not any(is_number(cell, decimal) for cell in row) and _filled(row) >= full for row in rows]
@@ -153,11 +112,5 @@ def _headers(names: Row, units: Row) -> tuple[str, ...]:
 
 
 def seen(row: Row) -> str:
-    """Return the first cells of a row, for a sentence (ours).
-
-    Parameters
-    ----------
-    row : sequence of str
-        Cells.
-    """
+    """Return the first cells of a row, for a sentence."""
     return ", ".join(shown(cell.strip()) for cell in row[:5]) + (", ..." if len(row) > 5 else "")

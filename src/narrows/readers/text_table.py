@@ -14,24 +14,16 @@ from narrows.errors import InputError
 from narrows.progress import opened
 from narrows.readers.dialect import REMARKS, Dialect
 
+# What editors call the row under a header: the index of a frame counts from there.
 FIRST_ROW = 2
-"""What editors call the row under a header: the index of a frame counts from there."""
+# Bytes that are looked at together.
 BLOCK = 1 << 22
-"""Bytes that are looked at together."""
+# Before a line that is a comment or empty.
 BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
-"""Before a line that is a comment or empty."""
 
 
 def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
-    """Read a whole table; its index counts the lines of the file (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    dialect : Dialect
-        How it is written.
-    """
+    """Read a whole table; its index counts the lines of the file."""
     if not _is_broken(path, dialect):
         with opened(path) as file:
             frame: pd.DataFrame = pd.read_csv(file, skiprows=dialect.head.first - 1, **_options(dialect))
@@ -40,17 +32,7 @@ def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
 
 
 def text_chunks(path: Path, dialect: Dialect, rows: int) -> Iterator[pd.DataFrame]:
-    """Read a table chunk by chunk (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    dialect : Dialect
-        How it is written.
-    rows : int
-        Of a chunk, at most.
-    """
+    """Read a table chunk by chunk."""
     if _is_broken(path, dialect):
         yield from _from_lines(path, dialect, rows)
         return

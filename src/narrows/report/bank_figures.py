@@ -10,15 +10,8 @@ from narrows.ship.particulars import Configuration
 
 
 def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
-    """Draw delta and its taper across the canal (the paper's fig. Delta_fun).
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and canal.
-    covered : pair of float [m], optional
-        Range of ``|y|`` in the data, shaded.
-    """
+    """Draw delta and its taper across the canal (the paper's fig. Delta_fun)."""
+    # covered [m]
     width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 801) * 0.97 * (width - beam) / 2
     figure, axes = panels(1, 1, 3.0, Margins())
@@ -34,13 +27,7 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
 
 
 def delta_surface_figure(configuration: Configuration) -> Figure:
-    """Draw delta over offset and heading (the paper's fig. delta_surf), as contours that can be read off.
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and canal.
-    """
+    """Draw delta over offset and heading (the paper's fig. delta_surf), as contours that can be read off."""
     width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
     psi = np.linspace(-89, 89, 241)

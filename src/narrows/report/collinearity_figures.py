@@ -14,13 +14,7 @@ COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
 
 
 def correlation_figure(fit: Fit) -> Figure:
-    """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr).
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose columns.
-    """
+    """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr)."""
     overall = fit.diagnostics.overall
     sizes = [max(4, len(d.names)) for d in overall.values()]
     margins = Margins(left=0.65, right=0.65, bottom=0.65, top=0.4, across=0.6)
@@ -55,13 +49,7 @@ def _ink(value: float) -> str:
 
 
 def inflation_figure(fit: Fit) -> Figure:
-    """Draw the variance inflation of each coefficient, over all rows and within each speed.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose columns.
-    """
+    """Draw the variance inflation of each coefficient, over all rows and within each speed."""
     names = tuple(term.name for term in (*fit.terms.sway, *fit.terms.yaw))
     figure, axes = panels(1, 1, 3.2, Margins(left=0.9, bottom=0.85, top=0.35))
     panel = axes[0, 0]

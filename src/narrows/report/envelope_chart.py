@@ -18,18 +18,12 @@ from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
 UNTESTED = ".."
+# A4, lying [in].
 PAGE = (11.7, 8.3)
-"""A4, lying [in]."""
 
 
 def envelope_chart(envelope: SafeEnvelope) -> Figure:
-    """Draw the safe envelope on one page: speeds above, rudder angles below, the banks on either side, a table (ours).
-
-    Parameters
-    ----------
-    envelope : SafeEnvelope
-        What to draw.
-    """
+    """Draw the safe envelope on one page: speeds above, rudder angles below, the banks on either side, a table."""
     if given := given_axes():
         figure, axes = given
         keys = _draw_speeds(axes, envelope)

@@ -10,24 +10,16 @@ from narrows.safety import SafeEnvelope
 HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held by one pilot;\none who knew", "rudder of 19\nin 20 [deg]",
          "what limits it")  # fmt: skip
 WIDTHS = (0.1, 0.17, 0.25, 0.18, 0.3)
+# Heights as shares of the column: the head of the table, a row of it, a line of small print.
 HEAD, ROW, LINE = 0.055, 0.03, 0.0225
-"""Heights as shares of the column: the head of the table, a row of it, a line of small print."""
+# Letters of table and notes [pt]: what can be read on paper.
 SMALL = 7.2
-"""Letters of table and notes [pt]: what can be read on paper."""
+# In a line of small print.
 LETTERS = 72
-"""In a line of small print."""
 
 
 def draw_column(axes: Axes, envelope: SafeEnvelope) -> None:
-    """Lay out the table and the notes below it: as many rows as the notes leave room for, the middle among them (ours).
-
-    Parameters
-    ----------
-    axes : Axes
-        The column.
-    envelope : SafeEnvelope
-        What to write.
-    """
+    """Lay out the table and the notes below it: as many rows as the notes leave room for, the middle among them."""
     axes.axis("off")
     notes = [line for note in envelope.notes for line in textwrap.wrap(note, LETTERS, subsequent_indent="  ")]
     _draw_table(axes, _cells(envelope, max(1, int((0.97 - HEAD - LINE * len(notes)) / ROW))))

@@ -10,13 +10,7 @@ from narrows.safety import SafeEnvelope
 
 
 def print_envelope(envelope: SafeEnvelope) -> None:
-    """Print the tables that a pilot reads: by offset, and by speed.
-
-    Parameters
-    ----------
-    envelope : SafeEnvelope
-        The answer.
-    """
+    """Print the tables that a pilot reads: by offset, and by speed."""
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, 130)
     console.print(envelope.summary())

@@ -15,15 +15,8 @@ NORMAL_95 = 1.959964
 
 
 def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:
-    """Draw states over time with their band of 95 %, and where sensors were refused or suspected.
-
-    Parameters
-    ----------
-    track : EstimatedTrack
-        What to draw.
-    truth : array (times, states), optional
-        Of a twin, drawn beside it; the error of the offset gets a panel of its own.
-    """
+    """Draw states over time with their band of 95 %, and where sensors were refused or suspected."""
+    # truth (times, states)
     names = [name for name in SHOWN if name in track.states]
     first = int(truth is not None)
     figure, axes = panels(first + len(names), 1, 1.1 + 0.95 * (first + len(names)), sharex=True)
@@ -73,13 +66,7 @@ def _mark(axis: Axes, track: EstimatedTrack) -> None:
 
 
 def consistency_figure(result: Consistency) -> Figure:
-    """Draw the mean NEES of the twins over time within its bounds, and the errors of each state over their band.
-
-    Parameters
-    ----------
-    result : Consistency
-        What to draw.
-    """
+    """Draw the mean NEES of the twins over time within its bounds, and the errors of each state over their band."""
     figure, axes = panels(1, 2, 2.8)
     left, right = axes[0]
     mean = np.nanmean(result.nees[:, result.counted], axis=0) / len(result.states)

@@ -18,22 +18,7 @@ from narrows.report.uncertainty_figures import comparison_figure
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
-    """Write one HTML file with everything that is known of a model on a table of tests.
-
-    Parameters
-    ----------
-    explanation : Explanation
-        What was found.
-    path : str or Path
-        Where to.
-    title : str
-        Of the page.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written.
-    """
+    """Write one HTML file with everything that is known of a model on a table of tests."""
     rows = explanation.comparison.rows()
     shares = explanation.shares
     page = render(
@@ -72,13 +57,7 @@ def _row(explanation: Explanation, name: str) -> dict[str, str]:
 
 
 def bank_said(row: dict[str, Any]) -> str:
-    """Write the bank's coefficients of a row of a comparison (ours).
-
-    Parameters
-    ----------
-    row : dict
-        Of ``Comparison.rows``.
-    """
+    """Write the bank's coefficients of a row of a comparison."""
     return "; ".join(
         f"{name} {coefficient['ci95'][0]:.3g} to {coefficient['ci95'][1]:.3g} ({coefficient['verdict']})"
         if np.isfinite(coefficient["ci95"]).all()
@@ -88,15 +67,7 @@ def bank_said(row: dict[str, Any]) -> str:
 
 
 def print_explanation(explanation: Explanation, label: str = "") -> None:
-    """Print a model on a table of tests.
-
-    Parameters
-    ----------
-    explanation : Explanation
-        What was found.
-    label : str
-        The condition, as a heading.
-    """
+    """Print a model on a table of tests."""
     console = Console(highlight=False, markup=False)
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
@@ -112,15 +83,7 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
 
 
 def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
-    """Print tables of terms side by side.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What was fitted.
-    console : Console, optional
-        Standard output unless given.
-    """
+    """Print tables of terms side by side."""
     console = console or Console(highlight=False, markup=False)
     title = "Tables of terms by their error (RMSE) on what was left out"
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")

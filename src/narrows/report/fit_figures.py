@@ -12,32 +12,14 @@ from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREEN, GREY, HATCHES
 
 
 def estimate(fit: Fit, tests: CaptiveTests, names: tuple[str, ...]) -> np.ndarray:
-    """Evaluate some terms of a fit over the rows of tests (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        Gives the coefficients.
-    tests : CaptiveTests
-        Give the rows.
-    names : tuple of str
-        Coefficients of the terms.
-    """
+    """Evaluate some terms of a fit over the rows of tests."""
     values = {**tests.configuration.values(), **tests.columns}
     parts = [fit.coefficients[name] * fit.terms[name].column(values) for name in names]
     return np.asarray(sum(parts, np.zeros(tests.rows)))
 
 
 def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
-    """Draw forces measured and estimated, with the bank's part (the paper's fig. result).
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    tests : CaptiveTests
-        The rows.
-    """
+    """Draw forces measured and estimated, with the bank's part (the paper's fig. result)."""
     figure, axes = panels(3, 1, 6.2, Margins(), sharex=True)
     for panel, (force, label) in zip(axes[:, 0], FORCE_LABELS.items(), strict=True):
         terms = fit.terms.forces[force]
@@ -55,13 +37,7 @@ def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
 
 
 def intervals_figure(fit: Fit) -> Figure:
-    """Draw each coefficient's 95 % interval over the size of its value; open where it is not well identified.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    """
+    """Draw each coefficient's 95 % interval over the size of its value; open where it is not well identified."""
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
     figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), Margins(left=1.0))
     panel = axes[0, 0]
@@ -80,13 +56,7 @@ def intervals_figure(fit: Fit) -> Figure:
 
 
 def shapley_figure(fit: Fit) -> Figure:
-    """Draw the Shapley shares of each force's terms, of all three kinds.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    """
+    """Draw the Shapley shares of each force's terms, of all three kinds."""
     shares = {kind: fit.shapley(kind) for kind in KINDS}
     forces = list(shares[KINDS[0]])
     sizes = [len(shares["mse"][f]) for f in forces]

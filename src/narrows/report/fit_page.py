@@ -65,15 +65,7 @@ def write_report(
 
 
 def render(template: str, **values: Any) -> str:
-    """Fill in a template of this package (ours).
-
-    Parameters
-    ----------
-    template : str
-        Its file name.
-    **values : Any
-        What it asks for.
-    """
+    """Fill in a template of this package."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.report", "templates")
@@ -82,30 +74,12 @@ def render(template: str, **values: Any) -> str:
 
 
 def figure(picture: Any, caption: str) -> dict[str, str]:
-    """Set a picture and its caption for a template (ours).
-
-    Parameters
-    ----------
-    picture : Figure
-        The picture.
-    caption : str
-        Also read aloud instead of it.
-    """
+    """Set a picture and its caption for a template."""
     return {"svg": svg(picture), "caption": caption}
 
 
 def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
-    """Gather what the page says of a fit (ours).
-
-    Parameters
-    ----------
-    label : str
-        The condition.
-    fit : Fit
-        The fit.
-    number : int
-        Of the section.
-    """
+    """Gather what the page says of a fit."""
     source, envelope = fit.tests.source, asdict(fit.data_range)
     shares = {kind: fit.shapley(kind) for kind in KINDS}
     return {
@@ -142,13 +116,7 @@ def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:
 
 
 def equations(fit: Fit) -> list[str]:
-    """Write the model of each force from the table of terms (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose table.
-    """
+    """Write the model of each force from the table of terms."""
     return [
         f"{force} = " + " + ".join(f"{term.name} {name_of(term.regressor)}({', '.join(term.inputs)})" for term in terms)
         for force, terms in fit.terms.forces.items()
@@ -157,13 +125,7 @@ def equations(fit: Fit) -> list[str]:
 
 
 def constraints(fit: Fit) -> str:
-    """Write the bounds and ties of the table of terms (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose table.
-    """
+    """Write the bounds and ties of the table of terms."""
     bounded = [term.name for term in fit.terms.terms if term.bound[0] == 0]
     ties = [" = ".join(tie) for tie in fit.terms.ties]
     return "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded) + ties) or "none"

@@ -18,19 +18,7 @@ COLOURS = {
 
 
 def print_fit(fit: Fit, label: str = "", console: Console | None = None, answer: Answer | None = None) -> None:
-    """Print a fit, its answer first.
-
-    Parameters
-    ----------
-    fit : Fit
-        What to print.
-    label : str
-        The condition, as a heading.
-    console : Console, optional
-        Standard output unless given.
-    answer : Answer, optional
-        Of this fit, where it is known already.
-    """
+    """Print a fit, its answer first."""
     console = console or Console(highlight=False, markup=False, soft_wrap=False)
     console.print(f"\n{heading(fit, label)}", style="bold")
     for sentence in fit.implausible:
@@ -52,28 +40,14 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None, answer:
 
 
 def heading(fit: Fit, label: str) -> str:
-    """Name a fit by its ship, condition and depth (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    label : str
-        The condition.
-    """
+    """Name a fit by its ship, condition and depth."""
     configuration = fit.tests.configuration
     depth = f"h/T = {configuration.canal.depth / configuration.ship.draft:.2f}" if configuration.canal.depth else ""
     return ", ".join(part for part in (configuration.ship.name, label, depth) if part)
 
 
 def kkt_sentence(fit: Fit) -> str:
-    """Say whether the solution is optimal (ours).
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    """
+    """Say whether the solution is optimal."""
     kkt = fit.solution.kkt
     worst = max(kkt.stationarity, kkt.multiplier, kkt.infeasibility)
     verb = "hold" if kkt.satisfied else "FAIL"

@@ -11,13 +11,7 @@ COLOURS = (BLACK, BLUE, ORANGE, GREEN, PURPLE)
 
 
 def print_foresight(foresight: Foresight) -> None:
-    """Print how tight coefficients will get.
-
-    Parameters
-    ----------
-    foresight : Foresight
-        The answer.
-    """
+    """Print how tight coefficients will get."""
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, 110)
     console.print(foresight.summary())
@@ -34,13 +28,7 @@ def print_foresight(foresight: Foresight) -> None:
 
 
 def foresight_figure(foresight: Foresight) -> Figure:
-    """Draw standard errors by the number of transits, a line a kind (ours).
-
-    Parameters
-    ----------
-    foresight : Foresight
-        The answer.
-    """
+    """Draw standard errors by the number of transits, a line a kind."""
     targets = foresight.targets
     figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.35, top=0.25, across=0.75))
     for panel, name in zip(axes[0], targets, strict=True):

@@ -6,18 +6,12 @@ from narrows.logbook.learned_coefficient import PRIOR, LearnedCoefficient
 from narrows.report.numbers import readable
 
 LEARNED_HEADS = ("", "before", "after", "95 % interval", "unit")
+# From here a number is written with a power of ten.
 LONG = 1e5
-"""From here a number is written with a power of ten."""
 
 
 def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[str, ...]]:
-    """Return what a table says of each coefficient that a record taught something of, the surest first (ours).
-
-    Parameters
-    ----------
-    coefficients : mapping of str to LearnedCoefficient
-        By name.
-    """
+    """Return what a table says of each coefficient that a record taught something of, the surest first."""
     learned = sorted((c for c in coefficients.values() if c.word != PRIOR), key=lambda c: c.left)
     return [
         (c.name, f"{_short(c.prior, c.prior_std)} ± {_short(c.prior_std, c.prior_std)}",
@@ -28,15 +22,7 @@ def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[s
 
 
 def with_truth(rows: list[tuple[str, ...]], truth: Mapping[str, float] | None) -> list[tuple[str, ...]]:
-    """Return rows with the truth of a twin as their last cell (ours).
-
-    Parameters
-    ----------
-    rows : list of tuple of str
-        As ``learned_rows`` gives them.
-    truth : mapping of str to float, optional
-        By name; without it the rows are as they were.
-    """
+    """Return rows with the truth of a twin as their last cell."""
     return rows if truth is None else [(*row, f"{truth[row[0]]:.3g}") for row in rows]
 
 

@@ -8,20 +8,14 @@ from narrows.logbook import LogFindings, ShipLog, Signal
 from narrows.report.style import BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+# Of a curve.
 MOST_POINTS = 4000
-"""Of a curve."""
 MOST_RECORDS = 12
 LEGEND_RECORDS = 5
 
 
 def log_figure(log: ShipLog) -> Figure:
-    """Draw the records of a ship: tracks; rudder, heading, yaw rate and speeds over time.
-
-    Parameters
-    ----------
-    log : ShipLog
-        What to draw; its first records where there are many.
-    """
+    """Draw the records of a ship: tracks; rudder, heading, yaw rate and speeds over time."""
     figure, axes = panels(3, 2, 6.4)
     track, *others = axes.ravel()
     for place, record in enumerate(log.records[:MOST_RECORDS]):
@@ -41,6 +35,7 @@ def log_figure(log: ShipLog) -> Figure:
     return figure
 
 
+# Signals, the first that a record has, factor and label of each panel beside the track.
 CURVES = (
     (("rudder",), 180 / np.pi, "rudder [deg]"),
     (("psi",), 180 / np.pi, "heading [deg]"),
@@ -48,7 +43,6 @@ CURVES = (
     (("u", "u_ground", "speed_over_ground"), 1.0, "speed ahead [m/s]"),
     (("v", "v_ground"), 1.0, "speed to starboard [m/s]"),
 )
-"""Signals, the first that a record has, factor and label of each panel beside the track."""
 
 
 def _thinned(signal: Signal) -> Signal:
@@ -62,13 +56,7 @@ def _finish(axes: Axes, below: str, beside: str) -> None:
 
 
 def findings_figure(result: LogFindings) -> Figure:
-    """Draw what is wrong with a log: a mark for each finding, by record and by what was looked at.
-
-    Parameters
-    ----------
-    result : LogFindings
-        What to draw.
-    """
+    """Draw what is wrong with a log: a mark for each finding, by record and by what was looked at."""
     records = list(dict.fromkeys(finding.record for finding in result))
     checks = list(dict.fromkeys(finding.check for finding in result))
     figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1))

@@ -10,19 +10,13 @@ from narrows.logbook.learning.forecasts import Forecast
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
 
+# Coefficients and records that are named.
 MOST_ROWS = 24
-"""Coefficients and records that are named."""
 BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the other records"))
 
 
 def log_fit_figure(fit: LogFit) -> Figure:
-    """Draw the coefficients after a log in standard deviations before it, and forecasts of each record (ours).
-
-    Parameters
-    ----------
-    fit : LogFit
-        The answer.
-    """
+    """Draw the coefficients after a log in standard deviations before it, and forecasts of each record."""
     known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.left)[:MOST_ROWS]
     height = max(2.8, 0.9 + 0.2 * len(known))
     figure, axes = panels(1, 2, height, Margins(left=0.9, bottom=0.75, top=0.2, across=0.9))
@@ -54,13 +48,7 @@ def _draw_missed(axes: Axes, records: tuple[RecordAnswer, ...]) -> None:
 
 
 def forecast_figure(record: RecordAnswer) -> Figure:
-    """Draw rudder, yaw rate, heading and offset of a record beside what was foretold every 3.5 ship lengths (ours).
-
-    Parameters
-    ----------
-    record : RecordAnswer
-        With its forecasts.
-    """
+    """Draw rudder, yaw rate, heading and offset of a record beside what was foretold every 3.5 ship lengths."""
     figure, axes = panels(4, 1, 6.0, Margins(left=0.75, bottom=0.7, top=0.25, down=0.12))
     assert record.forecasts is not None
     rows = (("r", 5, 180 / np.pi, "yaw rate [deg/s]"), ("psi", 2, 180 / np.pi, "heading [deg]"), ("y", 1, 1.0, "y [m]"))
@@ -84,19 +72,8 @@ def forecast_figure(record: RecordAnswer) -> Figure:
 
 
 def draw_pieces(axes: Axes, foretold: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
-    """Draw the pieces of a forecast, each a line of its own (ours).
-
-    Parameters
-    ----------
-    axes : Axes
-        Where.
-    foretold : Forecast
-        Whose.
-    across, up : array (n,)
-        What to draw, at its nodes.
-    label, color : str
-        Of all of them.
-    """
+    """Draw the pieces of a forecast, each a line of its own."""
+    # across, up (n,)
     begins = np.append(0, foretold.ends[:-1] + 1)
     for number, (begin, end) in enumerate(zip(begins, foretold.ends, strict=True)):
         piece = slice(begin, end + 1)

@@ -14,28 +14,13 @@ from narrows.report.learned_table import learned_rows, with_truth
 from narrows.report.log_fit_figures import forecast_figure, log_fit_figure
 from narrows.report.log_track_figure import log_track_figure
 
+# What forecasts miss: state, words, factor.
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
-"""What forecasts miss: state, words, factor."""
 BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
 
 
 def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
-    """Write one HTML file with what a log taught, each record beside its forecasts.
-
-    Parameters
-    ----------
-    fit : LogFit
-        The answer.
-    path : str or Path
-        Where to.
-    truth : mapping of str to float, optional
-        Coefficients of a twin, to show beside.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written.
-    """
+    """Write one HTML file with what a log taught, each record beside its forecasts."""
     caption = (
         "Left: coefficients after the log, in standard deviations before it, with 95 % intervals. Right: what "
         "forecasts over 3.5 ship lengths miss of each record, by the model before and by one that learned from all "

@@ -10,15 +10,7 @@ from narrows.report.learned_table import LEARNED_HEADS, learned_rows, with_truth
 
 
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
-    """Print what a log taught.
-
-    Parameters
-    ----------
-    fit : LogFit
-        The answer.
-    truth : mapping of str to float, optional
-        Coefficients of a twin, to print beside.
-    """
+    """Print what a log taught."""
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, 110)
     console.print(fit.summary())

@@ -8,22 +8,16 @@ from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.report.log_fit_figures import BY, draw_pieces
 from narrows.report.style import GREY, Margins, panels
 
+# Height of the picture [in].
 TALLEST, FLATTEST = 5.5, 1.6
-"""Height of the picture [in]."""
+# Along over across, up to which both are drawn to one scale.
 TRUE_SHAPE = 8.0
-"""Along over across, up to which both are drawn to one scale."""
+# Beside the track, of its extent: what is foretold further off is not shown.
 ROOM = 0.08
-"""Beside the track, of its extent: what is foretold further off is not shown."""
 
 
 def log_track_figure(record: RecordAnswer) -> Figure:
-    """Draw the measured track and those foretold every 3.5 ship lengths, from above, starboard down (ours).
-
-    Parameters
-    ----------
-    record : RecordAnswer
-        With its forecasts, x and y measured.
-    """
+    """Draw the measured track and those foretold every 3.5 ship lengths, from above, starboard down."""
     assert record.forecasts is not None
     t, y = record.measured["y"]
     x = np.interp(t, *record.measured["x"])

@@ -12,13 +12,7 @@ COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 
 
 def print_manoeuvres(trials: Trials) -> None:
-    """Print turning circles and overshoots.
-
-    Parameters
-    ----------
-    trials : Trials
-        What was sailed.
-    """
+    """Print turning circles and overshoots."""
     console, results = Console(highlight=False, markup=False), trials.to_dict()
     circles = Table(box=None, pad_edge=False)
     for head in ("rudder [deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach"):
@@ -38,13 +32,7 @@ def print_manoeuvres(trials: Trials) -> None:
 
 
 def manoeuvres_figure(trials: Trials) -> Figure:
-    """Draw the tracks of the circles, and the headings and rudders of the zigzags (ours).
-
-    Parameters
-    ----------
-    trials : Trials
-        What was sailed.
-    """
+    """Draw the tracks of the circles, and the headings and rudders of the zigzags."""
     figure, axes = panels(1, 2, 3.6)
     circles, zigzags = axes[0]
     length = trials.model.configuration.ship.length

@@ -8,18 +8,12 @@ from narrows.report.style import BLUE, FORCE_LABELS, ORANGE, notes_below, panels
 from narrows.ship.motion import Motion
 
 REACH, DRIFT, POINTS = 0.9, 20.0, 181
+# Froude number of the speed of the picture, where the data did not say one.
 SPEED_OF_LENGTH = 0.1
-"""Froude number of the speed of the picture, where the data did not say one."""
 
 
 def model_figure(model: Model) -> Figure:
-    """Draw sway force and yaw moment over the offset, the bank's part beside the whole; over drift without banks.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    """
+    """Draw sway force and yaw moment over the offset, the bank's part beside the whole; over drift without banks."""
     speed = _speed(model)
     figure, axes = panels(2, 1, 4.2, sharex=True)
     if model.feels_bank:

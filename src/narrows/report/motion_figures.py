@@ -6,18 +6,12 @@ from matplotlib.figure import Figure
 from narrows.captive.tests import CaptiveTests
 from narrows.report.style import BLUE, DASHES, FORCE_LABELS, GREY, ORANGE, Margins, panels
 
+# Up to so many tests are drawn against time, each with a line of its own; more are drawn row by row.
 FEW = 4
-"""Up to so many tests are drawn against time, each with a line of its own; more are drawn row by row."""
 
 
 def motions_figure(tests: CaptiveTests) -> Figure:
-    """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces).
-
-    Parameters
-    ----------
-    tests : CaptiveTests
-        What to draw.
-    """
+    """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces)."""
     figure, axes = panels(5, 1, 7.6, Margins(), sharex=True)
     shown = [("y", "offset y [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi)]
     shown += [(force, label, 1.0) for force, label in FORCE_LABELS.items()]
@@ -51,14 +45,6 @@ def _draw(panel, tests: CaptiveTests, name: str, scale: float) -> None:  # type:
 
 
 def boundaries(panel, tests: CaptiveTests) -> None:  # type: ignore[no-untyped-def]
-    """Draw where one test ends and the next begins (ours).
-
-    Parameters
-    ----------
-    panel : Axes
-        Where.
-    tests : CaptiveTests
-        Whose.
-    """
+    """Draw where one test ends and the next begins."""
     across = {"transform": panel.get_xaxis_transform(), "color": GREY, "linestyles": "--", "linewidth": 0.4}
     panel.vlines(tests.starts[1:-1], 0, 1, **across)

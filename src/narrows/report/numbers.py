@@ -4,15 +4,7 @@ import math
 
 
 def readable(value: float, std: float = math.nan) -> str:
-    """Write a number to the second digit of its standard error, or to four digits (ours).
-
-    Parameters
-    ----------
-    value : float
-        Any unit.
-    std : float
-        Its standard error, in the same unit.
-    """
+    """Write a number to the second digit of its standard error, or to four digits."""
     if not math.isfinite(value):
         return "-" if math.isnan(value) else ("inf" if value > 0 else "-inf")
     if not (math.isfinite(std) and std > 0):
@@ -22,13 +14,5 @@ def readable(value: float, std: float = math.nan) -> str:
 
 
 def interval(ends: tuple[float, float], std: float) -> str:
-    """Write an interval (ours).
-
-    Parameters
-    ----------
-    ends : pair of float
-        Low and high.
-    std : float
-        Standard error, in the same unit.
-    """
+    """Write an interval."""
     return f"{readable(ends[0], std)} to {readable(ends[1], std)}"

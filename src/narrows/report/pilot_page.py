@@ -17,28 +17,22 @@ from narrows.report.fit_page import figure as captioned
 from narrows.report.fit_page import render
 from narrows.report.style import BLACK, BLUE, FONT, GREY, ORANGE, Picture
 
+# A4, upright [in].
 PAGE = (8.27, 11.69)
-"""A4, upright [in]."""
 FORMS = (".html", ".pdf", ".svg", ".png")
 HEADS = (
     "leg", "offset from\nthe middle", "through\nthe water", "rudder\nto expect", "bow off course\nto expect",
     "offset [m]", "speed [kn]", "rudder [deg]\n+ starboard", "heading less\ncourse [deg]",
 )  # fmt: skip
 FIRST_BLANK, WIDTHS = 5, (0.055, 0.135, 0.085, 0.15, 0.155, 0.095, 0.095, 0.11, 0.12)
+# Yaw rate [deg/s] below which a leg is steady, and beams off its line beyond which it is broken off.
 MOST_TURNING, STRAYED = 0.02, 0.25
-"""Yaw rate [deg/s] below which a leg is steady, and beams off its line beyond which it is broken off (ours)."""
+# Characters in a line of the steps.
 WRAPPED, BOLD = 104, 88
-"""Characters in a line of the steps."""
 
 
 def pilot_page(plan: SteadyPlan) -> Figure:
-    """Draw a plan of steady legs as one side of paper (ours).
-
-    Parameters
-    ----------
-    plan : SteadyPlan
-        With a leg at least.
-    """
+    """Draw a plan of steady legs as one side of paper."""
     with rc_context(FONT):
         page = Picture(figsize=PAGE)
         _heading(page, plan)
@@ -50,20 +44,7 @@ def pilot_page(plan: SteadyPlan) -> Figure:
 
 
 def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
-    """Write the pilot's page in the form that the suffix says.
-
-    Parameters
-    ----------
-    plan : SteadyPlan
-        With a leg at least.
-    path : str or Path
-        Where to: ``.html``, ``.pdf``, ``.svg`` or ``.png``.
-
-    Raises
-    ------
-    InputError
-        Where there is no such form, or the file cannot be written.
-    """
+    """Write the pilot's page in the form that the suffix says."""
     if form_of(path, FORMS) != ".html":
         save_figure(pilot_page(plan), path)
         return
@@ -73,13 +54,7 @@ def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
 
 
 def steps(plan: SteadyPlan) -> list[str]:
-    """Say what to do, a step each (ours).
-
-    Parameters
-    ----------
-    plan : SteadyPlan
-        With a leg at least.
-    """
+    """Say what to do, a step each."""
     ship, minutes = plan.model.configuration.ship, np.ceil(plan.settling / 60)
     run = max(leg.speed for leg in plan.legs) * (plan.settling + plan.conditions.leg_time)
     return [

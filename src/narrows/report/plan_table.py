@@ -7,19 +7,13 @@ from rich.table import Table
 
 from narrows.experiment_design.plan import UNITS, Plan
 
+# Characters; a narrow terminal wraps lines rather than losing digits.
 COLUMN = 14
-"""Characters; a narrow terminal wraps lines rather than losing digits."""
 SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
 
 
 def print_plan(plan: Plan) -> None:
-    """Print a plan: a row a run, and the gain.
-
-    Parameters
-    ----------
-    plan : Plan
-        The plan.
-    """
+    """Print a plan: a row a run, and the gain."""
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
     console = Console(highlight=False, markup=False)

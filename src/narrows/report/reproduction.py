@@ -18,20 +18,7 @@ from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reprod
 
 
 def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
-    """Write the reproduction of the paper as one HTML file.
-
-    Parameters
-    ----------
-    reproduced : Reproduction
-        What was computed.
-    path : str or Path
-        Where to.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written.
-    """
+    """Write the reproduction of the paper as one HTML file."""
     page = render(
         "reproduction.html.j2", title="The paper, reproduced", figures=_figures(reproduced),
         coefficients=[_coefficient(reproduced.fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],

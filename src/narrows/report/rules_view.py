@@ -15,21 +15,14 @@ from narrows.safety.channel_rules import READ, REMEMBERED
 
 STYLES = ("-", "--", ":")
 LINE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
+# Of the picture [knots].
 TOP = 16.0
-"""Of the picture [knots]."""
 HEADS = ("rule", "at [kn]", "offsets it leaves [m]", "speed limit [kn]", "of choking", "rudder [deg]")
 
 
 def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
-    """Draw how far off the middle each rule of widths lets a ship go, by its speed; return the keys of the legend.
-
-    Parameters
-    ----------
-    axes : Axes
-        Offsets across [m], speeds up [knots], with their limits.
-    rules : OutsideRules
-        What to draw.
-    """
+    """Draw how far off the middle each rule of widths lets a ship go, by its speed; return the keys of the legend."""
+    # axes [m]
     low, high = axes.get_ylim()
     widths = [row for row in rules.rows() if row["width"] is not None]
     styles = dict(zip(dict.fromkeys(row["rule"] for row in widths), STYLES, strict=False))
@@ -47,15 +40,8 @@ def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
 
 
 def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
-    """Mark the most rudder that a rule lets be kept on.
-
-    Parameters
-    ----------
-    axes : Axes
-        Rudder angles up [deg].
-    rules : OutsideRules
-        What to draw.
-    """
+    """Mark the most rudder that a rule lets be kept on."""
+    # axes [deg]
     for row in rules.rows():
         for angle in () if row["rudder"] is None else (row["rudder"], -row["rudder"]):
             axes.axhline(angle, ls="--", **LINE)
@@ -64,26 +50,13 @@ def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
 
 
 def doubt(row: dict[str, Any]) -> str:
-    """Return what the legend adds to a rule whose numbers were not all read.
-
-    Parameters
-    ----------
-    row : dict
-        Of ``OutsideRules.rows``.
-    """
+    """Return what the legend adds to a rule whose numbers were not all read."""
     return {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
 
 
 def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
-    """Mark the speed limits of canals at the right edge.
-
-    Parameters
-    ----------
-    axes : Axes
-        Speeds up [knots], with their limits.
-    rules : OutsideRules
-        What to draw.
-    """
+    """Mark the speed limits of canals at the right edge."""
+    # axes [knots]
     low, high = axes.get_ylim()
     for row in rules.rows():
         if row["speed_limit"] is not None and low <= row["speed_limit"] <= high:
@@ -95,13 +68,7 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
 
 
 def rules_figure(rules: OutsideRules) -> Figure:
-    """Draw how far off the middle each rule lets a ship go at each speed, and the speed limits.
-
-    Parameters
-    ----------
-    rules : OutsideRules
-        What to draw.
-    """
+    """Draw how far off the middle each rule lets a ship go at each speed, and the speed limits."""
     figure, axes = panels(1, 1, 3.6)
     panel = axes[0, 0]
     panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)
@@ -117,13 +84,7 @@ def rules_figure(rules: OutsideRules) -> Figure:
 
 
 def rules_table(rules: OutsideRules) -> Table:
-    """Lay the rules out for the terminal.
-
-    Parameters
-    ----------
-    rules : OutsideRules
-        What to show.
-    """
+    """Lay the rules out for the terminal."""
     table = Table(box=None, pad_edge=False)
     for head in HEADS:
         table.add_column(head, justify="left" if head == "rule" else "right")
@@ -133,13 +94,7 @@ def rules_table(rules: OutsideRules) -> Table:
 
 
 def cells(row: dict[str, Any]) -> tuple[str, ...]:
-    """Return a row of the rules in words, in the order of ``HEADS``.
-
-    Parameters
-    ----------
-    row : dict
-        Of ``OutsideRules.rows``.
-    """
+    """Return a row of the rules in words, in the order of ``HEADS``."""
     speeds = left = ""
     if row["width"] is not None:
         speeds = f"{row['slowest']:g} " + (f"to {row['fastest']:g}" if row["fastest"] else "on")

@@ -7,13 +7,7 @@ from narrows.model.froude import Scaled
 
 
 def print_scaled(scaled: Scaled) -> None:
-    """Print a model at two scales and what does not go with it.
-
-    Parameters
-    ----------
-    scaled : Scaled
-        As it is now, and as it was.
-    """
+    """Print a model at two scales and what does not go with it."""
     console, shown = Console(highlight=False, markup=False), scaled.to_dict()
     table = Table(box=None, pad_edge=False)
     for header in ("", "was", "is", "unit", "bis [1]"):

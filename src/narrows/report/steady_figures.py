@@ -10,18 +10,12 @@ from narrows.logbook.learned_coefficient import WIDE
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
 from narrows.safety import SURE_SHARE
 
+# Of the curves, and how far beyond the farthest leg they go.
 OFFSETS, BESIDE = 21, 1.5
-"""Of the curves, and how far beyond the farthest leg they go."""
 
 
 def steady_figure(fit: SteadyFit) -> Figure:
-    """Draw the rudder that holds the ship by offset, before and after, with the legs; the bank's coefficients (ours).
-
-    Parameters
-    ----------
-    fit : SteadyFit
-        The answer.
-    """
+    """Draw the rudder that holds the ship by offset, before and after, with the legs; the bank's coefficients."""
     banks = [c for c in fit.coefficients.values() if c.from_bank and c.prior_std > 0]
     wide = {"gridspec_kw": {"width_ratios": (2.2, *(1.0 for _ in banks))}}
     figure, axes = panels(1, 1 + len(banks), 3.6, Margins(bottom=0.95, top=0.25, across=0.6), **wide)
@@ -61,13 +55,7 @@ def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
 
 
 def change_figure(change: EnvelopeChange) -> Figure:
-    """Draw what a record changes of the safe envelope: the rudder by offset, and the cases held (ours).
-
-    Parameters
-    ----------
-    change : EnvelopeChange
-        The answer.
-    """
+    """Draw what a record changes of the safe envelope: the rudder by offset, and the cases held."""
     frame, limit = change.to_dataframe(), np.degrees(change.before.data.attrs["rudder_limit"])
     figure, axes = panels(1, 2, 3.2, Margins(bottom=0.75, top=0.3, across=0.75))
     for when, colour in (("before", ORANGE), ("after", BLUE)):

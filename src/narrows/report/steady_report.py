@@ -13,22 +13,7 @@ from narrows.report.steady_table import CHANGE_HEADS, change_rows
 
 
 def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path) -> None:
-    """Write one HTML file with what steady legs taught and what that changes.
-
-    Parameters
-    ----------
-    fit : SteadyFit
-        The answer.
-    change : EnvelopeChange
-        What it changes of the safe envelope.
-    path : str or Path
-        Where to.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written.
-    """
+    """Write one HTML file with what steady legs taught and what that changes."""
     caption = (
         "Rudder that holds the ship by offset, before the legs and after; the bank's coefficients with 95 % intervals."
     )

@@ -10,15 +10,7 @@ from narrows.report.learned_table import LEARNED_HEADS, learned_rows
 
 
 def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> None:
-    """Print what steady legs taught.
-
-    Parameters
-    ----------
-    fit : SteadyFit
-        The answer.
-    change : EnvelopeChange, optional
-        What it changes of the safe envelope.
-    """
+    """Print what steady legs taught."""
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, 110)
     console.print(fit.summary())
@@ -35,15 +27,7 @@ def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> No
 
 
 def print_change(change: EnvelopeChange, console: Console | None = None) -> None:
-    """Print what a record changes of the safe envelope.
-
-    Parameters
-    ----------
-    change : EnvelopeChange
-        The answer.
-    console : Console, optional
-        Standard output unless given.
-    """
+    """Print what a record changes of the safe envelope."""
     console = console or Console(highlight=False, markup=False)
     speed = change.rows()[0]["speed"]
     title = (
@@ -64,13 +48,7 @@ CHANGE_HEADS = (
 
 
 def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
-    """Return what a table says of the envelope at each offset, by the model whether it was tested there or not (ours).
-
-    Parameters
-    ----------
-    change : EnvelopeChange
-        The answer.
-    """
+    """Return what a table says of the envelope at each offset, by the model whether it was tested there or not."""
     return [
         (f"{row['offset']:+.3g}", _band(row, "before"), _band(row, "after"), f"{100 * row['held_before']:.0f} %",
          f"{100 * row['held_after']:.0f} %", _knots(row["highest_speed_before"]), _knots(row["highest_speed_after"]))
@@ -79,13 +57,7 @@ def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
 
 
 def print_steady_plan(plan: SteadyPlan) -> None:
-    """Print a plan of steady legs.
-
-    Parameters
-    ----------
-    plan : SteadyPlan
-        The plan.
-    """
+    """Print a plan of steady legs."""
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, 110)
     console.print(plan.summary())

@@ -14,19 +14,19 @@ from matplotlib.figure import Figure
 
 from narrows.errors import InputError
 
+# Okabe and Ito's.
 BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
-"""Okabe and Ito's."""
 DASHES = ("-", "--", ":", "-.")
 HATCHES = ("", "///", "...")
 FORCE_LABELS = {"X": "surge force X [N]", "Y": "sway force Y [N]", "N": "yaw moment N [N m]"}
 FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsize": 8.0, "axes.spines.top": False,
         "axes.spines.right": False, "svg.fonttype": "path", "svg.hashsalt": "narrows"}  # fmt: skip
+# In a line of small print across a picture.
 CHARACTERS = 125
-"""In a line of small print across a picture."""
+# Of a title.
 LETTERS_AN_INCH = 14.2
-"""Of a title."""
+# Of a page's picture [in].
 WIDTH = 7.2
-"""Of a page's picture [in]."""
 
 
 class Picture(Figure):
@@ -39,22 +39,14 @@ class Picture(Figure):
 
 
 class Margins(NamedTuple):
-    """Room around panels and between them.
+    """Room around panels and between them."""
 
-    Parameters
-    ----------
-    left, right, bottom, top : float [in]
-        Around all of them.
-    across, down : float [in]
-        Between neighbours.
-    """
-
-    left: float = 0.75
-    right: float = 0.15
-    bottom: float = 0.5
-    top: float = 0.2
-    across: float = 0.5
-    down: float = 0.15
+    left: float = 0.75  # Around all of them [in]
+    right: float = 0.15  # Around all of them [in]
+    bottom: float = 0.5  # Around all of them [in]
+    top: float = 0.2  # Around all of them [in]
+    across: float = 0.5  # Between neighbours [in]
+    down: float = 0.15  # Between neighbours [in]
 
 
 _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
@@ -62,13 +54,7 @@ _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
 
 @contextmanager
 def drawing_on(axes: Axes | None) -> Iterator[None]:
-    """Draw pictures of one panel on axes of the caller's (ours).
-
-    Parameters
-    ----------
-    axes : Axes, optional
-        Which; a figure of its own for each picture unless given.
-    """
+    """Draw pictures of one panel on axes of the caller's."""
     token = _GIVEN.set(axes)
     try:
         yield
@@ -77,21 +63,13 @@ def drawing_on(axes: Axes | None) -> Iterator[None]:
 
 
 def given_axes() -> tuple[Figure, Axes] | None:
-    """Return the axes to draw on and their figure, where a caller gave some (ours)."""
+    """Return the axes to draw on and their figure, where a caller gave some."""
     axes = _GIVEN.get()
     return None if axes is None else (cast(Figure, axes.figure), axes)
 
 
 def titled(axes: Axes, sentences: Iterable[str]) -> None:
-    """Write what belongs to a picture over axes of a caller's (ours).
-
-    Parameters
-    ----------
-    axes : Axes
-        Which.
-    sentences : iterable of str
-        Each is wrapped.
-    """
+    """Write what belongs to a picture over axes of a caller's."""
     letters = int(LETTERS_AN_INCH * axes.bbox.width / axes.figure.dpi)
     axes.set_title(
         "\n".join(line for sentence in sentences for line in wrap(sentence, letters)), fontsize=8, loc="left"
@@ -101,24 +79,8 @@ def titled(axes: Axes, sentences: Iterable[str]) -> None:
 def panels(
     rows: int, columns: int, height: float, margins: Margins | None = None, **options: Any
 ) -> tuple[Figure, Any]:
-    """Make a figure of the page's width and its axes, (rows, columns) (ours).
-
-    Parameters
-    ----------
-    rows, columns : int
-        Of panels.
-    height : float [in]
-        Of the figure.
-    margins : Margins, optional
-        Room for labels; measured by drawing everything once more unless given, which takes as long as drawing.
-    **options : Any
-        As for Matplotlib's ``subplots``.
-
-    Raises
-    ------
-    InputError
-        Where axes are given to draw on, and there is more than one panel.
-    """
+    """Make a figure of the page's width and its axes, (rows, columns)."""
+    # height [in]
     if given := given_axes():
         if rows * columns > 1:
             raise InputError(f"this picture has {rows * columns} panels, which one ax cannot hold; leave ax out")
@@ -138,17 +100,7 @@ def panels(
 
 
 def headed(figure: Figure, title: str, lines: Iterable[str] = ()) -> None:
-    """Write a title in bold letters at the upper left of a picture, and what belongs to it below (ours).
-
-    Parameters
-    ----------
-    figure : Figure
-        The picture, with a constrained layout.
-    title : str
-        What it is of.
-    lines : iterable of str
-        Sentences, each of which is wrapped.
-    """
+    """Write a title in bold letters at the upper left of a picture, and what belongs to it below."""
     look: dict[str, Any] = {"x": 0.01, "ha": "left", "va": "top", "fontsize": 9.0, "linespacing": 1.25}
     letters = int(LETTERS_AN_INCH * figure.get_figwidth())
     bold = wrap(title, int(0.88 * letters))
@@ -160,28 +112,14 @@ def headed(figure: Figure, title: str, lines: Iterable[str] = ()) -> None:
 
 
 def notes_below(figure: Figure, notes: Iterable[str]) -> None:
-    """Write what is to be known of what a picture shows below it, in small print (ours).
-
-    Parameters
-    ----------
-    figure : Figure
-        The picture.
-    notes : iterable of str
-        Of what it shows.
-    """
+    """Write what is to be known of what a picture shows below it, in small print."""
     lines = [line for note in notes for line in wrap(note, CHARACTERS)]
     if lines:
         figure.supxlabel("\n".join(lines), fontsize=7, x=0.01, ha="left")
 
 
 def svg(figure: Figure) -> str:
-    """Return a figure as SVG to set into a page (ours).
-
-    Parameters
-    ----------
-    figure : Figure
-        The picture.
-    """
+    """Return a figure as SVG to set into a page."""
     from io import StringIO
 
     memory = StringIO()

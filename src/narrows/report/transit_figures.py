@@ -13,21 +13,15 @@ from narrows.ship.swept_width import half_swept
 from narrows.warning.alerts.alert import Priority
 from narrows.warning.monitoring.watched_transit import NEAR, WatchedTransit
 
+# Behind the curves, where an alert of that kind held.
 SHADES = {
     Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
 }  # fmt: skip
-"""Behind the curves, where an alert of that kind held."""
 BANK_POINTS = 400
 
 
 def transit_figure(transit: WatchedTransit) -> Figure:
-    """Draw clearance, chances, times and rudder over time, shaded where it was alerted (ours).
-
-    Parameters
-    ----------
-    transit : WatchedTransit
-        What to draw.
-    """
+    """Draw clearance, chances, times and rudder over time, shaded where it was alerted."""
     figure, axes = panels(4, 1, 6.6, Margins(bottom=0.85, top=0.2, down=0.18), sharex=True)
     told, t = transit.columns, transit.columns["t"]
     curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
@@ -56,13 +50,7 @@ def transit_figure(transit: WatchedTransit) -> Figure:
 
 
 def transit_track_figure(transit: WatchedTransit) -> Figure:
-    """Draw from above where the hull went between the banks, along the waterway, starboard down (ours).
-
-    Parameters
-    ----------
-    transit : WatchedTransit
-        What to draw: at least a second of which it is known where the ship was.
-    """
+    """Draw from above where the hull went between the banks, along the waterway, starboard down."""
     figure, axes = panels(1, 1, 2.6, Margins(bottom=0.9, top=0.3))
     panel: Axes = axes[0, 0]
     told, ship = transit.columns, transit.ship

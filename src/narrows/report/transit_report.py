@@ -19,20 +19,7 @@ HISTORY = (
 
 
 def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
-    """Write one HTML file with a transit, its alerts, near misses and the rudder that it had left.
-
-    Parameters
-    ----------
-    transit : WatchedTransit
-        What was said of it.
-    path : str or Path
-        Where to.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written.
-    """
+    """Write one HTML file with a transit, its alerts, near misses and the rudder that it had left."""
     margin = transit.to_dict()["least_rudder_margin"]
     page = render(
         "transit.html.j2",

@@ -16,13 +16,7 @@ MOST_TESTS = 60
 
 
 def profiles_figure(fit: Fit) -> Figure | None:
-    """Draw the profile likelihood of each coefficient; None where none is identifiable.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    """
+    """Draw the profile likelihood of each coefficient; None where none is identifiable."""
     profiles = [profiles for name in fit.terms.names if (profiles := fit.profile(name))]
     if not profiles:
         return None
@@ -48,13 +42,7 @@ def profiles_figure(fit: Fit) -> Figure | None:
 
 
 def influence_figure(fit: Fit) -> Figure:
-    """Draw what share of what is known of each coefficient goes with each test.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
-    """
+    """Draw what share of what is known of each coefficient goes with each test."""
     told = fit.influence
     shown = np.argsort(-told.information.max(axis=1))[:MOST_TESTS]
     shown = np.sort(shown)
@@ -70,15 +58,7 @@ def influence_figure(fit: Fit) -> Figure:
 
 
 def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) -> Figure:  # type: ignore[type-arg]
-    """Draw the error of each table of terms on what was left out, and of the fit.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Of ``Comparison.rows``.
-    forces : tuple of str
-        Which to draw.
-    """
+    """Draw the error of each table of terms on what was left out, and of the fit."""
     names = list(dict.fromkeys(row["table"] for row in rows))
     figure, axes = panels(1, len(forces), 0.9 + 0.22 * len(names), sharey=True)
     for panel, force in zip(axes[0], forces, strict=True):
@@ -107,13 +87,7 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
 
 
 def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
-    """Draw the error of each form of the bank term on what was left out, over that of the best, for sets of tests.
-
-    Parameters
-    ----------
-    comparisons : mapping of str to Comparison
-        Forms fitted to each set of tests, in one order.
-    """
+    """Draw the error of each form of the bank term on what was left out, over that of the best, for sets of tests."""
     names = [name.removeprefix("bank only: ") for name in next(iter(comparisons.values())).fits]
     figure, axes = panels(2, 1, 5.6, sharex=True)
     for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):

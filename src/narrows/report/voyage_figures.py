@@ -17,28 +17,22 @@ from narrows.simulation.voyage import Voyage
 from narrows.waterway.waterway import Waterway
 
 GREY = "#5A5A5A"
+# Width of a track, height of a panel below it [in].
 TRACK, HISTORY = 5.6, 0.9
-"""Width of a track, height of a panel below it [in]."""
 DEGREES = 180 / math.pi
+# What is drawn of a voyage over time: unit, factor, and words by name.
 HISTORIES = (
     ("deg", DEGREES, {"psi": "heading", "rudder": "rudder"}), ("deg/s", DEGREES, {"r": "yaw rate"}),
     ("m/s", 1.0, {"u": "surge", "v": "sway"}),
 )  # fmt: skip
-"""What is drawn of a voyage over time: unit, factor, and words by name."""
 BANK_POINTS = 400
 SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oranges_r")}
+# A hull of which only midship meets a bank: over length and beam.
 BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
-"""A hull of which only midship meets a bank: over length and beam."""
 
 
 def voyage_figure(voyage: Voyage) -> Figure:
-    """Draw one voyage: its path with the hull at intervals, heading and velocities below; on axes given, its path.
-
-    Parameters
-    ----------
-    voyage : Voyage
-        What to draw.
-    """
+    """Draw one voyage: its path with the hull at intervals, heading and velocities below; on axes given, its path."""
     if given := given_axes():
         figure, axes = given
         _draw_path(axes, voyage)
@@ -87,13 +81,7 @@ def _draw_histories(panels: Sequence[Axes], voyage: Voyage) -> None:
 
 
 def described(voyage: Voyage) -> tuple[str, list[str]]:
-    """Name the ship at its size and its canal; then its speed at the start, its rudder and how it ended (ours).
-
-    Parameters
-    ----------
-    voyage : Voyage
-        Whose.
-    """
+    """Name the ship at its size and its canal; then its speed at the start, its rudder and how it ended."""
     rudder = float(np.degrees(voyage.rudder[0])) if len(voyage.rudder) else 0.0
     helm = f", rudder {rudder:.3g} deg" if rudder and not np.ptp(voyage.rudder) else ""
     where = voyage.waterway.name if voyage.waterway else voyage.configuration.canal.in_words
@@ -103,17 +91,7 @@ def described(voyage: Voyage) -> tuple[str, list[str]]:
 
 
 def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
-    """Draw a voyage and the banks beside it on the map, north up (ours).
-
-    Parameters
-    ----------
-    axes : Axes
-        Where.
-    voyage : Voyage
-        What to draw.
-    waterway : Waterway
-        Where it was.
-    """
+    """Draw a voyage and the banks beside it on the map, north up."""
     length, colour = voyage.configuration.ship.length, _colour(voyage)
     near, far = (float(end) for end in (voyage.x.min() - 2 * length, voyage.x.max() + 2 * length))
     s = np.linspace(max(near, 0.0), min(far, waterway.line.length), BANK_POINTS)
@@ -132,32 +110,14 @@ def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
 
 
 def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Figure:
-    """Draw several voyages in one canal (the paper's fig. sim).
-
-    Parameters
-    ----------
-    voyages : sequence of Voyage
-        What to draw.
-    configuration : Configuration
-        Ship and canal.
-    """
+    """Draw several voyages in one canal (the paper's fig. sim)."""
     figure = Picture(figsize=(7.0, 3.6), layout="constrained")
     paths_on(figure.subplots(), voyages, configuration)
     return figure
 
 
 def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration) -> None:
-    """Draw paths and banks, bow to the right, starboard down (ours).
-
-    Parameters
-    ----------
-    axes : Axes
-        Where.
-    voyages : sequence of Voyage
-        What to draw.
-    configuration : Configuration
-        Ship and canal.
-    """
+    """Draw paths and banks, bow to the right, starboard down."""
     far = max(float(v.x.max()) for v in voyages) + configuration.ship.length
     near = min(float(v.x.min()) for v in voyages) - configuration.ship.length
     half = _banks_on(axes, near, far, configuration)
@@ -188,19 +148,7 @@ def _colour(voyage: Voyage) -> str:
 
 
 def hull(voyage: Voyage, i: int, colour: str, alpha: float = 0.7) -> Polygon:
-    """Outline the ship at one row of a voyage, by the points that meet a bank (ours).
-
-    Parameters
-    ----------
-    voyage : Voyage
-        Which.
-    i : int
-        Row.
-    colour : str
-        Of the fill.
-    alpha : float [1]
-        Of the fill.
-    """
+    """Outline the ship at one row of a voyage, by the points that meet a bank."""
     c, s = math.cos(voyage.psi[i]), math.sin(voyage.psi[i])
     return _drawn(_shape(voyage) @ np.array([[c, s], [-s, c]]) + [voyage.x[i], voyage.y[i]], colour, alpha)
 
@@ -218,17 +166,8 @@ def _drawn(corners: np.ndarray, colour: str, alpha: float) -> Polygon:
 def distances_figure(
     distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], configuration: Configuration
 ) -> Figure:
-    """Draw the distance to grounding against the clearance at the start, a line a reading (fig. ground_dist).
-
-    Parameters
-    ----------
-    distances : mapping of str to DataArray [m]
-        Over ``y``.
-    sides : mapping of str to DataArray
-        Where each grounds; thick where to starboard.
-    configuration : Configuration
-        Ship and canal.
-    """
+    """Draw the distance to grounding against the clearance at the start, a line a reading (fig. ground_dist)."""
+    # distances [m]
     figure = Picture(figsize=(7.2, 3.8), layout="constrained")
     axes = figure.subplots()
     edge = (configuration.canal.width - configuration.ship.beam) / 2

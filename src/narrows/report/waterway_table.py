@@ -11,25 +11,13 @@ from narrows.errors import InputError
 from narrows.waterway import Waterway
 
 STATIONS, SHOWN = 2001, 11
+# Curvature [1/m] of no bend.
 STRAIGHT = 1e-9
-"""Curvature [1/m] of no bend."""
 
 
 def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
-    """Return what a waterway is like as plain values: metres, degrees (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway
-        The waterway.
-    draft : float [m]
-        Of a ship; the width is where its keel has room.
-
-    Raises
-    ------
-    InputError
-        Where there is no room for it, with the place.
-    """
+    """Return what a waterway is like as plain values: metres, degrees."""
+    # draft [m]
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.room(s, draft)
     shut = ~(here.width > 0) | (here.depth <= draft)
@@ -66,15 +54,8 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
 
 
 def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
-    """Print a waterway: a row a station, and its worst places.
-
-    Parameters
-    ----------
-    waterway : Waterway
-        The waterway.
-    draft : float [m]
-        Of a ship; the width is where its keel has room.
-    """
+    """Print a waterway: a row a station, and its worst places."""
+    # draft [m]
     console, summary = Console(highlight=False, markup=False), waterway_summary(waterway, draft)
     table = Table(box=None, pad_edge=False)
     for head in ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]"):

@@ -30,7 +30,7 @@ class Described:
 
 
 def shortened(text: str, most: int = 120) -> str:
-    """Return the first line of a text, cut where it is long (ours).
+    """Return the first line of a text, cut where it is long.
 
     Parameters
     ----------

@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any
 
 CALL = "()"
+# Names of ours by what is called the same elsewhere; brackets after whatever is called.
 SAME = {
     "coefficients": ("params", "coef_", "coef", "popt"),
     "std": ("bse", "stderr", "standard_errors", "std_errors"),
@@ -21,7 +22,7 @@ SAME = {
     "t": ("time", "times"),
     "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
 }  # fmt: skip
-"""Names of ours by what is called the same elsewhere; brackets after whatever is called."""
+# What does not mean the same, and what is written here instead.
 ANOTHER = {
     **dict.fromkeys(("success", "status", "message"), ("outcome",)),
     **dict.fromkeys(("show", "figure"), ("plot()",)),
@@ -31,24 +32,10 @@ ANOTHER = {
     **dict.fromkeys(("data", "values_"), ("to_dataframe()",)),
     "tests": ("test(name)",), "speed": ("u",),
 }  # fmt: skip
-"""What does not mean the same, and what is written here instead."""
 
 
 def answer(thing: Any, name: str) -> Any:
-    """Return what a thing has under another name, by what that is called elsewhere (ours).
-
-    Parameters
-    ----------
-    thing : Any
-        What was asked.
-    name : str
-        That it does not have.
-
-    Raises
-    ------
-    AttributeError
-        Where it has nothing that means the same; with what to write instead, where there is that.
-    """
+    """Return what a thing has under another name, by what that is called elsewhere."""
     known = {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
     for ours, theirs in SAME.items():
         attribute = ours.removesuffix(CALL)

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
+# Makes what goes into a file, or writes a folder itself.
 Form = Callable[[], str | bytes | None]
-"""Makes what goes into a file, or writes a folder itself."""
+# Gives what is said of a table, by name.
 Words = Callable[[], dict[str, str]]
-"""Gives what is said of a table, by name."""
+# Suffixes by what libraries call the form, as in ``to_netcdf``.
 FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
-"""Suffixes by what libraries call the form, as in ``to_netcdf``."""
 
 
 def save_dataset(dataset: "xarray.Dataset", path: str | Path) -> None:
@@ -48,30 +48,14 @@ def save_dataset(dataset: "xarray.Dataset", path: str | Path) -> None:
 
 
 def write(forms: Mapping[str, Form], path: str | Path) -> None:
-    """Write what the suffix of a path says (ours).
-
-    Parameters
-    ----------
-    forms : mapping of str to callable
-        What makes each content, by suffix; the first is what a device without a suffix gets.
-    path : str or Path
-        Where to.
-    """
+    """Write what the suffix of a path says."""
     content = forms[form_of(path, tuple(forms))]()
     if content is not None:
         write_whole(path, content)
 
 
 def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
-    """Return what a result can be written as, by suffix; the first is what a device gets (ours).
-
-    Parameters
-    ----------
-    result : Result
-        Of any kind.
-    path : str or Path
-        Where to, for what is written as a folder.
-    """
+    """Return what a result can be written as, by suffix; the first is what a device gets."""
     forms: dict[str, Form] = {}
     if hasattr(result, "dataset"):
         forms |= _dataset_forms(result.dataset(), path)
@@ -140,13 +124,5 @@ def _column(array: "xarray.DataArray") -> dict[str, Any]:
 
 
 def csv_of(frame: Any, **options: Any) -> str:
-    """Return a table as text; rows that have no names are not numbered (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The table.
-    **options : Any
-        As of its ``to_csv``.
-    """
+    """Return a table as text; rows that have no names are not numbered."""
     return str(frame.to_csv(**{"index": frame.index.names != [None], **options}))

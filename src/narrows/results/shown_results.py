@@ -140,13 +140,7 @@ class Shown(Described):
 
 
 def table_has(name: str) -> bool:
-    """Return whether data frames do what is called so (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of a method or a property.
-    """
+    """Return whether data frames do what is called so."""
     import pandas as pd
 
     return hasattr(pd.DataFrame, name)

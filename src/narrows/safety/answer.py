@@ -17,10 +17,10 @@ from narrows.safety.outside_rules import OutsideRules, rules_of
 if TYPE_CHECKING:
     import pandas as pd
 
+# Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a place is called safe.
 MEDIAN, SURE_SHARE = 0.5, 0.95
-"""Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a place is called safe."""
+# Rudder angles [rad] that are one, and the least that says something.
 SAME, TURNED = 1e-6, 1e-4
-"""Rudder angles [rad] that are one, and the least that says something."""
 
 
 @dataclass(frozen=True, repr=False)

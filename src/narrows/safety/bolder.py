@@ -18,17 +18,7 @@ WHY_FASTER = "those limits guard banks and traffic too, which is not asked here"
 
 
 def bolder_than(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
-    """Say where the model has a ship safe beyond what a rule allows, and why, a sentence each (ours).
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a ``SafeEnvelope``.
-    rules : OutsideRules
-        For the same ship and section.
-    share : float [1]
-        Of the samples that must be held.
-    """
+    """Say where the model has a ship safe beyond what a rule allows, and why, a sentence each."""
     data = data.transpose("y", "u", ...)
     safe = ((data["held"] >= share) & data["clear"]).to_numpy()
     if not safe.any():

@@ -17,24 +17,12 @@ from narrows.safety.underkeel import Keel, keel_at
 
 @dataclass(frozen=True)
 class Bounds:
-    """Where keel, canal, engine and tests leave a ship.
+    """Where keel, canal, engine and tests leave a ship."""
 
-    Parameters
-    ----------
-    under : Keel
-        Water under the keel at each speed.
-    driven : array (speeds,) of bool
-        Whether the engine turns the propeller as fast as the speed asks.
-    clear : array (speeds,) of bool
-        The same, and whether the keel is clear and the canal not choked.
-    tested : array (offsets, speeds) of bool
-        Whether the tests covered it.
-    """
-
-    under: Keel
-    driven: np.ndarray
-    clear: np.ndarray
-    tested: np.ndarray
+    under: Keel  # Water under the keel at each speed
+    driven: np.ndarray  # (speeds,) Whether the engine turns the propeller as fast as the speed asks
+    clear: np.ndarray  # (speeds,) The same, and whether the keel is clear and the canal not choked
+    tested: np.ndarray  # (offsets, speeds) Whether the tests covered it
 
     def columns(self) -> dict[str, tuple[object, ...]]:
         """Return them as variables of the answer, with their dimensions."""
@@ -47,18 +35,7 @@ class Bounds:
 
 
 def bounds_of(question: EnvelopeQuestion) -> Bounds:
-    """Return what bounds the answer to a question before any trial (ours).
-
-    Parameters
-    ----------
-    question : EnvelopeQuestion
-        What is asked.
-
-    Raises
-    ------
-    InputError
-        Where an engine is asked of a model without a propeller.
-    """
+    """Return what bounds the answer to a question before any trial."""
     model, speeds = question.model, question.speeds
     under, driven = keel_at(model, speeds), _driven(model, speeds, question.most_revolutions)
     floating = (under.clearance >= question.clearance) | (model.configuration.canal.depth is None)
@@ -79,15 +56,7 @@ def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
 
 
 def rudder_of_a_kick(question: EnvelopeQuestion, under: Keel) -> xr.DataArray:
-    """Return the steady rudder with the engine at its most, over offsets and speeds [rad].
-
-    Parameters
-    ----------
-    question : EnvelopeQuestion
-        With the engine's most revolutions.
-    under : Keel
-        Water under the keel at each speed.
-    """
+    """Return the steady rudder with the engine at its most, over offsets and speeds [rad]."""
     course = steady_course(
         question.model, y=question.offsets, u=question.speeds, heave=xr.DataArray(under.midship, dims="u"),
         revolutions=question.most_revolutions,

@@ -7,6 +7,7 @@ import xarray as xr
 CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
 NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "what throws it off"
 KNOWLEDGE, PILOT, TESTS, RANGE = "what the tests know", "the pilot", "the tests end", "faster was not asked"
+# The same in a sentence.
 AT_LENGTH = {
     CHOKED: "the choking of the canal",
     AGROUND: "the water under the keel",
@@ -19,21 +20,11 @@ AT_LENGTH = {
     TESTS: "the end of the tests",
     RANGE: "what was asked",
 }
-"""The same in a sentence."""
 
 
 def cause(here: xr.Dataset, share: float, limit: float) -> str:
-    """Say what keeps a ship from being safe at an offset and a speed (ours).
-
-    Parameters
-    ----------
-    here : xarray.Dataset
-        Of a ``SafeEnvelope``, at one offset and speed.
-    share : float [1]
-        Of the samples that must be held.
-    limit : float [rad]
-        The most rudder of a steady course.
-    """
+    """Say what keeps a ship from being safe at an offset and a speed."""
+    # limit [rad]
     if not bool(here["clear"]):
         return _blocked(here)
     if float(here["held"]) >= share:

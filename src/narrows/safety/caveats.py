@@ -9,8 +9,8 @@ from narrows.safety.question import EnvelopeQuestion
 from narrows.safety.tested import beyond_tests, tested_ranges, untested_section
 from narrows.safety.underkeel import Keel
 
+# Below this [m] a hull is taken for a model's.
 SHIP_LENGTH = 30.0
-"""Below this [m] a hull is taken for a model's."""
 SQUARED = (
     "every force of these terms goes with the square of the speed, so the rudder that holds the ship is the same at "
     "any: what makes a fast ship harder to hold, beside squat and choking, is not in them"
@@ -18,19 +18,7 @@ SQUARED = (
 
 
 def with_caveats(found: SafeEnvelope, question: EnvelopeQuestion, under: Keel, samples: int) -> SafeEnvelope:
-    """Return an answer with all that it rests on as its attributes.
-
-    Parameters
-    ----------
-    found : SafeEnvelope
-        Without attributes.
-    question : EnvelopeQuestion
-        What was asked.
-    under : Keel
-        Water under the keel at each speed.
-    samples : int
-        How many were tried.
-    """
+    """Return an answer with all that it rests on as its attributes."""
     model, configuration = question.model, question.model.configuration
     rules = outside_rules(configuration, question.bank, question.walls)
     notes = (
@@ -59,15 +47,7 @@ def with_caveats(found: SafeEnvelope, question: EnvelopeQuestion, under: Keel, s
 
 
 def envelope_notes(question: EnvelopeQuestion, under: Keel) -> tuple[str, ...]:
-    """Say what the answer to a question rests on, and what it leaves out, a sentence each.
-
-    Parameters
-    ----------
-    question : EnvelopeQuestion
-        What is asked.
-    under : Keel
-        Water under the keel at each speed.
-    """
+    """Say what the answer to a question rests on, and what it leaves out, a sentence each."""
     model, configuration = question.model, question.model.configuration
     notes = [*model.bank_notes, *beyond_tests(model, question.offsets, question.speeds), *under.notes]
     if model.covariance is None:

@@ -6,183 +6,95 @@ from dataclasses import dataclass, field
 
 from narrows.quantities.constants import KNOT
 
+# Kinds of bank that rules tell apart; a wall is steep.
 BANKS = ("gentle", "sloping", "steep")
-"""Kinds of bank that rules tell apart; a wall is steep."""
+# How sure the numbers of a rule are.
 READ, REMEMBERED = "read by us", "from memory, not read by us"
-"""How sure the numbers of a rule are."""
+# Kilometres an hour in one metre a second, and metres in one foot.
 HOUR, FOOT = 3.6, 0.3048
-"""Kilometres an hour in one metre a second, and metres in one foot."""
 
 
 @dataclass(frozen=True)
 class Passage:
-    """A ship in a section of water, as rules ask for it.
+    """A ship in a section of water, as rules ask for it."""
 
-    Parameters
-    ----------
-    length, beam, draft : float [m]
-        Of the ship.
-    width : float [m]
-        From bank to bank, where the keel meets them.
-    depth : float [m], optional
-        Of the water; None where it is not known.
-    bank : str
-        Gentle, sloping or steep.
-    """
-
-    length: float
-    beam: float
-    draft: float
-    width: float
-    depth: float | None
-    bank: str
+    length: float  # Of the ship [m]
+    beam: float  # Of the ship [m]
+    draft: float  # Of the ship [m]
+    width: float  # From bank to bank, where the keel meets them [m]
+    depth: float | None  # Of the water; None where it is not known [m]
+    bank: str  # Gentle, sloping or steep
 
 
 @dataclass(frozen=True)
 class Lane:
-    """What a rule for the width of a channel asks for, in beams, over a range of speeds.
+    """What a rule for the width of a channel asks for, in beams, over a range of speeds."""
 
-    Parameters
-    ----------
-    slowest, fastest : float [knots]
-        Between which it holds.
-    lane : float [1]
-        Width of the lane that the ship keeps to.
-    clearance : mapping of str to float [1]
-        From the lane to either bank, by its kind.
-    """
-
-    slowest: float
-    fastest: float
-    lane: float
-    clearance: Mapping[str, float]
+    slowest: float  # Between which it holds [knots]
+    fastest: float  # Between which it holds [knots]
+    lane: float  # Width of the lane that the ship keeps to [1]
+    clearance: Mapping[str, float]  # From the lane to either bank, by its kind [1]
 
 
 def nothing(passage: Passage) -> float:
-    """Return no addition to a lane [1].
-
-    Parameters
-    ----------
-    passage : Passage
-        Ship and section.
-    """
+    """Return no addition to a lane [1]."""
     return 0.0
 
 
 def shallow_lane(passage: Passage) -> float:
-    """Return what shallow water adds to a lane [1]: 0.2 B below h/T = 1.5, 0.4 B below 1.15.
-
-    Parameters
-    ----------
-    passage : Passage
-        Ship and section; nothing where the depth is not known.
-    """
+    """Return what shallow water adds to a lane [1]: 0.2 B below h/T = 1.5, 0.4 B below 1.15."""
     ratio = math.inf if passage.depth is None else round(passage.depth / passage.draft, 2)
     return 0.4 if ratio < 1.15 else 0.2 if ratio < 1.5 else 0.0
 
 
 @dataclass(frozen=True)
 class ChannelRule:
-    """A rule from outside.
+    """A rule from outside."""
 
-    Parameters
-    ----------
-    name : str
-        As the table and the chart call it.
-    asks : str
-        What it looks at.
-    says : str
-        What it says, in words.
-    source : str
-        Where it is from.
-    standing : str
-        Whether its numbers were read by us, and which were not.
-    lanes : tuple of Lane
-        Widths that it asks for, where it is a rule of widths: of the lane, and of the water to either bank.
-    deepens : callable
-        Beams to add to a lane, by the passage.
-    speed : callable, optional
-        The highest speed [m/s] by the passage, where it is a rule of speeds; NaN where it speaks of other ships.
-    rudder_deg : float [deg], optional
-        The most rudder to be kept on, where it is a rule of rudders.
-    """
-
-    name: str
-    asks: str
-    says: str
-    source: str
-    standing: str = READ
+    name: str  # As the table and the chart call it
+    asks: str  # What it looks at
+    says: str  # What it says, in words
+    source: str  # Where it is from
+    standing: str = READ  # Whether its numbers were read by us, and which were not
+    # Widths that it asks for, where it is a rule of widths: of the lane, and of the water to either bank
     lanes: tuple[Lane, ...] = ()
-    deepens: Callable[[Passage], float] = nothing
+    deepens: Callable[[Passage], float] = nothing  # Beams to add to a lane, by the passage
+    # The highest speed [m/s] by the passage, where it is a rule of speeds; NaN where it speaks of other ships
     speed: Callable[[Passage], float] | None = None
-    rudder_deg: float | None = field(default=None)
+    rudder_deg: float | None = field(default=None)  # The most rudder to be kept on, where it is a rule of rudders [deg]
 
 
 def asked_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
-    """Return the width of water that a rule asks for [m]: lane and both clearances.
-
-    Parameters
-    ----------
-    rule : ChannelRule
-        Of widths.
-    lane : Lane
-        One of its ranges of speeds.
-    passage : Passage
-        Ship and section.
-    """
+    """Return the width of water that a rule asks for [m]: lane and both clearances."""
     return passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
 
 
 def suez_full(passage: Passage) -> float:
-    """Return the speed [m/s] of loaded tankers and bulk carriers in the Suez Canal; NaN to 44 ft of draft.
-
-    Parameters
-    ----------
-    passage : Passage
-        Ship and section.
-    """
+    """Return the speed [m/s] of loaded tankers and bulk carriers in the Suez Canal; NaN to 44 ft of draft."""
     return 14 / HOUR if passage.draft > 44 * FOOT else math.nan
 
 
 def suez_others(passage: Passage) -> float:
-    """Return the speed [m/s] of other ships in the Suez Canal.
-
-    Parameters
-    ----------
-    passage : Passage
-        Ship and section.
-    """
+    """Return the speed [m/s] of other ships in the Suez Canal."""
     return 16 / HOUR
 
 
 def kiel(passage: Passage) -> float:
-    """Return the speed [m/s] in the Kiel Canal; NaN for a ship that is too large for it.
-
-    Parameters
-    ----------
-    passage : Passage
-        Ship and section.
-    """
+    """Return the speed [m/s] in the Kiel Canal; NaN for a ship that is too large for it."""
     if passage.length > 235.5 or passage.beam > 32.5:
         return math.nan
     return (12 if passage.draft > 8.5 else 15) / HOUR
 
 
 def panama(passage: Passage) -> float:
-    """Return the speed [m/s] of 1933 in the Panama Canal, by the width of the reach and, in the cut, the length.
-
-    Parameters
-    ----------
-    passage : Passage
-        Ship and section.
-    """
+    """Return the speed [m/s] of 1933 in the Panama Canal, by the width of the reach and, in the cut, the length."""
     reaches = {1000: 15.0, 800: 12.0, 500: 10.0}
     cut = 6.0 if passage.length >= 250 * FOOT else 8.0
     return next((knots for feet, knots in reaches.items() if passage.width >= feet * FOOT), cut) * KNOT
 
 
+# From a lane to a bank [beams], at under 8, 8 to 12 and over 12 knots.
 PIANC_CLEARANCE = {"gentle": (0.0, 0.1, 0.2), "sloping": (0.3, 0.5, 0.7), "steep": (0.5, 1.0, 1.3)}
-"""From a lane to a bank [beams], at under 8, 8 to 12 and over 12 knots."""
 PIANC = ChannelRule(
     "PIANC 121",
     "beam, speed, depth over draft, kind of bank",
@@ -201,6 +113,7 @@ PIANC = ChannelRule(
     shallow_lane,
 )
 UFC_SOURCE = "UFC 4-150-06 (2001), Military harbors and coastal facilities, 5-6.2.2.1, ufgscriteria.tpub.com/4_150_06"
+# The rules, those of widths first.
 CHANNEL_RULES = (
     PIANC,
     ChannelRule(
@@ -255,4 +168,3 @@ CHANNEL_RULES = (
         speed=panama,
     ),
 )
-"""The rules, those of widths first."""

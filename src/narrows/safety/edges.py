@@ -4,13 +4,8 @@ import numpy as np
 
 
 def first_run(safe: np.ndarray) -> tuple[int, int] | None:
-    """Return the first and the last place of the first run of true; None where nothing is.
-
-    Parameters
-    ----------
-    safe : array (n,) of bool
-        Along the speeds.
-    """
+    """Return the first and the last place of the first run of true; None where nothing is."""
+    # safe (n,)
     if not safe.any():
         return None
     first = int(safe.argmax())
@@ -19,15 +14,8 @@ def first_run(safe: np.ndarray) -> tuple[int, int] | None:
 
 
 def largest_rectangle(safe: np.ndarray, y: np.ndarray, u: np.ndarray) -> tuple[slice, slice] | None:
-    """Return the block of offsets and speeds of the largest area in which everything is safe; None where nothing is.
-
-    Parameters
-    ----------
-    safe : array (offsets, speeds) of bool
-        On the grid.
-    y, u : array
-        Offsets and speeds; each stands for half a step to either side.
-    """
+    """Return the block of offsets and speeds of the largest area in which everything is safe; None where nothing is."""
+    # safe (offsets, speeds)
     wide, high = (np.gradient(values) if len(values) > 1 else np.ones(1) for values in (y, u))
     area, block = 0.0, None
     for first in range(len(y)):
@@ -47,19 +35,8 @@ def _runs(held: np.ndarray) -> list[tuple[int, int]]:
 
 
 def crossing(y: np.ndarray, share: np.ndarray, inside: int, outside: int, least: float) -> float:
-    """Return the offset between two places where a share falls to its least, straight between them.
-
-    Parameters
-    ----------
-    y : array (n,) [m]
-        Offsets.
-    share : array (n,) [1]
-        At each.
-    inside, outside : int
-        A place where it is at least that, and the next, where it is not or does not count.
-    least : float [1]
-        Of the share.
-    """
+    """Return the offset between two places where a share falls to its least, straight between them."""
+    # y (n,) [m]; share (n,)
     if share[outside] >= least:
         return float(y[inside])
     part = (share[inside] - least) / (share[inside] - share[outside])

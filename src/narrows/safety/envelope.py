@@ -17,10 +17,10 @@ from narrows.safety.question import Walls, envelope_question
 from narrows.safety.shares import likely_shares, settled_trials, shares_of
 from narrows.simulation.inputs import check_workers
 
+# Of disturbances alone, that the ship of the most likely coefficients is tried in.
 LIKELY_SAMPLES = 200
-"""Of disturbances alone, that the ship of the most likely coefficients is tried in."""
+# Of the rudder, to be left when the ship is steady.
 RESERVE = 1 / 3
-"""Of the rudder, to be left when the ship is steady."""
 
 
 def safe_envelope(
@@ -29,7 +29,7 @@ def safe_envelope(
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
     bank: str = "steep", controller: str = "regulator", workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
-    """Find how fast and how far off the middle a ship is still in hand (ours).
+    """Find how fast and how far off the middle a ship is still in hand.
 
     At each offset and speed the steady course is sought that holds it: rudder, heading and drift in balance. The ship
     is safe there where that course leaves a reserve of rudder, one pilot with the real gear, who does not know the

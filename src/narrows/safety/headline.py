@@ -14,18 +14,9 @@ NOWHERE = (
 
 
 def headline(data: xr.Dataset, share: float) -> str:
-    """Say from where to where it is safe, what ends that, and how well the edge is known (ours).
-
-    The offsets and speeds are those of the largest block of the grid in which every place is safe. First comes in what
-    the section was not tested; with what is safe, where a pilot who knew the ship would hold it.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a ``SafeEnvelope``.
-    share : float [1]
-        Of the samples that must be held.
-    """
+    """Say from where to where it is safe, what ends that, and how well the edge is known."""
+    # The offsets and speeds are those of the largest block of the grid in which every place is safe. First comes in
+    # what the section was not tested; with what is safe, where a pilot who knew the ship would hold it.
     data = data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     by_model = ((data["held"] >= share) & data["clear"]).to_numpy()

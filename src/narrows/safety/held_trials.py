@@ -27,32 +27,24 @@ from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
+# Ship lengths that a trial lasts after a gust, and the last of them, through which the ship is to be back.
 LENGTHS, LATE = 15.0, 3.0
-"""Ship lengths that a trial lasts after a gust, and the last of them, through which the ship is to be back."""
 STEPS_A_LENGTH = 40
 BLOCK = 65_536
+# Points of one call: beyond it the answer does not fit in memory.
 MOST = 50_000_000
-"""Points of one call: beyond it the answer does not fit in memory."""
 KEPT = ("rudder", "held", "known")
+# What the columns call what throws a ship off, the numbers of the pilot, and the gains of one who knows it.
 OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
-"""What the columns call what throws a ship off, the numbers of the pilot, and the gains of one who knows it."""
 Columns = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class ChosenPilot:
-    """A pilot with what was chosen of it.
+    """A pilot with what was chosen of it."""
 
-    Parameters
-    ----------
-    pilot : Pilot
-        Who is tried.
-    tuning : Any
-        One of its own.
-    """
-
-    pilot: Pilot
-    tuning: Any
+    pilot: Pilot  # Who is tried
+    tuning: Any  # One of its own
 
 
 USUAL = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
@@ -63,51 +55,12 @@ def trials(
     walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = USUAL, knowing: bool = True,
     workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
-    """Hold a ship at offsets and speeds against disturbances, its coefficients drawn where their covariance is known.
-
-    Every sample starts from the steady course that its own coefficients ask for, and is thrown off it. A ship is held
-    where it touches no bank, stays within 85 degrees of the canal, and is back within half a beam of its line for the
-    last three ship lengths of the trial (ours). That is tried twice: by one pilot, who is made for the most likely
-    coefficients, and by one who knows those that were drawn.
-
-    Parameters
-    ----------
-    model : Model
-        With terms of a rudder.
-    y : array (offsets,) [m]
-        To hold.
-    u : array (speeds,) [m/s]
-        Held.
-    heave : array (speeds,) [m]
-        Midship sinkage at each speed.
-    disturbance : Disturbance
-        What throws the ship off.
-    samples : int
-        Of coefficients and disturbance.
-    seed : int
-        Of the samples.
-    walls : pair of float [m]
-        Where the keel meets the banks, to port and to starboard of the middle, if nearer than the walls of the canal.
-    chosen : ChosenPilot
-        Who does not know the coefficients.
-    knowing : bool
-        Whether one who knows them is tried too.
-    workers : int, optional
-        Threads; all cores unless given.
-    progress : bool
-        Show a bar.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over y, u and sample: ``rudder`` [rad] of the steady course (NaN where there is none), ``held`` by the one
-        pilot, and ``known``, by that one or by the one who knows the coefficients.
-
-    Raises
-    ------
-    InputError
-        Where the model has no rudder, its rudder turns nothing, there is no sample, or there are more points than fit.
-    """
+    """Hold a ship at offsets and speeds against disturbances, with coefficients drawn from their covariance."""
+    # y (offsets,) [m]; u (speeds,) [m/s]; heave (speeds,) [m]; walls [m]
+    # Every sample starts from the steady course that its own coefficients ask for, and is thrown off it. A ship is
+    # held where it touches no bank, stays within 85 degrees of the canal, and is back within half a beam of its line
+    # for the last three ship lengths of the trial. That is tried twice: by one pilot, who is made for the most likely
+    # coefficients, and by one who knows those that were drawn.
     if samples * len(y) * len(u) > MOST:
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST}; take fewer samples, offsets or speeds")

@@ -10,44 +10,22 @@ from narrows.simulation.controllers import ControlLaw, Named
 
 @dataclass(frozen=True)
 class JudgedLaw:
-    """Any control law that remembers how far off a line the ship was from a time on (ours).
+    """Any control law that remembers how far off a line the ship was from a time on."""
 
-    Parameters
-    ----------
-    law : ControlLaw
-        That steers.
-    y : float or array [m]
-        The line.
-    late_from : float or array [s]
-        From when it counts.
-    """
-
-    law: ControlLaw
-    y: Any
-    late_from: Any
+    law: ControlLaw  # That steers
+    y: Any  # The line [m]
+    late_from: Any  # From when it counts [s]
 
     def parameters(self) -> Mapping[str, Any]:
         """Return the law's numbers, the line, and from when it counts."""
         return {**self.law.parameters(), "judged_y": self.y, "late_from": self.late_from}
 
     def memory(self, start: Named) -> Named:
-        """Return the law's memory, and how far off the ship was so far.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return the law's memory, and how far off the ship was so far."""
         return {**self.law.memory(start), "farthest": 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the law's order, and how far off the ship was.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the law's order, and how far off the ship was."""
         orders, memory = self.law.orders(at)
         counted = choice(at.t + at.dt / 2 - at.late_from, abs(at.y - at.judged_y), 0.0)
         return orders, {**memory, "farthest": maximum(at.farthest, counted)}

@@ -19,24 +19,12 @@ Columns = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class LikelyCourses:
-    """Courses at offsets and speeds, and on the middle beside them.
+    """Courses at offsets and speeds, and on the middle beside them."""
 
-    Parameters
-    ----------
-    ship : SimulatedShip
-        With its most likely coefficients.
-    offsets : array (offsets,) [m]
-        To starboard of the middle.
-    speeds : array (speeds,) [m/s]
-        Through the water.
-    heave : array (speeds,) [m]
-        Midship sinkage.
-    """
-
-    ship: SimulatedShip
-    offsets: np.ndarray
-    speeds: np.ndarray
-    heave: np.ndarray
+    ship: SimulatedShip  # With its most likely coefficients
+    offsets: np.ndarray  # (offsets,) To starboard of the middle [m]
+    speeds: np.ndarray  # (speeds,) Through the water [m/s]
+    heave: np.ndarray  # (speeds,) Midship sinkage [m]
 
     @cached_property
     def places(self) -> np.ndarray:
@@ -73,18 +61,8 @@ class LikelyCourses:
         return dict(zip(("rudder", "psi", "v"), np.moveaxis(self.filled(course), -1, 0), strict=True))
 
     def filled(self, columns: np.ndarray) -> np.ndarray:
-        """Return columns at offsets and speeds, (offsets, speeds, n); where one is NaN, that of the nearest place.
-
-        Parameters
-        ----------
-        columns : array (places x speeds, n)
-            Row by row.
-
-        Raises
-        ------
-        InputError
-            Where at some speed there is no place at all.
-        """
+        """Return columns at offsets and speeds, (offsets, speeds, n); where one is NaN, that of the nearest place."""
+        # columns (places x speeds, n)
         table = columns.reshape(len(self.places), len(self.speeds), -1)
         known = np.isfinite(table).all(axis=-1)
         if not known.any(axis=0).all():

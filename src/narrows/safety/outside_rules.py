@@ -104,7 +104,7 @@ class OutsideRules(Shown):
 def outside_rules(
     configuration: Configuration, bank: str = "steep", walls: tuple[float, float] | None = None
 ) -> OutsideRules:
-    """Say what rules of designers and canals leave a ship in a section of water (ours).
+    """Say what rules of designers and canals leave a ship in a section of water.
 
     How far off the middle a rule lets a ship go is not in the rules: it is what is left of the water beside the lane
     and the clearance to either bank that they ask for. The rules and their sources are in ``CHANNEL_RULES``.
@@ -131,13 +131,7 @@ def outside_rules(
 
 
 def rules_of(attributes: Mapping[str, Any]) -> OutsideRules:
-    """Return the rules again from the attributes of a dataset (ours).
-
-    Parameters
-    ----------
-    attributes : mapping of str to float or str
-        As ``OutsideRules.attributes`` gave them.
-    """
+    """Return the rules again from the attributes of a dataset."""
     known = {entry.name: attributes[entry.name] for entry in fields(Passage)}
     passage = Passage(**{**known, "depth": None if math.isnan(known["depth"]) else known["depth"]})
     return OutsideRules(passage, attributes["wall_port"], attributes["wall_starboard"], attributes["choke"])

@@ -8,42 +8,19 @@ from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
 from narrows.safety.question import EnvelopeQuestion
 
+# Of the trials that choose, and at how many places.
 SAMPLES, OFFSETS, SPEEDS = 200, 5, 2
-"""Of the trials that choose, and at how many places."""
+# Sets the samples that choose apart from those that judge.
 ASIDE = 13
-"""Sets the samples that choose apart from those that judge."""
 
 
 def check_pilot(name: str) -> None:
-    """Raise where there is no pilot of a name (ours).
-
-    Parameters
-    ----------
-    name : str
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Names those that there are.
-    """
+    """Raise where there is no pilot of a name."""
     check_choice("controller", name, PILOTS)
 
 
 def choose_pilot(question: EnvelopeQuestion, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
-    """Choose the tuning of a pilot that holds most samples at a few of the offsets and speeds asked about (ours).
-
-    Parameters
-    ----------
-    question : EnvelopeQuestion
-        What is asked, and the name of the pilot.
-    bounds : Bounds
-        Where keel, canal and engine leave the ship.
-    seed : int
-        Of the samples that judge.
-    workers : int, optional
-        Threads.
-    """
+    """Choose the tuning of a pilot that holds most samples at a few of the offsets and speeds asked about."""
     pilot = PILOTS[question.pilot]
     if len(pilot.tunings) == 1:
         return ChosenPilot(pilot, pilot.tunings[0])

@@ -16,37 +16,27 @@ from narrows.safety.likely_courses import LikelyCourses
 from narrows.simulation.controllers import Autopilot, ControlLaw
 from narrows.simulation.ship import SimulatedShip
 
+# What a pilot goes by, by name: arrays over offsets and speeds, or columns of them.
 Numbers = dict[str, np.ndarray]
-"""What a pilot goes by, by name: arrays over offsets and speeds, or columns of them."""
+# Rudder [rad] of a sensible helm by hand for half a beam off, a heading off [rad] and a yaw rate in ship lengths.
 SENSIBLE = (0.56, 8.0, 7.7)
-"""Rudder [rad] of a sensible helm by hand for half a beam off, a heading off [rad] and a yaw rate in ship lengths."""
+# Times of a ship length in which a helm by hand trims as much as it orders at once.
 TRIMMED = 10.0
-"""Times of a ship length in which a helm by hand trims as much as it orders at once."""
 
 
+# y [m] and u [m/s] of each trial, and what holds the drawn ship there: rudder, psi [rad], v [m/s]; arrays (n,).
 Course = Mapping[str, Any]
-"""y [m] and u [m/s] of each trial, and what holds the drawn ship there: rudder, psi [rad], v [m/s]; arrays (n,)."""
 
 
 @dataclass(frozen=True)
 class Pilot:
-    """Who is tried: made for the most likely coefficients, one for all samples.
+    """Who is tried: made for the most likely coefficients, one for all samples."""
 
-    Parameters
-    ----------
-    words : str
-        Who it is, as a sentence of the answer has it.
-    tunings : tuple
-        What may be chosen of it by trials; the usual one first.
-    numbers : callable
-        Gives what it goes by at offsets and speeds, of the most likely courses and a tuning.
-    law : callable
-        Gives the law of many trials, of the ship, what it goes by in each, and the course of each.
-    """
-
-    words: str
-    tunings: tuple[Any, ...]
+    words: str  # Who it is, as a sentence of the answer has it
+    tunings: tuple[Any, ...]  # What may be chosen of it by trials; the usual one first
+    # Gives what it goes by at offsets and speeds, of the most likely courses and a tuning
     numbers: Callable[[LikelyCourses, Any], Numbers]
+    # Gives the law of many trials, of the ship, what it goes by in each, and the course of each
     law: Callable[[SimulatedShip, Numbers, Course], ControlLaw]
 
 
@@ -89,8 +79,9 @@ def _hand(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
     return Helmsman(course["y"], gains, numbers["by_trim"], numbers["rudder"], numbers["psi"])
 
 
+# Regulators that trust the bank of the most likely coefficients, beside the usual one.
 TIGHTER = Tightness(8.0, knowing=True), Tightness(16.0, knowing=True), Tightness(32.0, 4.0, knowing=True)
-"""Regulators that trust the bank of the most likely coefficients, beside the usual one."""
+# Pilots by name, the usual one first.
 PILOTS = {
     "regulator": Pilot(
         "a regulator made for the most likely coefficients, as tight as holds most",
@@ -107,23 +98,11 @@ PILOTS = {
         (1.0, 0.5, 0.25, 0.125), _hand_numbers, _hand,
     ),
 }  # fmt: skip
-"""Pilots by name, the usual one first."""
 
 
 def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any], made_for: Any) -> Regulator:
-    """Return the regulator of many trials (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model.
-    gains : six arrays (n,)
-        For what ``FELT`` names.
-    held : mapping of str to array (n,)
-        y [m], rudder, psi [rad] and v [m/s] that are held, at the speed that they are for.
-    made_for : float or array (n,) [m/s]
-        That speed.
-    """
+    """Return the regulator of many trials."""
+    # gains (n,); held [m]; made_for (n,) [m/s]
     time = ship.model.configuration.ship.length / np.asarray(made_for)
     one, two, three, four, five, six = gains
     line = HeldLine(held["y"], (one, two, three, four, five, six), held["rudder"], held["psi"], held["v"])

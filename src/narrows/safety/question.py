@@ -11,53 +11,29 @@ from narrows.safety.channel_rules import BANKS
 from narrows.safety.disturbance import Disturbance
 from narrows.safety.underkeel import keel_at
 
+# Where a keel meets the banks [m]: to port and to starboard of the middle.
 Walls = tuple[float, float]
-"""Where a keel meets the banks [m]: to port and to starboard of the middle."""
+# Of the draft, to be left under the keel.
 KEEL_SHARE = 0.05
-"""Of the draft, to be left under the keel."""
 OFFSETS, SPEEDS = 25, 15
+# Of the speed that chokes the canal: the range where none is given.
 SLOWEST, FASTEST = 0.3, 1.05
-"""Of the speed that chokes the canal: the range where none is given."""
 
 
 @dataclass(frozen=True)
 class EnvelopeQuestion:
-    """What a safe envelope is asked, complete and checked.
+    """What a safe envelope is asked, complete and checked."""
 
-    Parameters
-    ----------
-    model : Model
-        Of the ship in its canal.
-    offsets : array (offsets,) [m]
-        To starboard of the middle.
-    speeds : array (speeds,) [m/s]
-        Through the water.
-    disturbance : Disturbance
-        What throws the ship off.
-    reserve : float [1]
-        Of the rudder, to be left on the steady course.
-    clearance : float [m]
-        To be left under the keel.
-    most_revolutions : float [1/s], optional
-        Of the engine.
-    walls : pair of float [m]
-        Where the keel meets the banks, to port and to starboard of the middle.
-    bank : str
-        Kind of bank, for the rules from outside.
-    pilot : str
-        Who is tried.
-    """
-
-    model: Model
-    offsets: np.ndarray
-    speeds: np.ndarray
-    disturbance: Disturbance
-    reserve: float
-    clearance: float
-    most_revolutions: float | None
-    walls: Walls
-    bank: str = "steep"
-    pilot: str = "regulator"
+    model: Model  # Of the ship in its canal
+    offsets: np.ndarray  # (offsets,) To starboard of the middle [m]
+    speeds: np.ndarray  # (speeds,) Through the water [m/s]
+    disturbance: Disturbance  # What throws the ship off
+    reserve: float  # Of the rudder, to be left on the steady course [1]
+    clearance: float  # To be left under the keel [m]
+    most_revolutions: float | None  # Of the engine [1/s]
+    walls: Walls  # Where the keel meets the banks, to port and to starboard of the middle [m]
+    bank: str = "steep"  # Kind of bank, for the rules from outside
+    pilot: str = "regulator"  # Who is tried
 
     @property
     def rudder_limit(self) -> float:
@@ -70,36 +46,8 @@ def envelope_question(
     keel: float | None, most_revolutions: float | None, walls: Walls | None, bank: str = "steep",
     pilot: str = "regulator",
 ) -> EnvelopeQuestion:  # fmt: skip
-    """Return what is asked, with what suits the ship and its canal where nothing is given (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Of the ship in its canal.
-    y : array (offsets,) [m], optional
-        As far as half a beam from either bank unless given.
-    u : array (speeds,) [m/s], optional
-        To a little over the speed that chokes the canal unless given.
-    disturbance : Disturbance, optional
-        A heading that is off unless given.
-    reserve : float [1]
-        Of the rudder.
-    keel : float [m], optional
-        Least clearance under the keel; a twentieth of the draft unless given.
-    most_revolutions : float [1/s], optional
-        Of the engine.
-    walls : pair of float [m], optional
-        The walls of the canal unless given.
-    bank : str
-        ``gentle``, ``sloping`` or ``steep``.
-    pilot : str
-        A name of ``PILOTS``.
-
-    Raises
-    ------
-    InputError
-        Where a number is out of range, nothing says how fast, or there is no such kind of bank.
-    """
+    """Return what is asked, with what suits the ship and its canal where nothing is given."""
+    # y (offsets,) [m]; u (speeds,) [m/s]; keel [m]; most_revolutions [1/s]; walls [m]
     check_choice("bank", bank, BANKS)
     ship, canal = model.configuration.ship, model.configuration.canal
     least = KEEL_SHARE * ship.draft if keel is None else keel

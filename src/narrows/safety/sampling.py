@@ -2,24 +2,13 @@
 
 import numpy as np
 
+# Standard deviations either way, 95 % of a normal distribution.
 SURE = 1.959964
-"""Standard deviations either way, 95 % of a normal distribution."""
 
 
 def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the 95 % interval of a share that was counted, low and high [1].
-
-    Parameters
-    ----------
-    share : array [1]
-        Counted.
-    count : int
-        Of how many.
-
-    References
-    ----------
-    Wilson (1927), Probable inference, the law of succession, and statistical inference.
-    """
+    """Return the 95 % interval of a share that was counted, low and high [1]."""
+    # Wilson (1927), Probable inference, the law of succession, and statistical inference.
     square = SURE**2 / count
     middle = (share + square / 2) / (1 + square)
     half = SURE * np.sqrt(share * (1 - share) / count + square / (4 * count)) / (1 + square)
@@ -27,17 +16,8 @@ def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarra
 
 
 def is_settled(low: np.ndarray, high: np.ndarray, share: float, clear: np.ndarray) -> bool:
-    """Say whether the edge of what is safe is known to a step of the grid (ours).
-
-    Parameters
-    ----------
-    low, high : array (offsets, speeds) [1]
-        Interval of the share that is held.
-    share : float [1]
-        That is to be held.
-    clear : array (offsets, speeds) of bool
-        Where it is asked for.
-    """
+    """Say whether the edge of what is safe is known to a step of the grid."""
+    # low, high (offsets, speeds); clear (offsets, speeds)
     sure, perhaps = (low >= share) & clear, (high >= share) & clear
     near = sure.copy()
     near[1:] |= sure[:-1]

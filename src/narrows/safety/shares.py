@@ -8,28 +8,15 @@ import xarray as xr
 from narrows.safety.answer import MEDIAN, SURE_SHARE
 from narrows.safety.sampling import is_settled, share_interval
 
+# Tried at first where no number is given, and doubled until the edge is settled, up to so many.
 FIRST_SAMPLES, MOST_SAMPLES = 400, 6400
-"""Tried at first where no number is given, and doubled until the edge is settled, up to so many."""
+# Trials of so many ``samples`` from a ``seed``, over y, u and sample.
 Trial = Callable[..., xr.Dataset]
-"""Trials of so many ``samples`` from a ``seed``, over y, u and sample."""
 
 
 def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float, clear: np.ndarray) -> xr.Dataset:
-    """Return trials of so many samples, or of twice as many again and again until the edge is settled (ours).
-
-    Parameters
-    ----------
-    try_more : callable
-        Trials of so many ``samples`` from a ``seed``.
-    samples : int, optional
-        How many; as many as settle the edge unless given.
-    seed : int
-        Of the samples.
-    limit : float [rad]
-        The most rudder of a steady course.
-    clear : array (offsets, speeds) of bool
-        Where the edge is asked for.
-    """
+    """Return trials of so many samples, or of twice as many again and again until the edge is settled."""
+    # limit [rad]; clear (offsets, speeds)
     if samples is not None:
         return try_more(samples=samples, seed=seed)
     tried, rounds = try_more(samples=FIRST_SAMPLES, seed=seed), 0
@@ -44,17 +31,9 @@ def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float
 
 
 def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
-    """Return shares and quantiles of the samples over y and u (ours).
-
-    A sample without a course counts as beyond hard over, on the side of the others.
-
-    Parameters
-    ----------
-    tried : xarray.Dataset
-        Over y, u and sample: ``rudder`` [rad], NaN where there is no course, ``held`` and ``known``.
-    limit : float [rad]
-        The most rudder of a steady course.
-    """
+    """Return shares and quantiles of the samples over y and u."""
+    # tried [rad]; limit [rad]
+    # A sample without a course counts as beyond hard over, on the side of the others.
     found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
     shares = {"found": found.mean("sample"), "holds": holds.mean("sample")}
     for name in ("held", "known"):
@@ -64,30 +43,14 @@ def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
 
 
 def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
-    """Return in which trials a ship is held on a course that leaves the reserve.
-
-    Parameters
-    ----------
-    tried : xarray.Dataset
-        As for ``shares_of``.
-    limit : float [rad]
-        The most rudder of a steady course.
-    name : str
-        By whom: ``held`` or ``known``.
-    """
+    """Return in which trials a ship is held on a course that leaves the reserve."""
+    # limit [rad]
     return (np.abs(tried["rudder"]) <= limit) & tried[name]
 
 
 def likely_shares(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
-    """Return what the ship of the most likely coefficients says, over y and u: ``certain``, ``rudder_likely`` (ours).
-
-    Parameters
-    ----------
-    tried : xarray.Dataset
-        Of coefficients that are not drawn.
-    limit : float [rad]
-        The most rudder of a steady course.
-    """
+    """Return what the ship of the most likely coefficients says, over y and u: ``certain``, ``rudder_likely``."""
+    # limit [rad]
     share = safely(tried, limit, "known").mean("sample").assign_attrs(units="1")
     return {"certain": share, "rudder_likely": tried["rudder"].isel(sample=0).assign_attrs(units="rad")}
 

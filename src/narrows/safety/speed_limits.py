@@ -16,15 +16,15 @@ from narrows.simulation.inputs import check_waterway
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Speeds of a bend.
 TRIED = 24
-"""Speeds of a bend."""
 
 
 def speed_limits(
     model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, reserve: float = RESERVE,
     **envelope: Any,
 ) -> list[tuple[float, float]]:  # fmt: skip
-    """Find the highest safe speed of some sections of a waterway, as a governor of the speed takes them (ours).
+    """Find the highest safe speed of some sections of a waterway, as a governor of the speed takes them.
 
     Parameters
     ----------

@@ -10,36 +10,19 @@ from narrows.model.squat import choke_speed, squat
 
 @dataclass(frozen=True)
 class Keel:
-    """Sinkage and clearance at some speeds.
+    """Sinkage and clearance at some speeds."""
 
-    Parameters
-    ----------
-    midship : array (speeds,) [m]
-        Sinkage midship; zero where the depth is not known, or where the canal is choked.
-    clearance : array (speeds,) [m]
-        Least water under the hull; NaN where the depth is not known, or where the canal is choked.
-    choke : float [m/s]
-        The speed at which the canal is choked; infinite where the depth is not known.
-    notes : tuple of str
-        What the formulas are used beyond.
-    """
-
+    # (speeds,) Sinkage midship; zero where the depth is not known, or where the canal is choked [m]
     midship: np.ndarray
+    # (speeds,) Least water under the hull; NaN where the depth is not known, or where the canal is choked [m]
     clearance: np.ndarray
-    choke: float
-    notes: tuple[str, ...]
+    choke: float  # The speed at which the canal is choked; infinite where the depth is not known [m/s]
+    notes: tuple[str, ...]  # What the formulas are used beyond
 
 
 def keel_at(model: Model, speeds: np.ndarray) -> Keel:
-    """Estimate sinkage and clearance at some speeds (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Of the ship in its canal.
-    speeds : array (speeds,) [m/s]
-        Through the water.
-    """
+    """Estimate sinkage and clearance at some speeds."""
+    # speeds (speeds,) [m/s]
     configuration = model.configuration
     if configuration.canal.depth is None:
         unknown = np.full(len(speeds), np.nan)

@@ -21,35 +21,23 @@ ENDS = ("limit", "rate")
 
 @dataclass(frozen=True)
 class Part:
-    """A section of a ship file that belongs to an actuator; subclasses are frozen dataclasses of its numbers.
+    """A section of a ship file that belongs to an actuator; subclasses are frozen dataclasses of its numbers."""
 
-    Raises
-    ------
-    InputError
-        Where a number of the section is not finite, or breaks a rule of ``narrows.ship.checks``.
-    """
-
+    # What the section is called, and what the names of its numbers begin with.
     SECTION: ClassVar[str] = ""
-    """What the section is called, and what the names of its numbers begin with."""
+    # What the actuator's position is called; a number of that name says where it is unless it is moved.
     POSITION: ClassVar[str] = ""
-    """What the actuator's position is called; a number of that name says where it is unless it is moved."""
+    # Unit and meaning of each number.
     NUMBERS: ClassVar[Mapping[str, Quantity]] = {}
-    """Unit and meaning of each number."""
+    # Whether terms may ask for its numbers.
     ASKED: ClassVar[bool] = True
-    """Whether terms may ask for its numbers."""
 
     def __post_init__(self) -> None:
         check_fields(self, {entry.name: self.known_as(entry.name) for entry in fields(self)}, self.SECTION)
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return what terms call a number of the section (ours).
-
-        Parameters
-        ----------
-        number : str
-            Its key in the section.
-        """
+        """Return what terms call a number of the section."""
         return number if number == cls.POSITION else f"{cls.SECTION}_{number}"
 
     def values(self) -> dict[str, float]:
@@ -57,13 +45,7 @@ class Part:
         return {self.known_as(entry.name): getattr(self, entry.name) for entry in fields(self)}
 
     def scaled(self, factor: Callable[[Dimension], float]) -> Self:
-        """Return the same at another size: each number by the dimension of its unit (ours).
-
-        Parameters
-        ----------
-        factor : callable
-            What a quantity of some dimension is multiplied by.
-        """
+        """Return the same at another size: each number by the dimension of its unit."""
         changed: dict[str, Any] = {
             name: getattr(self, name) * factor(dimension)
             for name, quantity in self.NUMBERS.items()
@@ -74,35 +56,14 @@ class Part:
 
 @dataclass(frozen=True)
 class Actuator:
-    """What moves at a command.
+    """What moves at a command."""
 
-    Parameters
-    ----------
-    name : str
-        Of its position: the column of a table of tests, the argument of ``forces`` and ``simulate``.
-    unit : str
-        Of its position, in SI.
-    meaning : str
-        Of its position, in words.
-    angle : bool
-        Whether it enters the terms by its cosine and sine, ``cos_<name>`` and ``sin_<name>``.
-    rest : float, optional
-        Its position where nothing is said of it; None where it must be said.
-    parts : tuple of type
-        The sections of a ship file that give it, each a subclass of ``Part``.
-
-    Raises
-    ------
-    InputError
-        Where the name or a section is taken or no word, or the unit is not one of mass, length and time.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    angle: bool = False
-    rest: float | None = None
-    parts: tuple[type[Part], ...] = ()
+    name: str  # Of its position: the column of a table of tests, the argument of ``forces`` and ``simulate``
+    unit: str  # Of its position, in SI
+    meaning: str  # Of its position, in words
+    angle: bool = False  # Whether it enters the terms by its cosine and sine, ``cos_<name>`` and ``sin_<name>``
+    rest: float | None = None  # Its position where nothing is said of it; None where it must be said
+    parts: tuple[type[Part], ...] = ()  # The sections of a ship file that give it, each a subclass of ``Part``
 
     def __post_init__(self) -> None:
         taken = {**REGRESSOR_INPUTS, **FORCES, "psi": None, "t": None}
@@ -141,13 +102,7 @@ class Actuator:
         return self.controls | self.particulars
 
     def placed(self, position: Number) -> dict[str, Number]:
-        """Return a position as the terms ask for it (ours).
-
-        Parameters
-        ----------
-        position : number
-            In the actuator's unit; floats or columns.
-        """
+        """Return a position as the terms ask for it."""
         if not self.angle:
             return {self.name: position}
         return {f"cos_{self.name}": np.cos(position), f"sin_{self.name}": np.sin(position)}
@@ -158,13 +113,7 @@ class Actuator:
 
 
 def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
-    """Return the section and key that give each number of actuators in a file (ours).
-
-    Parameters
-    ----------
-    actuators : iterable of Actuator
-        The actuators.
-    """
+    """Return the section and key that give each number of actuators in a file."""
     return {
         part.known_as(number): f"[{part.SECTION}] {number}"
         for actuator in actuators
@@ -174,11 +123,5 @@ def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
 
 
 def free(names: Iterable[str]) -> dict[str, float]:
-    """Return the limit and rate of actuators that have none (ours).
-
-    Parameters
-    ----------
-    names : iterable of str
-        Of the actuators.
-    """
+    """Return the limit and rate of actuators that have none."""
     return {f"{name}_{end}": math.inf for name in names for end in ENDS}

@@ -147,7 +147,7 @@ class SteeringGear(Part):
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return the key itself: terms ask for neither (ours).
+        """Return the key itself: terms ask for neither.
 
         Parameters
         ----------
@@ -176,18 +176,12 @@ RUDDER = Actuator(
     parts=(Rudder, SteeringGear),
 )  # fmt: skip
 PROPELLER = Actuator("revolutions", "1/s", "propeller revolutions n", parts=(Propeller,))
+# The actuators that come with the package, in the order in which they are listed.
 STANDARD = (RUDDER, PROPELLER)
-"""The actuators that come with the package, in the order in which they are listed."""
 
 
 def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
-    """Return unit and meaning of every particular of ship, canal, water and actuators (ours).
-
-    Parameters
-    ----------
-    actuators : iterable of Actuator
-        Beside those of the package.
-    """
+    """Return unit and meaning of every particular of ship, canal, water and actuators."""
     return {
         **PARTICULARS,
         **{name: quantity for actuator in (*STANDARD, *actuators) for name, quantity in actuator.particulars.items()},

@@ -10,10 +10,10 @@ import numpy as np
 from narrows.errors import InputError, shown
 from narrows.quantities.names import Number
 
+# Between these every size of a ship, its water and its parts is, and every product of them is a number.
 SMALLEST, LARGEST = 1e-12, 1e20
-"""Between these every size of a ship, its water and its parts is, and every product of them is a number."""
+# Where a file gives what is not the ship's own.
 SECTIONS = {"width": "canal", "depth": "canal", "density": "water"}
-"""Where a file gives what is not the ship's own."""
 POSITIVE = (
     "length", "beam", "draft", "block_coefficient", "mass", "inertia", "flow_straightening", "width", "depth",
     "density", "limit_deg", "rate_deg", "propeller_diameter", "rudder_area", "rudder_lift",
@@ -22,21 +22,12 @@ POSITIVE = (
 
 
 class Rule(NamedTuple):
-    """What some particulars must be.
+    """What some particulars must be."""
 
-    Parameters
-    ----------
-    asks : tuple of str
-        Their names.
-    right : callable
-        Whether it is so, of numbers or of columns in the order of the names; false of what is no number.
-    sentence : str
-        What is said where it is not, with the places and values of the particulars in it.
-    """
-
-    asks: tuple[str, ...]
+    asks: tuple[str, ...]  # Their names
+    # Whether it is so, of numbers or of columns in the order of the names; false of what is no number
     right: Callable[..., Any]
-    sentence: str
+    sentence: str  # What is said where it is not, with the places and values of the particulars in it
 
 
 def _positive(name: str) -> tuple[Rule, Rule]:
@@ -47,6 +38,7 @@ def _positive(name: str) -> tuple[Rule, Rule]:
     )
 
 
+# Every rule beside that each is a finite number.
 RULES = (
     *(rule for name in POSITIVE for rule in _positive(name)),
     Rule(
@@ -68,24 +60,10 @@ RULES = (
     ),
     Rule(("draft", "depth"), operator.lt, "{depth} m leaves no water under {draft} m; check both"),
 )
-"""Every rule beside that each is a finite number."""
 
 
 def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | None = None) -> None:
-    """Raise where particulars break a rule, be they numbers or columns (ours).
-
-    Parameters
-    ----------
-    values : mapping of str to number or DataArray
-        By name; None where one is not given.
-    places : mapping of str to str
-        Where a name was given, if not in the section of ship, canal or water.
-
-    Raises
-    ------
-    InputError
-        Names the first that is wrong: its section and key, its value, and in a column where it stands.
-    """
+    """Raise where particulars break a rule, be they numbers or columns."""
     known = {name: value for name, value in values.items() if value is not None}
     places = {name: place_of(name) for name in known} | dict(places or {})
     for name, value in known.items():
@@ -96,52 +74,18 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
 
 
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
-    """Raise where numbers or columns break a rule (ours).
-
-    Parameters
-    ----------
-    rule : Rule
-        What they must be.
-    values : mapping of str to number or DataArray
-        By name.
-    places : mapping of str to str
-        Where each was given.
-
-    Raises
-    ------
-    InputError
-        Names the first that is wrong.
-    """
+    """Raise where numbers or columns break a rule."""
     asked = {name: values[name] for name in rule.asks}
     _check(rule.right(*asked.values()), rule.sentence, asked, places)
 
 
 def place_of(name: str) -> str:
-    """Return the section and key that give a particular of ship, canal or water in a file (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the vocabulary.
-    """
+    """Return the section and key that give a particular of ship, canal or water in a file."""
     return f"[{SECTIONS.get(name, 'ship')}] {name}"
 
 
 def check_number(location: str, value: object) -> None:
-    """Raise where a value is no finite number, or a column of values holds one that is not (ours).
-
-    Parameters
-    ----------
-    location : str
-        Its section and key.
-    value : object
-        As given.
-
-    Raises
-    ------
-    InputError
-        Names the place.
-    """
+    """Raise where a value is no finite number, or a column of values holds one that is not."""
     if hasattr(value, "dims"):
         asked = {"": value}
         _check(np.isfinite(value), "{} is not a finite number; give it in SI units", asked, {"": location})  # type: ignore[call-overload]
@@ -154,13 +98,7 @@ def check_number(location: str, value: object) -> None:
 
 
 def is_finite(value: object) -> bool:
-    """Say whether a value is a finite number that a float can hold (ours).
-
-    Parameters
-    ----------
-    value : object
-        As given.
-    """
+    """Say whether a value is a finite number that a float can hold."""
     try:
         return not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value)
     except OverflowError:  # An integer of more digits than floats have.
@@ -190,22 +128,7 @@ def _picked(value: Any, at: Mapping[str, int]) -> Any:
 
 
 def check_fields(part: object, names: Mapping[str, str], section: str) -> None:
-    """Raise where the numbers of a section of a ship file are columns, not finite or break a rule (ours).
-
-    Parameters
-    ----------
-    part : object
-        What was made of the section.
-    names : mapping of str to str
-        What the rules call each of its keys.
-    section : str
-        What it is called.
-
-    Raises
-    ------
-    InputError
-        Names the first that is wrong.
-    """
+    """Raise where the numbers of a section of a ship file are columns, not finite or break a rule."""
     values = {name: getattr(part, key) for key, name in names.items()}
     places = {name: f"[{section}] {key}" for key, name in names.items()}
     for name, value in values.items():

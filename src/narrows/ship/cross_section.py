@@ -9,7 +9,7 @@ Point = tuple[float, float]
 
 
 def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
-    """Return how far from the origin a vertical wall leaves the same cross-section of water [m] (ours).
+    """Return how far from the origin a vertical wall leaves the same cross-section of water [m].
 
     The water between the origin and the last point is as wide as it is; what the bank takes from its section is taken
     from its width.
@@ -41,15 +41,8 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
 
 
 def keel_wall(profile: Sequence[Point], clearance: float) -> float:
-    """Return how far from the origin a keel meets a bank [m]: where the bank is as high as the water under it (ours).
-
-    Parameters
-    ----------
-    profile : sequence of (m, m)
-        As in ``equivalent_wall``.
-    clearance : float [m]
-        Of the keel above the bottom.
-    """
+    """Return how far from the origin a keel meets a bank [m]: where the bank is as high as the water under it."""
+    # profile (m, m); clearance [m]
     for (start, low), (stop, high) in pairwise(profile):
         if high >= clearance:
             return start if low >= clearance else start + (stop - start) * (clearance - low) / (high - low)

@@ -122,8 +122,8 @@ class Water:
         check_fields(self, {"density": "density"}, "water")
 
 
+# As slow as the rules allow.
 RULE_GEAR = SteeringGear()
-"""As slow as the rules allow."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -3,20 +3,12 @@
 import re
 
 SCALE = re.compile(r"\b1:(?P<smaller>\d+(\.\d+)?)\b|\b(?P<larger>\d+(\.\d+)?):1\b|\bat full scale\b")
+# Within which of 1 a scale is full.
 EQUAL = 5e-3
-"""Within which of 1 a scale is full."""
 
 
 def name_at_scale(name: str, ratio: float) -> str:
-    """Return a ship's name after its lengths were multiplied; a name without a scale stays what it is (ours).
-
-    Parameters
-    ----------
-    name : str
-        As it was called.
-    ratio : float [1]
-        New length over old.
-    """
+    """Return a ship's name after its lengths were multiplied; a name without a scale stays what it is."""
     return SCALE.sub(lambda known: _in_words(_scale(known) / ratio), name)
 
 

@@ -12,29 +12,16 @@ from narrows.ship.actuator import Actuator, Part
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 
+# Sections that every file is read for; made of their defaults where they are absent.
 NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
-"""Sections that every file is read for; made of their defaults where they are absent."""
+# Keys as earlier files spell them.
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
-"""Keys as earlier files spell them."""
+# A ship file, its sections as mappings, or what was read from it.
 ShipSource = str | Path | Configuration | Mapping[str, Any]
-"""A ship file, its sections as mappings, or what was read from it."""
 
 
 def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configuration:
-    """Return ship, canal and water of whatever tells them (ours).
-
-    Parameters
-    ----------
-    source : str, Path, Configuration or mapping
-        A ship file, what was read from it, or the sections of one as mappings.
-    actuators : iterable of Actuator
-        Of one's own, whose sections there may be.
-
-    Raises
-    ------
-    InputError
-        Where a file is absent, a key is missing, unknown or out of range, or it is a ship without a canal.
-    """
+    """Return ship, canal and water of whatever tells them."""
     if isinstance(source, Configuration):
         return source
     if isinstance(source, Mapping):
@@ -45,13 +32,7 @@ def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configu
 
 
 def ship_file_of(source: ShipSource) -> str:
-    """Return the file that tells of a ship, for sentences; nothing where it is none (ours).
-
-    Parameters
-    ----------
-    source : str, Path, Configuration or mapping
-        As of ``ship_from``.
-    """
+    """Return the file that tells of a ship, for sentences; nothing where it is none."""
     return str(source) if isinstance(source, str | Path) else ""
 
 
@@ -79,50 +60,18 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
 
 
 def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part]]:
-    """Return what makes each section of a file that belongs to an actuator (ours).
-
-    Parameters
-    ----------
-    actuators : iterable of Actuator
-        Beside those of the package.
-    """
+    """Return what makes each section of a file that belongs to an actuator."""
     return {part.SECTION: part for actuator in (*STANDARD, *actuators) for part in actuator.parts}
 
 
 def load_toml(path: str | Path) -> dict[str, Any]:
-    """Load a TOML file, or say in one sentence why it cannot be (ours).
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent or is not TOML.
-    """
+    """Load a TOML file, or say in one sentence why it cannot be."""
     with reading(path, "valid TOML"):
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
 def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable[Actuator] = ()) -> Configuration:
-    """Make a Configuration of the [ship], [canal], [water], [depths] and actuators' tables of a file (ours).
-
-    Parameters
-    ----------
-    tables : mapping
-        The parsed file.
-    file : str
-        The file's name, for messages.
-    actuators : iterable of Actuator
-        Of one's own, whose sections the file may have.
-
-    Raises
-    ------
-    InputError
-        Where a key is missing, unknown or out of range.
-    """
+    """Make a Configuration of the [ship], [canal], [water], [depths] and actuators' tables of a file."""
     sections = actuator_sections(actuators)
     known = {*NEEDED, *sections, "depths"}
     if "coefficients" in tables:
@@ -140,22 +89,7 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
 
 
 def check_table(name: str, table: object, file: str) -> None:
-    """Raise where what should be a section of a file is a bare value (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the section.
-    table : object
-        What stands there.
-    file : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Names the section.
-    """
+    """Raise where what should be a section of a file is a bare value."""
     if not isinstance(table, Mapping):
         raise InputError(f"{file}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
 

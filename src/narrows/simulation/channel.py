@@ -21,78 +21,41 @@ if TYPE_CHECKING:
     from narrows.waterway.table import WaterwayTable
     from narrows.waterway.waterway import Waterway
 
+# Beyond this size of heading [rad] a ship lies across the canal and the model says nothing.
 HEADING_LIMIT = math.radians(85)
-"""Beyond this size of heading [rad] a ship lies across the canal and the model says nothing."""
+# Surge or sway velocity [m/s] and yaw rate [rad/s] that no ship has.
 SPEED_LIMIT, RATE_LIMIT = 100.0, 10.0
-"""Surge or sway velocity [m/s] and yaw rate [rad/s] that no ship has."""
+# Cosine that no heading has: in open water none lies across.
 NO_LIMIT = -2.0
-"""Cosine that no heading has: in open water none lies across."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """What the equations ask for of where a ship sails.
+    """What the equations ask for of where a ship sails."""
 
-    Parameters
-    ----------
-    inputs : mapping of str to number
-        By the names of the lines.
-    water : WaterTable
-        The table of a waterway, its nodes, and the hull that meets its banks.
-    start, length : float [m]
-        Along the line: where it begins, and how far it goes; infinite in a straight canal.
-    """
-
-    inputs: Mapping[str, Number]
-    water: WaterTable
-    start: float = -math.inf
-    length: float = math.inf
+    inputs: Mapping[str, Number]  # By the names of the lines
+    water: WaterTable  # The table of a waterway, its nodes, and the hull that meets its banks
+    start: float = -math.inf  # Along the line: where it begins, and how far it goes; infinite in a straight canal [m]
+    length: float = math.inf  # Along the line: where it begins, and how far it goes; infinite in a straight canal [m]
 
 
 def limits_of(contact: str | Outline | int) -> dict[str, float]:
-    """Return what ends a voyage beside a bank and time (ours).
-
-    Parameters
-    ----------
-    contact : str or points or int
-        Of the hull; in open water any heading will do.
-    """
+    """Return what ends a voyage beside a bank and time."""
     least = NO_LIMIT if contact == OPEN else math.cos(HEADING_LIMIT)
     return {"least_cos": least, "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT}
 
 
 def straight_channel(values: Mapping[str, Number], contact: str | Outline) -> Channel:
-    """Return the model's own canal, without end (ours).
-
-    Parameters
-    ----------
-    values : mapping of str to number
-        Particulars by name: width [m], and walls where a keel meets the banks nearer than that.
-    contact : str or points [m]
-        Of the hull.
-    """
+    """Return the model's own canal, without end."""
+    # values [m]; contact [m]
     half = values["width"] / 2
     walls = {name: values.get(name, half) for name in ("wall_starboard", "wall_port")}
     return Channel({**hull_inputs(values, contact), **walls, **limits_of(contact)}, NOWHERE)
 
 
 def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -> Channel:
-    """Return a waterway as a table (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway
-        The waterway.
-    model : Model
-        Its ship is what the table is as fine as; where the waterway has no depth, the model's canal has.
-    contact : str or points [m]
-        Of the hull.
-
-    Raises
-    ------
-    InputError
-        Where the ship does not fit it.
-    """
+    """Return a waterway as a table."""
+    # contact [m]
     from narrows.waterway.table import STEPS_A_BEAM
 
     ship = model.configuration.ship
@@ -112,8 +75,8 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -
     return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]))
 
 
+# Tables that were made, for as long as their centreline is in use: voyage after voyage asks for the same.
 _TABLES: "WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray]]]" = WeakKeyDictionary()
-"""Tables that were made, for as long as their centreline is in use: voyage after voyage asks for the same."""
 
 
 def _tabulated(
@@ -139,15 +102,8 @@ def _tabulated(
 
 
 def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:
-    """Return the hull as the rule of contact asks for it (ours).
-
-    Parameters
-    ----------
-    values : mapping of str to number
-        Length and beam [m].
-    contact : str or points [m]
-        What of the hull meets a bank.
-    """
+    """Return the hull as the rule of contact asks for it."""
+    # values [m]; contact [m]
     inputs = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
     if isinstance(contact, str):
         return inputs
@@ -156,15 +112,8 @@ def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[st
 
 
 def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
-    """Return the hull's outline, convex and in order [m] (ours).
-
-    Parameters
-    ----------
-    ship : Ship
-        Its rectangle is the outline where no other is given.
-    contact : str or points [m]
-        What of the hull meets a bank.
-    """
+    """Return the hull's outline, convex and in order [m]."""
+    # contact [m]
     a, b = ship.length / 2, ship.beam / 2
     if isinstance(contact, str):
         return [(a, b), (-a, b), (-a, -b), (a, -b)]
@@ -175,22 +124,8 @@ def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
 
 
 def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
-    """Raise where an outline lies inside the beam, so that the suction would end infinite before the hull touches.
-
-    Parameters
-    ----------
-    ship : Ship
-        The ship.
-    contact : str or points [m]
-        What of the hull meets a bank.
-    feels_bank : bool
-        Whether the model's terms do.
-
-    Raises
-    ------
-    InputError
-        Where the outline has no area, or is narrower than the beam.
-    """
+    """Raise where an outline lies inside the beam, so that the suction would end infinite before the hull touches."""
+    # contact [m]
     if isinstance(contact, str):
         return
     from scipy.spatial import QhullError

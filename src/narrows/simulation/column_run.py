@@ -19,7 +19,7 @@ COSINE = 2
 
 
 def lacks_compiler() -> bool:
-    """Return whether Numba is not here, so that ships are sailed by columns (ours)."""
+    """Return whether Numba is not here, so that ships are sailed by columns."""
     try:
         return find_spec("numba") is None
     except ValueError:  # What stands for it is no module.
@@ -28,30 +28,16 @@ def lacks_compiler() -> bool:
 
 @dataclass
 class ColumnRun:
-    """Vessels laid out in columns; calling it sails them all, from ``start`` as it then stands.
+    """Vessels laid out in columns; calling it sails them all, from ``start`` as it then stands."""
 
-    Every vessel takes its step at once; whichever met something or ran out of sane numbers in it has that step judged
-    alone, as in a single voyage.
+    # Every vessel takes its step at once; whichever met something or ran out of sane numbers in it has that step
+    # judged alone, as in a single voyage.
 
-    Parameters
-    ----------
-    system : System
-        Whose lines.
-    inputs : mapping of str to number or array (n,)
-        Everything that its step asks for, by name.
-    start : array (n, kept)
-        What is kept from step to step, at the start.
-    times : array (n, 3) [s]
-        Length of a step, whole steps, length of the last and shorter one.
-    channel : Channel
-        Where they sail.
-    """
-
-    system: System
-    inputs: Mapping[str, Any]
-    start: np.ndarray
-    times: np.ndarray
-    channel: Channel
+    system: System  # Whose lines
+    inputs: Mapping[str, Any]  # (n,) Everything that its step asks for, by name
+    start: np.ndarray  # (n, kept) What is kept from step to step, at the start
+    times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
+    channel: Channel  # Where they sail
     end: np.ndarray = field(init=False)
     time: np.ndarray = field(init=False)
     codes: np.ndarray = field(init=False)

@@ -16,9 +16,8 @@ from narrows.quantities.names import Number
 from narrows.results import Described, shortened
 
 Named = Mapping[str, Number]
+# Of a step, by which an order of a schedule may come early: times of steps are sums, and rounding must not delay it.
 EARLY = 1e-6
-"""Of a step, by which an order of a schedule may come early: times of steps are sums, and rounding must not delay
-it."""
 
 
 @runtime_checkable
@@ -76,8 +75,8 @@ class VoyageState(NamedTuple):
     rudder: float
 
 
+# The rudder angle [rad] that is asked for at a time [s] in a state.
 Order = Callable[[float, VoyageState], float]
-"""The rudder angle [rad] that is asked for at a time [s] in a state."""
 
 
 @runtime_checkable
@@ -100,13 +99,7 @@ def _short(value: Any) -> str:
 
 class _WithoutMemory(_Law):
     def memory(self, start: Named) -> Named:
-        """Return nothing: this law looks at the present alone.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return nothing: this law looks at the present alone."""
         return {}
 
 
@@ -305,15 +298,9 @@ class Autopilot(_WithoutMemory):
 
 @dataclass(frozen=True)
 class Ordering:
-    """A controller that is a function of time [s] and ``VoyageState``, without a memory (ours).
+    """A controller that is a function of time [s] and ``VoyageState``, without a memory."""
 
-    Parameters
-    ----------
-    order : callable
-        Gives the rudder angle [rad].
-    """
-
-    order: Order
+    order: Order  # Gives the rudder angle [rad]
 
     def begin(self) -> Order:
         """Return the function."""
@@ -321,18 +308,12 @@ class Ordering:
 
 
 class Asked(_WithoutMemory):
-    """The law of a controller of Python: its order is a number that is set before each step (ours)."""
+    """The law of a controller of Python: its order is a number that is set before each step."""
 
     def parameters(self) -> Mapping[str, Any]:
         """Return the order, amidships until the controller gives one."""
         return {"order": 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the order."""
         return {"rudder": at.order}, {}

@@ -16,26 +16,13 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 POSE = ("x", "y", "psi", "u", "v", "r")
+# The shortest step [s], to see whether one can be taken: in none at all what moves without a limit would go 0 times
+# infinity.
 INSTANT = math.ulp(0.0)
-"""The shortest step [s], to see whether one can be taken: in none at all what moves without a limit would go 0 times
-infinity."""
 
 
 def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
-    """Raise where a position is of no actuator of the model (ours).
-
-    Parameters
-    ----------
-    positions : mapping of str to float
-        By name.
-    ship : SimulatedShip
-        The ship.
-
-    Raises
-    ------
-    InputError
-        Names the first.
-    """
+    """Raise where a position is of no actuator of the model."""
     known = [actuator.name for actuator in ship.actuators]
     for name in positions:
         if name not in known:
@@ -45,13 +32,13 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
             raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
 
 
+# What is written here for names that other simulators use.
 ELSEWHERE = {
     "duration": ("t_end", "tmax", "t_max", "tend", "T", "time", "t_final", "t_span"), "dt": ("step", "h", "delta_t"),
     "y": ("y0", "offset"), "u": ("u0", "speed", "U"), "x": ("x0",), "psi": ("psi0", "heading"), "v": ("v0",),
     "r": ("r0",), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta", "rudder_angle"),
     "y=..., u=..., psi=...": ("initial", "state", "start", "initial_state"),
 }  # fmt: skip
-"""What is written here for names that other simulators use."""
 
 
 def _meant(name: str, known: list[str]) -> str:
@@ -65,26 +52,7 @@ def _meant(name: str, known: list[str]) -> str:
 def departure(
     ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
 ) -> tuple[March, tuple[float, ...]]:
-    """Return a march and the state that it begins in: every number that its lines ask for (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    steering : Steering, optional
-        What gives orders.
-    numbers : dict of str to float
-        Pose, velocities, positions of actuators.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    pushed : bool
-        Whether a force from elsewhere acts.
-
-    Raises
-    ------
-    InputError
-        Where the start is off the waterway, in a bank or across the canal, or the forces there are no numbers.
-    """
+    """Return a march and the state that it begins in: every number that its lines ask for."""
     values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
     channel = _channel(ship, values, waterway, numbers["x"])
     system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")

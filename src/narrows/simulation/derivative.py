@@ -105,18 +105,8 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
 
 
 def state_of(state: Any) -> dict[str, Number]:
-    """Return a state by names, in their order (ours).
-
-    Parameters
-    ----------
-    state : sequence of six numbers, or mapping of str to number
-        x, y [m], psi [rad], u, v [m/s], r [rad/s]; what a mapping leaves out is 0.
-
-    Raises
-    ------
-    InputError
-        Where it is neither.
-    """
+    """Return a state by names, in their order."""
+    # state [m]
     if isinstance(state, Mapping):
         for name in state:
             if name not in POSE:

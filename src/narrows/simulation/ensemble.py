@@ -34,8 +34,8 @@ from narrows.simulation.steering import steering_of
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard.
 BLOCK_VESSELS = 65_536
-"""Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard."""
 OF_THE_WATERWAY = ("width", "depth")
 OF_THE_TABLE = ("length", "beam", "draft")
 

@@ -15,24 +15,14 @@ from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.terms.about import TermKind
 
+# Voyages that are sailed again at half the step.
 TAKEN_AGAIN = 64
-"""Voyages that are sailed again at half the step."""
+# Of the beam, by which the place of an end may move without a word.
 COARSE = 0.02
-"""Of the beam, by which the place of an end may move without a word."""
 
 
 def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
-    """Say what voyages rest on that their numbers do not show (ours).
-
-    Parameters
-    ----------
-    run : KernelRun
-        How they were run.
-    grid : Grid
-        What varied.
-    voyages : Dataset
-        Their ends.
-    """
+    """Say what voyages rest on that their numbers do not show."""
     model = run.ship.model
     varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
     bank = () if run.ship.shape == OPEN or (varied and not model.feels_bank) else model.bank_notes

@@ -11,27 +11,14 @@ from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.ship import SimulatedShip
 
 OF_THE_HULL = ("length", "beam", "width")
+# What a Coriolis force asks for.
 OF_THE_BODY = ("mass", "inertia", "x_g")
-"""What a Coriolis force asks for."""
+# What changes nothing where it is 0, whatever the model.
 NOTHING_AT_REST = ("X", "rudder", "heave")
-"""What changes nothing where it is 0, whatever the model."""
 
 
 def check_felt(ship: SimulatedShip, asked: Mapping[str, Any]) -> None:
-    """Raise where something is given that changes nothing (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    asked : mapping of str to number, sequence or DataArray
-        What was given, by the names of ``ensemble``.
-
-    Raises
-    ------
-    InputError
-        Names the first.
-    """
+    """Raise where something is given that changes nothing."""
     terms = ship.model.terms
     felt = {*START, *INPUTS, *terms.inputs, *terms.names, *OF_THE_HULL, *places_of(terms.actuators)}
     felt |= {actuator.name for actuator in terms.actuators} | (set(OF_THE_BODY) if ship.coriolis else set())

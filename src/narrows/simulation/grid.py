@@ -18,18 +18,10 @@ from narrows.simulation.variation import check_columns, file_places, labelled, s
 
 @dataclass(frozen=True)
 class Grid:
-    """Everything that may vary from vessel to vessel, by name, each with its own dimensions.
+    """Everything that may vary from vessel to vessel, by name, each with its own dimensions."""
 
-    Parameters
-    ----------
-    values : mapping of str to DataArray
-        Start, inputs, particulars and coefficients.
-    sizes : mapping of str to int
-        Length of each dimension.
-    """
-
-    values: Mapping[str, xr.DataArray]
-    sizes: Mapping[str, int]
+    values: Mapping[str, xr.DataArray]  # Start, inputs, particulars and coefficients
+    sizes: Mapping[str, int]  # Length of each dimension
 
     @property
     def vessels(self) -> int:
@@ -42,46 +34,22 @@ class Grid:
         return max(self.sizes, key=lambda name: self.sizes[name])
 
     def blocks(self, vessels: int) -> Iterator[slice]:
-        """Yield slices of the longest dimension, of about so many vessels each.
-
-        Parameters
-        ----------
-        vessels : int
-            At least one row of the longest dimension is taken.
-        """
+        """Yield slices of the longest dimension, of about so many vessels each."""
         rows = max(1, round(vessels * self.sizes[self.axis] / self.vessels))
         for start in range(0, self.sizes[self.axis], rows):
             yield slice(start, min(start + rows, self.sizes[self.axis]))
 
     def region(self, block: slice) -> tuple[slice, ...]:
-        """Return where a block lies among all vessels.
-
-        Parameters
-        ----------
-        block : slice
-            Of the longest dimension.
-        """
+        """Return where a block lies among all vessels."""
         return tuple(block if name == self.axis else slice(None) for name in self.sizes)
 
     def part(self, block: slice) -> "Grid":
-        """Return one block as a grid of its own, to send elsewhere.
-
-        Parameters
-        ----------
-        block : slice
-            Of the longest dimension.
-        """
+        """Return one block as a grid of its own, to send elsewhere."""
         values = {n: v.isel({self.axis: block}) if self.axis in v.dims else v for n, v in self.values.items()}
         return Grid(values, {**self.sizes, self.axis: block.stop - block.start})
 
     def flat(self, block: slice) -> tuple[dict[str, np.ndarray | float], tuple[int, ...]]:
-        """Return every value over one block of vessels: one number, or one a vessel, and the block's shape.
-
-        Parameters
-        ----------
-        block : slice
-            Of the longest dimension.
-        """
+        """Return every value over one block of vessels: one number, or one a vessel, and the block's shape."""
         shape = tuple(len(range(*block.indices(n))) if name == self.axis else n for name, n in self.sizes.items())
         return {name: self._flat(value, block, shape) for name, value in self.values.items()}, shape
 
@@ -105,24 +73,7 @@ class Grid:
 
 
 def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> Grid:
-    """Lay out an ensemble.
-
-    Parameters
-    ----------
-    model : Model
-        Gives what is not given.
-    vary : mapping of str to number, sequence or DataArray
-        A sequence is a dimension of its own name; DataArrays that share a dimension vary together.
-    samples : int
-        Of the coefficients from the model's covariance; 0 for none.
-    seed : int
-        Of the samples.
-
-    Raises
-    ------
-    InputError
-        Where a name is unknown, a value is not finite, or the model has no covariance to draw from.
-    """
+    """Lay out an ensemble."""
     movers, machinery = model.terms.actuators, particulars_with(model.terms.actuators)
     names = {*machinery, *(actuator.name for actuator in (*STANDARD, *movers))}
     particulars = {name: value for name, value in model.configuration.values().items() if name in names}
@@ -140,20 +91,7 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
 
 
 def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
-    """Return a grid with further values, whose dimensions are the grid's or new ones.
-
-    Parameters
-    ----------
-    grid : Grid
-        What varies already.
-    more : mapping of str to number or DataArray
-        Numbers of a controller, by the names of the lines.
-
-    Raises
-    ------
-    InputError
-        Where one is no number, or a dimension has another size.
-    """
+    """Return a grid with further values, whose dimensions are the grid's or new ones."""
     values = {**grid.values, **{name: labelled(name, value) for name, value in more.items()}}
     return Grid(values, sizes_of(values) or grid.sizes)
 

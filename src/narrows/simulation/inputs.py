@@ -10,64 +10,42 @@ from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.ship.checks import LARGEST
 
+# State at the start, and what it is unless said otherwise.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
-"""State at the start, and what it is unless said otherwise."""
+# Constant surge force, sway force and yaw moment.
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
-"""Constant surge force, sway force and yaw moment."""
+# Sinkage and rudder angle, held through a voyage.
 STEADY = {"heave": 0.0, "rudder": 0.0}
-"""Sinkage and rudder angle, held through a voyage."""
+# What of the hull meets a bank, where it is no outline.
 Contact = Literal["corners", "midship", "none"]
-"""What of the hull meets a bank, where it is no outline."""
+# Of a lane.
 Precision = Literal["float64", "float32"]
-"""Of a lane."""
+# A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first.
 Schedule = float | Sequence[Sequence[float]]
-"""A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first."""
+# Steps of a voyage, which keeps each of them.
 MOST_ROWS = 5_000_000
-"""Steps of a voyage, which keeps each of them."""
+# Steps of each voyage of an ensemble, which keeps only its end.
 MOST_STEPS = 1_000_000_000
-"""Steps of each voyage of an ensemble, which keeps only its end."""
+# What a step takes at best [s].
 STEP_TIME = 1e-8
-"""What a step takes at best [s]."""
 MOST_WORKERS = 4096
+# Of an outline, which is a part of the program.
 MOST_POINTS = 1000
-"""Of an outline, which is a part of the program."""
+# Voyages of an ensemble, some 60 bytes each.
 MOST_IN_MEMORY, MOST_STORED = 100_000_000, 100_000_000_000
-"""Voyages of an ensemble, some 60 bytes each."""
 
 
 class Stretch(NamedTuple):
-    """A time over which the inputs are constant.
+    """A time over which the inputs are constant."""
 
-    Parameters
-    ----------
-    start, stop : float [s]
-        From when until when.
-    forces : tuple of float [N, N, N m]
-        Surge force, sway force, yaw moment.
-    """
-
-    start: float
-    stop: float
-    forces: tuple[float, float, float]
+    start: float  # From when until when [s]
+    stop: float  # From when until when [s]
+    forces: tuple[float, float, float]  # Surge force, sway force, yaw moment [N, N, N m]
 
 
 def stretches(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Stretch]:
-    """Cut a voyage where its inputs jump, so that no step reaches over a jump (ours).
-
-    Parameters
-    ----------
-    X, Y : float or pairs [N]
-        Surge and sway force.
-    N : float or pairs [N m]
-        Yaw moment.
-    stop : float [s]
-        End of the voyage.
-
-    Raises
-    ------
-    InputError
-        Where a schedule is not pairs of finite numbers in rising time.
-    """
+    """Cut a voyage where its inputs jump, so that no step reaches over a jump."""
+    # X, Y [N]; N [N m]; stop [s]
     tables = [_table(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
     jumps = sorted({0.0, *(t for times, _ in tables for t in times.tolist() if 0 < t < stop)})
     return [
@@ -98,18 +76,7 @@ def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
 
 
 def finite_numbers(**values: object) -> dict[str, float]:
-    """Return arguments as finite floats (ours).
-
-    Parameters
-    ----------
-    **values : object
-        As a caller gave them, by name.
-
-    Raises
-    ------
-    InputError
-        Where one is no finite, real number.
-    """
+    """Return arguments as finite floats."""
     return {name: _finite(name, value) for name, value in values.items()}
 
 
@@ -127,20 +94,7 @@ def _finite(name: str, value: Any) -> float:
 
 
 def check_steps(duration: object, dt: object, most: float) -> tuple[float, float]:
-    """Return a duration and a time step that can be taken [s] (ours).
-
-    Parameters
-    ----------
-    duration, dt : object
-        As a caller gave them.
-    most : float
-        Steps that are not too many.
-
-    Raises
-    ------
-    InputError
-        Where one is not positive and finite, or there would be too many steps.
-    """
+    """Return a duration and a time step that can be taken [s]."""
     for name, value in (("duration", duration), ("dt", dt)):
         if _finite(name, value) <= 0:
             raise InputError(f"{name} = {shown(value)} must be a positive, finite number")
@@ -156,20 +110,8 @@ def check_steps(duration: object, dt: object, most: float) -> tuple[float, float
 
 
 def check_times(at: object, duration: object = None) -> list[float]:
-    """Return output times after the start [s] (ours).
-
-    Parameters
-    ----------
-    at : sequence of float
-        As a caller gave them.
-    duration : float [s], optional
-        That they must lie within.
-
-    Raises
-    ------
-    InputError
-        Where they do not rise, or one is no finite number.
-    """
+    """Return output times after the start [s]."""
+    # duration [s]
     try:
         times = list(at)  # type: ignore[call-overload]
     except (TypeError, ValueError):
@@ -183,51 +125,18 @@ def check_times(at: object, duration: object = None) -> list[float]:
 
 
 def check_workers(workers: object) -> None:
-    """Raise where a number of threads is none (ours).
-
-    Parameters
-    ----------
-    workers : int, optional
-        As a caller gave it; None for all cores.
-
-    Raises
-    ------
-    InputError
-        Where it is no whole number from 1 to some thousand.
-    """
+    """Raise where a number of threads is none."""
     if workers is not None:
         check_count("workers", workers, 1, MOST_WORKERS)
 
 
 def check_precision(precision: object) -> None:
-    """Raise where a precision of ensembles is unknown (ours).
-
-    Parameters
-    ----------
-    precision : str
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Where it is neither of the two.
-    """
+    """Raise where a precision of ensembles is unknown."""
     check_choice("precision", precision, get_args(Precision))
 
 
 def check_options(surge: object, surge_inertia: object, coriolis: object, contact: object) -> None:
-    """Raise where a choice of simulation is none (ours).
-
-    Parameters
-    ----------
-    surge, surge_inertia, coriolis, contact : object
-        As a caller gave them.
-
-    Raises
-    ------
-    InputError
-        Where one is unknown or plays no part, or an outline is no points in metres.
-    """
+    """Raise where a choice of simulation is none."""
     check_choice("surge", surge, get_args(Surge))
     if surge_inertia is not None:
         finite_numbers(surge_inertia=surge_inertia)
@@ -244,18 +153,7 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
 
 
 def check_waterway(waterway: object) -> None:
-    """Raise where what should be a waterway is none (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway, optional
-        As a caller gave it.
-
-    Raises
-    ------
-    InputError
-        Where it has no line.
-    """
+    """Raise where what should be a waterway is none."""
     if waterway is not None and not hasattr(waterway, "line"):
         raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
 
@@ -274,20 +172,7 @@ def _check_outline(contact: Any) -> None:
 
 
 def check_vessels(vessels: int, stored: bool) -> None:
-    """Raise where an ensemble holds more voyages than can be kept (ours).
-
-    Parameters
-    ----------
-    vessels : int
-        How many voyages.
-    stored : bool
-        Whether they go to a store, block by block.
-
-    Raises
-    ------
-    InputError
-        Where they are too many.
-    """
+    """Raise where an ensemble holds more voyages than can be kept."""
     if not stored and vessels > MOST_IN_MEMORY:
         raise InputError(
             f"{vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"

@@ -26,46 +26,25 @@ if TYPE_CHECKING:
 
 PUSH_END = "push_end"
 STATE_AT_END = ("y", "psi", "u", "v", "r")
+# What is kept of each voyage, and as what.
 OUTPUTS: dict[str, type] = {
     "outcome": np.int8, "side": np.int8, "time": np.float64, "distance": np.float64,
     **{f"{name}_end": np.float64 for name in STATE_AT_END},
 }  # fmt: skip
-"""What is kept of each voyage, and as what."""
 
 Result = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
 class KernelRun:
-    """How to run voyages.
+    """How to run voyages."""
 
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model and the choices of simulation.
-    duration : float or array [s]
-        Longest time.
-    dt : float or array [s]
-        Step.
-    precision : str
-        ``float64`` or ``float32``.
-    steering : Steering, optional
-        What steers; its numbers that vary are among the values of a run.
-    waterway : Waterway, optional
-        Where the ships sail instead of the model's own canal.
-
-    Raises
-    ------
-    InputError
-        Where the precision is unknown or too coarse for a waterway, or what steers is an object of Python.
-    """
-
-    ship: SimulatedShip
-    duration: Any
-    dt: Any
-    precision: str = "float64"
-    steering: Steering | None = None
-    waterway: "Waterway | None" = None
+    ship: SimulatedShip  # The model and the choices of simulation
+    duration: Any  # Longest time [s]
+    dt: Any  # Step [s]
+    precision: str = "float64"  # ``float64`` or ``float32``
+    steering: Steering | None = None  # What steers; its numbers that vary are among the values of a run
+    waterway: "Waterway | None" = None  # Where the ships sail instead of the model's own canal
 
     def __post_init__(self) -> None:
         if self.precision not in ("float64", "float32"):
@@ -79,17 +58,7 @@ class KernelRun:
             )
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
-        """Run voyages; in columns of NumPy, in double precision, where there is no Numba.
-
-        Parameters
-        ----------
-        values : mapping of str to float or array (vessels,)
-            Start, forces from outside, particulars, coefficients, numbers of the controller.
-        vessels : int
-            How many.
-        workers : int, optional
-            Threads; all cores unless given.
-        """
+        """Run voyages; in columns of NumPy, in double precision, where there is no Numba."""
         columns = lacks_compiler()
         prepared = self._in_columns(values, vessels) if columns else self.prepared(values, vessels, workers)
         prepared()
@@ -97,15 +66,7 @@ class KernelRun:
         return {name: ended[name] for name in OUTPUTS}
 
     def ended(self, prepared: PreparedRun | ColumnRun, values: Mapping[str, Any]) -> Result:
-        """Return how voyages ended: ``OUTPUTS``, and positions of actuators and the memory of a controller at the end.
-
-        Parameters
-        ----------
-        prepared : PreparedRun
-            After a call.
-        values : mapping of str to float or array
-            As it was prepared with.
-        """
+        """Return how voyages ended: ``OUTPUTS``, positions of actuators and the controller's memory at the end."""
         names = prepared.kernel.KEPT_NAMES
         ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
         ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
@@ -115,17 +76,7 @@ class KernelRun:
         return {**kept, **{f"{name}_end": ends[name] for name in ends if name not in ("x", "cos_psi", "sin_psi")}}
 
     def prepared(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> PreparedRun:
-        """Lay out voyages, to be sailed by a call.
-
-        Parameters
-        ----------
-        values : mapping of str to float or array (vessels,)
-            As for ``run``.
-        vessels : int
-            How many.
-        workers : int, optional
-            Threads; all cores unless given.
-        """
+        """Lay out voyages, to be sailed by a call."""
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
         start, times = self._start(system, values), self._times(vessels)

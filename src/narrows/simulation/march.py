@@ -13,109 +13,55 @@ from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.steering import PARAMETER
 
+# What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
-"""What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first."""
+# How near to contact the end is placed [m].
 CONTACT_TOLERANCE = 1e-9
-"""How near to contact the end is placed [m]."""
+# Of the width: a hull that runs away so near a bank has met it, for at midship the suction ends infinite.
 NEAR_THE_BANK = 1e-3
-"""Of the width: a hull that runs away so near a bank has met it, for at midship the suction ends infinite."""
+# What arithmetic of floats raises where a compiled one gives infinity or no number.
 WRONG = (ZeroDivisionError, OverflowError, ValueError)
-"""What arithmetic of floats raises where a compiled one gives infinity or no number."""
 
 
 class Row(NamedTuple):
-    """A moment of a voyage.
+    """A moment of a voyage."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When.
-    state : tuple of float
-        What is kept from step to step.
-    ahead : float [s]
-        Length of the step that begins here.
-    order : float [rad]
-        What a controller of Python asks for in it.
-    whole : bool
-        Not within a step that was cut short, where a contact is located.
-    """
-
-    t: float
-    state: State
-    ahead: float = 0.0
-    order: float = 0.0
-    whole: bool = True
+    t: float  # When [s]
+    state: State  # What is kept from step to step
+    ahead: float = 0.0  # Length of the step that begins here [s]
+    order: float = 0.0  # What a controller of Python asks for in it [rad]
+    whole: bool = True  # Not within a step that was cut short, where a contact is located
 
 
 class End(NamedTuple):
-    """How a march ended.
+    """How a march ended."""
 
-    Parameters
-    ----------
-    fate : int
-        As ``event`` says.
-    lean : float [m]
-        How much more room there is to port than to starboard.
-    """
-
-    fate: int
-    lean: float
+    fate: int  # As ``event`` says
+    lean: float  # How much more room there is to port than to starboard [m]
 
 
 class Try(NamedTuple):
-    """A step that is to be judged.
+    """A step that is to be judged."""
 
-    Parameters
-    ----------
-    row : Row
-        Where it began.
-    after : tuple of float
-        The state where it ended.
-    room, lean : float [m]
-        There.
-    sane : bool
-        Whether that is a state of a ship.
-    before : float [m]
-        The room where it began.
-    left : float
-        Planned steps after it.
-    """
-
-    row: Row
-    after: State
-    room: float
-    lean: float
-    sane: bool
-    before: float
-    left: float
+    row: Row  # Where it began
+    after: State  # The state where it ended
+    room: float  # There [m]
+    lean: float  # There [m]
+    sane: bool  # Whether that is a state of a ship
+    before: float  # The room where it began [m]
+    left: float  # Planned steps after it
 
 
 @dataclass
 class March:
-    """A ship on its way: the lines of its step, and every number that they ask for.
+    """A ship on its way: the lines of its step, and every number that they ask for."""
 
-    Parameters
-    ----------
-    functions : namespace
-        Of the system, for floats.
-    choices : Choices
-        What a step holds.
-    inputs : mapping of str to float
-        Everything that the lines ask for.
-    channel : Channel
-        Where it sails.
-    near : float [m]
-        So near a bank a motion that runs away has met it.
-    order : callable, optional
-        Of a controller of Python.
-    """
-
-    functions: SimpleNamespace
-    choices: Choices
-    inputs: Mapping[str, float]
-    channel: Channel
-    near: float
-    order: Order | None = None
+    functions: SimpleNamespace  # Of the system, for floats
+    choices: Choices  # What a step holds
+    inputs: Mapping[str, float]  # Everything that the lines ask for
+    channel: Channel  # Where it sails
+    near: float  # So near a bank a motion that runs away has met it [m]
+    order: Order | None = None  # Of a controller of Python
     _step_inputs: list[float] = field(init=False)
     _asked: float = field(init=False, default=math.nan)
 
@@ -132,29 +78,14 @@ class March:
         self._track, self._outline = self.channel.water.track.tolist(), self.channel.water.outline.tolist()
 
     def set(self, **values: float) -> None:
-        """Change numbers that the step asks for.
-
-        Parameters
-        ----------
-        **values : float
-            By the names of the lines.
-        """
+        """Change numbers that the step asks for."""
         for name, value in values.items():
             if name in self._names:
                 self._step_inputs[self._names.index(name)] = value
 
     def stepped(self, state: State, length: float, share: float = 1.0) -> tuple[State, float, float]:
-        """Return the state after a step or a share of it, its room and its lean [m].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Before it.
-        length : float [s]
-            Of the whole step.
-        share : float [1]
-            Of it.
-        """
+        """Return the state after a step or a share of it, its room and its lean [m]."""
+        # length [s]
         inputs = self._step_inputs
         inputs[self._length], inputs[self._share] = length, share
         try:
@@ -164,15 +95,7 @@ class March:
         return tuple(after), room, lean
 
     def room(self, state: State, exact: bool = True) -> tuple[float, float]:
-        """Return what is left to whatever ends the voyage, and the lean [m].
-
-        Parameters
-        ----------
-        state : tuple of float
-            Where the ship is.
-        exact : bool
-            Ask the banks of a waterway where the cheap lower bound is used up.
-        """
+        """Return what is left to whatever ends the voyage, and the lean [m]."""
         room, lean = self.functions.room(self._table, *state[:4], *self._room_inputs)
         return self._from_banks(state) if exact and self._exact and room <= 0 else (room, lean)
 
@@ -186,15 +109,8 @@ class March:
         return min(room, ends, cosine - inputs["least_cos"]), lean
 
     def sane(self, state: State, room: float) -> bool:
-        """Whether the numbers of a state are those of a ship; drawn to a bank that ends its voyage any speed is.
-
-        Parameters
-        ----------
-        state : tuple of float
-            The state.
-        room : float [m]
-            What is left there.
-        """
+        """Whether the numbers of a state are those of a ship; drawn to a bank that ends its voyage any speed is."""
+        # room [m]
         if self.choices.leaves and room <= self.near:
             return True
         u, v, r = state[4:7]
@@ -202,17 +118,8 @@ class March:
         return abs(u) < fast and abs(v) < fast and abs(r) < turning and room == room
 
     def sail(self, rows: list[Row], stop: float, dt: float) -> End | None:
-        """March from the last row to a time, or to what ends the voyage before; None where the time was reached.
-
-        Parameters
-        ----------
-        rows : list of Row
-            Of the voyage; grows.
-        stop : float [s]
-            Until when.
-        dt : float [s]
-            Length of a step.
-        """
+        """March from the last row to a time, or to what ends the voyage before; None where the time was reached."""
+        # stop [s]; dt [s]
         begun, state, *_ = rows.pop()
         book, within = planned(stop - begun, dt), False
         while book[event.COUNT] > 0:
@@ -266,15 +173,8 @@ class March:
         self._step_inputs[self._order] = float(self.order(t, seen))
 
     def dense(self, rows: Sequence[Row], times: Sequence[float]) -> list[Row]:
-        """Return the voyage at times of one's own, each by a share of the step that it lies in.
-
-        Parameters
-        ----------
-        rows : sequence of Row
-            Of the voyage.
-        times : sequence of float [s]
-            Rising.
-        """
+        """Return the voyage at times of one's own, each by a share of the step that it lies in."""
+        # times [s]
         interpolated, index = [], 0
         for time in times:
             while index < len(rows) - 1 and rows[index + 1].t <= time:
@@ -289,15 +189,8 @@ class March:
 
 
 def planned(duration: float, dt: float) -> event.Book:
-    """Return the book of a voyage of whole steps and a last, shorter one (ours).
-
-    Parameters
-    ----------
-    duration : float [s]
-        Of it.
-    dt : float [s]
-        Length of a step.
-    """
+    """Return the book of a voyage of whole steps and a last, shorter one."""
+    # duration [s]; dt [s]
     count = math.floor(duration / dt + 1e-9)
     rest = duration - count * dt
     book = [0.0] * event.PLACES
@@ -306,11 +199,6 @@ def planned(duration: float, dt: float) -> event.Book:
 
 
 def near_the_bank(values: Mapping[str, Any]) -> float:
-    """Return how near a bank a motion that runs away has met it [m] (ours).
-
-    Parameters
-    ----------
-    values : mapping of str to float
-        With the width [m].
-    """
+    """Return how near a bank a motion that runs away has met it [m]."""
+    # values [m]
     return NEAR_THE_BANK * float(values["width"])

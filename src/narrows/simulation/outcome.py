@@ -20,11 +20,11 @@ class Code(IntEnum):
 GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED, LEFT_WATERWAY = (
     "grounded", "afloat", "left validity", "diverged", "left the waterway",
 )  # fmt: skip
+# What the codes mean; a waterway is left by its beginning or by its end.
 KINDS = {
     Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY,
     Code.ASTERN: LEFT_WATERWAY, Code.PASSED: LEFT_WATERWAY,
 }  # fmt: skip
-"""What the codes mean; a waterway is left by its beginning or by its end."""
 BEGINNING, END = "beginning", "end"
 
 

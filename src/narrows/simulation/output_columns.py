@@ -11,24 +11,12 @@ UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": 
 
 
 def empty_of(kind: type) -> Any:
-    """What stands where no voyage was run (ours).
-
-    Parameters
-    ----------
-    kind : type
-        Of the column.
-    """
+    """What stands where no voyage was run."""
     return NOT_RUN if issubclass(kind, np.integer) else np.nan
 
 
 def attributes_of(name: str) -> dict[str, Any]:
-    """Units, and the meaning of codes in the way of the CF conventions (ours).
-
-    Parameters
-    ----------
-    name : str
-        A kept column.
-    """
+    """Units, and the meaning of codes in the way of the CF conventions."""
     if name == "outcome":
         codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
         for code, way in ((Code.ASTERN, BEGINNING), (Code.PASSED, END)):

@@ -6,45 +6,19 @@ import xarray as xr
 from narrows.errors import InputError, check_count
 from narrows.model.model import Model
 
+# Over the coefficients, to bring samples back to their bounds.
 PASSES = 3
-"""Over the coefficients, to bring samples back to their bounds."""
 MOST_SAMPLES = 10_000_000
 
 
 def check_samples(samples: object, seed: object) -> None:
-    """Raise where a number of samples or a seed is none (ours).
-
-    Parameters
-    ----------
-    samples, seed : object
-        As a caller gave them.
-
-    Raises
-    ------
-    InputError
-        Where one is no whole number from 0, or there are more samples than fit in memory.
-    """
+    """Raise where a number of samples or a seed is none."""
     check_count("samples", samples, most=MOST_SAMPLES)
     check_count("seed", seed)
 
 
 def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
-    """Draw coefficients from their covariance (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Whose coefficients.
-    samples : int
-        How many.
-    seed : int
-        Of the samples.
-
-    Raises
-    ------
-    InputError
-        Where the model has no covariance.
-    """
+    """Draw coefficients from their covariance."""
     if model.covariance is None:
         raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or samples=0")
     names = model.terms.names

@@ -124,7 +124,7 @@ def sensitivities(
     model: Model, by: Sequence[str] = (), y: float = 0.0, u: float = 1.0, duration: float | None = None,
     dt: float = 0.02, **voyage: Any,
 ) -> Sensitivities:  # fmt: skip
-    """Differentiate a voyage by its start, coefficients, particulars and inputs, exactly (ours).
+    """Differentiate a voyage by its start, coefficients, particulars and inputs, exactly.
 
     Every line of every step is differentiated along with it, so that the slopes are those of the computed voyage, to
     rounding. A control law in arithmetic is differentiated with the ship. Where a line has a kink, as ``abs(v)`` at

@@ -17,39 +17,20 @@ from narrows.simulation.channel import check_outline
 from narrows.simulation.inputs import Contact, check_options
 from narrows.terms.term import TermTable
 
+# Points of the waterline: (forward of midship, to starboard) [m].
 Points = Sequence[Sequence[float]]
-"""Points of the waterline: (forward of midship, to starboard) [m]."""
 
 
 @dataclass(frozen=True)
 class SimulatedShip:
-    """A model with the choices that simulation leaves open.
+    """A model with the choices that simulation leaves open."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-    surge : str
-        ``held``: the speed stays; ``free``: it is integrated.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free``.
-    coriolis : bool
-        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
-    contact : str or points [m]
-        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
-        ``none`` in open water.
-
-    Raises
-    ------
-    InputError
-        Where a choice is unknown, the terms need a propeller that is not there, the speed is free and no inertia in
-        surge is known, or a bank is left out that the terms feel.
-    """
-
-    model: Model
-    surge: Surge = "held"
-    surge_inertia: float | None = None
-    coriolis: bool = False
+    model: Model  # The ship in its canal
+    surge: Surge = "held"  # ``held``: the speed stays; ``free``: it is integrated
+    surge_inertia: float | None = None  # Mass in surge with its added mass, for ``free`` [kg]
+    coriolis: bool = False  # Add the rigid body's Coriolis force; the fitted damping at one speed holds it already
+    # ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
+    # ``none`` in open water [m]
     contact: Contact | Points = "corners"
 
     def __post_init__(self) -> None:
@@ -66,11 +47,9 @@ class SimulatedShip:
 
     @cached_property
     def shape(self) -> str | Outline:
-        """What of the hull meets a bank.
-
-        To an outline the hull's sides at midship are added: there the suction of a bank ends infinite, so that contact
-        must not come later.
-        """
+        """What of the hull meets a bank."""
+        # To an outline the hull's sides at midship are added: there the suction of a bank ends infinite, so that
+        # contact must not come later.
         shape, ship = checked_shape(self.contact), self.model.configuration.ship
         if isinstance(shape, str):
             return shape
@@ -83,28 +62,13 @@ class SimulatedShip:
         return tuple(Actuated(actuator.name, actuator.angle) for actuator in self.model.terms.actuators)
 
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
-        """Return the traced system, shared by all ships with the same terms.
-
-        Parameters
-        ----------
-        waterway : bool
-            Whether the section of the water changes.
-        law : Law, optional
-            What steers.
-        pushed : {"never", "always", "until"}
-            Whether forces from outside act.
-        """
+        """Return the traced system, shared by all ships with the same terms."""
         contact = self.shape if isinstance(self.shape, str) else len(self.shape)
         return _system(self.model.terms, self.surge, self.coriolis, Choices(contact, waterway, law, pushed))
 
     def values(self, **positions: Number) -> dict[str, Number]:
-        """Return every particular and coefficient by name, with the limits of the gear.
-
-        Parameters
-        ----------
-        **positions : number
-            Of actuators where nothing moves them, by name: rudder [rad]; at rest unless given.
-        """
+        """Return every particular and coefficient by name, with the limits of the gear."""
+        # **positions [rad]
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for actuator in self.model.terms.actuators for name, at in actuator.at_rest().items()}
@@ -115,23 +79,11 @@ class SimulatedShip:
         return {**ship, "heave": 0.0, "surge_inertia": added}
 
     def linearisation(self, values: Mapping[str, Number]) -> Linearisation:
-        """Return the exact derivatives of its motion, for whatever linearises it.
-
-        Parameters
-        ----------
-        values : mapping of str to number
-            Particulars and coefficients by name, as ``values`` gives them; columns for many ships.
-        """
+        """Return the exact derivatives of its motion, for whatever linearises it."""
         return self.system().linearisation(values, self.actuators)
 
     def with_model(self, model: Model) -> "SimulatedShip":
-        """Return another model under the same choices.
-
-        Parameters
-        ----------
-        model : Model
-            The other.
-        """
+        """Return another model under the same choices."""
         return replace(self, model=model)
 
     def __getstate__(self) -> Mapping[str, Any]:

@@ -14,8 +14,8 @@ from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.ship import SimulatedShip
 
+# What runs away or comes back: nothing depends on x, and the speed is held.
 FELT = ("y", "psi", "v", "r")
-"""What runs away or comes back: nothing depends on x, and the speed is held."""
 OPEN_WATER = ("v", "r")
 
 

@@ -13,57 +13,26 @@ from narrows.quantities.names import Number
 from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named, Ordering
 
 CURRENT, SEEN = "current", "water_"
+# What the lines call a law's numbers and its memory.
 PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
-"""What the lines call a law's numbers and its memory."""
 
 
 @dataclass(frozen=True)
 class Steering:
-    """What steers, with its numbers.
+    """What steers, with its numbers."""
 
-    Parameters
-    ----------
-    law : Law
-        What the engine writes into its steps.
-    parameters : mapping of str to number or DataArray
-        By the names of the lines.
-    controller : ControlLaw
-        Where it is from.
-    asked : Controller, optional
-        The object of Python that gives the orders, where it is no law.
-    """
-
-    law: Law
-    parameters: Mapping[str, Any]
-    controller: ControlLaw
-    asked: Controller | None = None
+    law: Law  # What the engine writes into its steps
+    parameters: Mapping[str, Any]  # By the names of the lines
+    controller: ControlLaw  # Where it is from
+    asked: Controller | None = None  # The object of Python that gives the orders, where it is no law
 
     def memory(self, start: Named) -> dict[str, Number]:
-        """Return the memory at the start, by the names of the lines.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state, and positions of actuators.
-        """
+        """Return the memory at the start, by the names of the lines."""
         return {MEMORY(name): value for name, value in self.controller.memory(start).items()}
 
 
 def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | None:
-    """Write down what steers (ours).
-
-    Parameters
-    ----------
-    controller : ControlLaw or Controller or None
-        What gives the orders; None leaves everything where it is.
-    actuators : sequence of Actuated
-        What the model's terms ask for.
-
-    Raises
-    ------
-    InputError
-        Where it is neither, does more than arithmetic, or gives orders to what the model does not have.
-    """
+    """Write down what steers."""
     if controller is None:
         return None
     if isinstance(controller, ControlLaw):
@@ -109,21 +78,8 @@ def _law(
 
 
 def water(name: str, x: Any) -> Any:
-    """Return what a control law sees of the water at a place along it (ours).
-
-    Parameters
-    ----------
-    name : str
-        ``curvature`` of the line [1/m], to starboard; ``starboard`` and ``port``: how far off it a keel meets the bank
-        [m].
-    x : number [m]
-        The place, of the law's own quantities.
-
-    Raises
-    ------
-    InputError
-        Where there is no such name.
-    """
+    """Return what a control law sees of the water at a place along it."""
+    # name [1/m]; x [m]
     check_choice("what is seen of the water", name, [known.removeprefix(SEEN) for known in WATER])
     return x.apply_function(f"{SEEN}{name}", (x,))
 

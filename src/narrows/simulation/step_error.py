@@ -5,27 +5,17 @@ from collections.abc import Sequence
 
 from narrows.simulation.march import March, Row
 
+# Steps of a voyage that are taken again.
 SAMPLES = 16
-"""Steps of a voyage that are taken again."""
+# What a step of order 4 errs by, over its difference from two halves.
 ORDER_4 = 16 / 15
-"""What a step of order 4 errs by, over its difference from two halves."""
 
 
 def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
-    """Estimate how far off a voyage's track is at its end for the length of its time step [m] (ours).
-
-    The error of a step is that of a few, taken again in two halves with the rudder held; steps add up, and what the
-    motion itself makes of an error is left out.
-
-    Parameters
-    ----------
-    march : March
-        That made the voyage; its actuators are held from here on.
-    rows : sequence of Row
-        Of the voyage.
-    dt : float [s]
-        Its step.
-    """
+    """Estimate how far off a voyage's track is at its end for the length of its time step [m]."""
+    # dt [s]
+    # The error of a step is that of a few, taken again in two halves with the rudder held; steps add up, and what the
+    # motion itself makes of an error is left out.
     march.set(rudder_rate=0.0, revolutions_rate=0.0)
     whole = [row.state for row in rows[:-1] if row.ahead == dt]
     errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // SAMPLES)]]

@@ -15,31 +15,12 @@ from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.store_folder import DONE, checksum, discard, is_done, opened, storing
 
+# Voyages a task, at least: enough that writing and scheduling do not count.
 TASK_VESSELS = 100_000
-"""Voyages a task, at least: enough that writing and scheduling do not count."""
 
 
 def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
-    """Run what is not yet done of an ensemble, into a Zarr folder, and open it (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The folder; made where it is absent.
-    fleet : KernelRun
-        How to run.
-    grid : Grid
-        What varies.
-    client : dask.distributed.Client or None
-        Where to run: this machine's threads without one.
-    progress : bool
-        Show a bar.
-
-    Raises
-    ------
-    InputError
-        Where Zarr is not installed, the folder holds something else, the client is none, or the disk is full.
-    """
+    """Run what is not yet done of an ensemble, into a Zarr folder, and open it."""
     if client is not None and not hasattr(client, "submit"):
         raise InputError(f"client = {shown(client)} is none; give a dask.distributed.Client")
     blocks = list(grid.blocks(TASK_VESSELS))
@@ -57,26 +38,7 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
 
 
 def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
-    """Run one block, write its region, then mark it done; doing it again changes nothing (ours).
-
-    Parameters
-    ----------
-    path : str
-        The Zarr folder.
-    fleet : KernelRun
-        How to run.
-    part : Grid
-        What varies in this block.
-    region : tuple of slice
-        Where the block lies among all vessels.
-    number : int
-        Of the block.
-
-    Returns
-    -------
-    int
-        The number of the block.
-    """
+    """Run one block, write its region, then mark it done; doing it again changes nothing."""
     import zarr
 
     group = zarr.open_group(path, mode="r+")

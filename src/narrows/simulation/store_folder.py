@@ -18,28 +18,17 @@ from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import OUTPUTS
 from narrows.simulation.output_columns import attributes_of, empty_of
 
+# A number for each block, of all that it holds; 0 where it has not run.
 DONE = "block_checksum"
-"""A number for each block, of all that it holds; 0 where it has not run."""
+# How folders are called before they are whole.
 MAKING = ".narrows-store-"
-"""How folders are called before they are whole."""
+# Age [s] at which one of them belongs to nobody any more.
 LEFTOVER = 3600.0
-"""Age [s] at which one of them belongs to nobody any more."""
 
 
 @contextmanager
 def storing(path: Path) -> Iterator[None]:
-    """Turn what a disk throws into one sentence (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The folder.
-
-    Raises
-    ------
-    InputError
-        Where the folder cannot be read or written.
-    """
+    """Turn what a disk throws into one sentence."""
     try:
         yield
     except OSError as error:
@@ -49,26 +38,8 @@ def storing(path: Path) -> Iterator[None]:
 
 
 def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
-    """Open the folder of an ensemble, made where it is absent, with the labels that are asked for now (ours).
-
-    Labels are no part of what an ensemble is: the voyages are the same under any.
-
-    Parameters
-    ----------
-    path : Path
-        The folder.
-    identity : str
-        What tells this ensemble from others.
-    grid : Grid
-        What varies.
-    blocks : list of slice
-        How it is cut.
-
-    Raises
-    ------
-    InputError
-        Where the folder holds something else, or Zarr is not installed.
-    """
+    """Open the folder of an ensemble, made where it is absent, with the labels that are asked for now."""
+    # Labels are no part of what an ensemble is: the voyages are the same under any.
     with needs("cluster", "a store"):
         import zarr
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
@@ -88,13 +59,7 @@ def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
 
 
 def checksum(columns: Mapping[str, np.ndarray]) -> int:
-    """Return a number that changes with anything in the columns of a block, never 0 (ours).
-
-    Parameters
-    ----------
-    columns : mapping of str to array
-        What is kept of its voyages.
-    """
+    """Return a number that changes with anything in the columns of a block, never 0."""
     number = 0
     for name, kind in OUTPUTS.items():
         number = zlib.crc32(np.ascontiguousarray(columns[name], dtype=kind).tobytes(), number)
@@ -102,17 +67,7 @@ def checksum(columns: Mapping[str, np.ndarray]) -> int:
 
 
 def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
-    """Say whether a block has run and all of it can be read as it was written (ours).
-
-    Parameters
-    ----------
-    group : zarr.Group
-        The folder.
-    region : tuple of slice
-        Where the block lies among all vessels.
-    number : int
-        Of the block.
-    """
+    """Say whether a block has run and all of it can be read as it was written."""
     try:
         marked = int(group[DONE][number])
         return marked != 0 and marked == checksum({name: group[name][region] for name in OUTPUTS})
@@ -121,19 +76,7 @@ def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
 
 
 def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
-    """Remove what is stored of a block, so that nothing damaged is read when it is written again (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The folder.
-    group : zarr.Group
-        The same.
-    grid : Grid
-        What varies.
-    number : int
-        Of the block.
-    """
+    """Remove what is stored of a block, so that nothing damaged is read when it is written again."""
     chunk = tuple(number if name == grid.axis else 0 for name in grid.sizes)
     for name, chunk_index in {**dict.fromkeys(OUTPUTS, chunk), DONE: (number,)}.items():
         file = path / name / group[name].metadata.encode_chunk_key(chunk_index)

@@ -8,28 +8,17 @@ from narrows.quantities.arithmetic import choice
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import EARLY, ControlLaw, Named
 
+# Numbers beside those of the law: the switch, over 0 where it is on; the time; and the angle that is ordered before.
 STEERS, SINCE, ORDERED = "steers", "since", "ordered"
-"""Numbers beside those of the law: the switch, over 0 where it is on; the time; and the angle that is ordered before.
-"""
 
 
 @dataclass(frozen=True)
 class SwitchedLaw:
-    """Any control law, where it is on; where it is not, an angle is ordered and the law's memory stays (ours).
+    """Any control law, where it is on; where it is not, an angle is ordered and the law's memory stays."""
 
-    Parameters
-    ----------
-    law : ControlLaw
-        What steers where it is on.
-    angle : float or array [rad]
-        That is ordered where it is not.
-    since : float or array [s], optional
-        When it is switched on. By hand unless given: by the number ``steers``, off at first.
-    """
-
-    law: ControlLaw
-    angle: Any = 0.0
-    since: Any = None
+    law: ControlLaw  # What steers where it is on
+    angle: Any = 0.0  # That is ordered where it is not [rad]
+    since: Any = None  # When it is switched on [s]
 
     def parameters(self) -> Mapping[str, Any]:
         """Return the law's numbers, the angle, and the switch or the time."""
@@ -37,23 +26,11 @@ class SwitchedLaw:
         return {**self.law.parameters(), ORDERED: self.angle, **switch}
 
     def memory(self, start: Named) -> Named:
-        """Return the law's memory.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return the law's memory."""
         return self.law.memory(start)
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the law's orders or the angle, and the memory.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the law's orders or the angle, and the memory."""
         orders, memory = self.law.orders(at)
         on = self._on(at)
         kept = {name: choice(on, value, getattr(at, name)) for name, value in memory.items()}

@@ -29,55 +29,20 @@ PUSH_MARGIN = 1e-9
 
 @dataclass(frozen=True)
 class TangentMarch:
-    """A march, and the slopes of its start and of its inputs.
+    """A march, and the slopes of its start and of its inputs."""
 
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    steering : Steering, optional
-        What gives orders.
-    march : March
-        Every number that its lines ask for.
-    start : tuple of float
-        The state that it begins in.
-    numbers : mapping of str to float
-        Pose, velocities and positions of actuators at the start.
-    schedules : mapping of str to schedule
-        X, Y and N from elsewhere.
-    by : tuple of str
-        What is differentiated by.
-    waterway : bool
-        Whether the section of the water changes.
-    """
-
-    ship: SimulatedShip
-    steering: Steering | None
-    march: March
-    start: tuple[float, ...]
-    numbers: Mapping[str, float]
-    schedules: Mapping[str, Any]
-    by: tuple[str, ...]
-    waterway: bool
+    ship: SimulatedShip  # The ship
+    steering: Steering | None  # What gives orders
+    march: March  # Every number that its lines ask for
+    start: tuple[float, ...]  # The state that it begins in
+    numbers: Mapping[str, float]  # Pose, velocities and positions of actuators at the start
+    schedules: Mapping[str, Any]  # X, Y and N from elsewhere
+    by: tuple[str, ...]  # What is differentiated by
+    waterway: bool  # Whether the section of the water changes
 
     @classmethod
     def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentMarch":
-        """Return the march of a voyage.
-
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        by : sequence of str
-            What is differentiated by.
-        voyage : mapping of str to object
-            As for ``simulate``.
-
-        Raises
-        ------
-        InputError
-            Where a name is unknown, or the controller is an object of Python.
-        """
+        """Return the march of a voyage."""
         rest = dict(voyage)
         ship = SimulatedShip(model, **{name: rest.pop(name) for name in OPTIONS if name in rest})
         steering, waterway = steering_of(rest.pop("controller", None), ship.actuators), rest.pop("waterway", None)
@@ -191,13 +156,8 @@ class TangentMarch:
         return {name: np.broadcast_to(slope, len(self.by)) for name, slope in moving.items() if np.any(slope)}
 
     def slopes(self, times: np.ndarray) -> np.ndarray:
-        """Return the derivatives of x, y, psi, u, v, r at the times of the voyage, (times, 6, by).
-
-        Parameters
-        ----------
-        times : array (times,) [s]
-            The ends of its steps, the start among them.
-        """
+        """Return the derivatives of x, y, psi, u, v, r at the times of the voyage, (times, 6, by)."""
+        # times (times,) [s]
         kept, slopes = self._marched(np.asarray(times, float))
         names = self.march.choices.kept
         column = {name: slopes[:, i] for i, name in enumerate(names)}
@@ -214,28 +174,8 @@ class TangentMarch:
         self, starts: np.ndarray, start_slopes: np.ndarray, first: np.ndarray, orders: Mapping[str, np.ndarray],
         lengths: np.ndarray, **others: float,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Sail from several starts in one call; return what is kept, and its slopes, at each sample of each (ours).
-
-        Parameters
-        ----------
-        starts : array (segments, kept)
-            Where each begins.
-        start_slopes : array (segments, kept, by)
-            Of those.
-        first : array (segments + 1,)
-            The step with which each begins, and the last one's end.
-        orders : mapping of str to array (steps,)
-            Inputs of the lines that change from step to step, by name.
-        lengths : array (steps,) [s]
-            Of the steps.
-        **others : float
-            Inputs of the lines that are not those of the march.
-
-        Returns
-        -------
-        pair of array (steps + segments, kept) and (steps + segments, kept, by)
-            The samples of each segment, its end included, one segment after the other.
-        """
+        """Sail from several starts in one call; return what is kept, and its slopes, at each sample of each."""
+        # starts (segments, kept); start_slopes (segments, kept, by); first (segments + 1,); lengths (steps,) [s]
         moving, module = self._input_slopes, self._module
         inputs = {LENGTH: 0.0, **self.march.inputs, **others}
         values = np.array([float(inputs[name]) for name in module.INPUTS])

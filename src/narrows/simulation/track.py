@@ -12,28 +12,14 @@ KML = "http://www.opengis.net/kml/2.2"
 
 @dataclass(frozen=True)
 class Track:
-    """Where a ship was on earth.
+    """Where a ship was on earth."""
 
-    Parameters
-    ----------
-    t : array (times,) [s]
-        Time.
-    longitude, latitude : array (times,) [deg]
-        WGS84.
-    heading_deg : array (times,) [deg]
-        Where the bow points, clockwise from north.
-    name : str
-        Of the ship.
-    summary : str
-        How it ended.
-    """
-
-    t: np.ndarray
-    longitude: np.ndarray
-    latitude: np.ndarray
-    heading_deg: np.ndarray
-    name: str
-    summary: str
+    t: np.ndarray  # (times,) Time [s]
+    longitude: np.ndarray  # (times,) WGS84 [deg]
+    latitude: np.ndarray  # (times,) WGS84 [deg]
+    heading_deg: np.ndarray  # (times,) Where the bow points, clockwise from north [deg]
+    name: str  # Of the ship
+    summary: str  # How it ended
 
     def geojson(self) -> str:
         """Give the track as a LineString with its times and headings, and its end as a Point."""

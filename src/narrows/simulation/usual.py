@@ -7,47 +7,28 @@ from narrows.model.model import Model
 from narrows.model.squat import choke_speed
 from narrows.quantities.constants import GRAVITY
 
+# Of the speed, over the ship's length.
 FROUDE = 0.16
-"""Of the speed, over the ship's length."""
+# Of the speed that chokes the canal, which is not passed.
 OF_CHOKING = 0.7
-"""Of the speed that chokes the canal, which is not passed."""
+# Ship lengths of a voyage, and steps in each.
 LENGTHS, STEPS_A_LENGTH = 15.0, 200.0
-"""Ship lengths of a voyage, and steps in each."""
+# Of the way from the middle to where the side of the hull meets a bank.
 ASIDE = 0.78
-"""Of the way from the middle to where the side of the hull meets a bank."""
 
 
 class UsualVoyage(NamedTuple):
-    """What suits a ship.
+    """What suits a ship."""
 
-    Parameters
-    ----------
-    speed : float [m/s]
-        Within what the tests covered, and below choking.
-    duration : float [s]
-        Of fifteen ship lengths.
-    dt : float [s]
-        Of a two hundredth of a ship length.
-    offset : float [m]
-        Farthest off the middle where a map starts.
-    """
-
-    speed: float
-    duration: float
-    dt: float
-    offset: float
+    speed: float  # Within what the tests covered, and below choking [m/s]
+    duration: float  # Of fifteen ship lengths [s]
+    dt: float  # Of a two hundredth of a ship length [s]
+    offset: float  # Farthest off the middle where a map starts [m]
 
 
 def usual_voyage(model: Model, speed: float | None = None) -> UsualVoyage:
-    """Return what suits the ship of a model in its canal, each to two digits (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Its ship, its canal and the speeds of its tests.
-    speed : float [m/s], optional
-        Where it is known.
-    """
+    """Return what suits the ship of a model in its canal, each to two digits."""
+    # speed [m/s]
     ship, canal = model.configuration.ship, model.configuration.canal
     u = _speed(model) if speed is None else abs(speed) or _speed(model)
     pace = ship.length / u

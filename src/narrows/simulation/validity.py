@@ -6,15 +6,7 @@ from narrows.model.data_range import MEASURES, DataRange
 
 
 def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
-    """Say in what a voyage went beyond the data of its model (ours).
-
-    Parameters
-    ----------
-    known : DataRange
-        Of the model.
-    columns : dict of str to array (times,)
-        t, y, psi, u, r of the voyage.
-    """
+    """Say in what a voyage went beyond the data of its model."""
     seen = {
         "speed": columns["u"],
         "abs_y": np.abs(columns["y"]),

@@ -15,39 +15,18 @@ from narrows.ship.checks import Rule, check_number, check_particulars, check_rul
 from narrows.terms.term import Term, TermTable
 
 Columns = Mapping[str, xr.DataArray]
+# Names of what comes out.
 TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
-"""Names of what comes out."""
 NOWHERE: Mapping[str, str] = {}
 
 
 def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
-    """Return where a ship file gives each particular, whose rules ensembles keep too (ours).
-
-    Parameters
-    ----------
-    actuators : iterable of Actuator
-        Beside those of the package.
-    """
+    """Return where a ship file gives each particular, whose rules ensembles keep too."""
     return {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *actuators))
 
 
 def labelled(name: str, value: Any, places: Mapping[str, str] = NOWHERE) -> xr.DataArray:
-    """Return a number, a sequence or a DataArray as a column of finite numbers with named dimensions (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of what varies, and of the dimension of a sequence.
-    value : number, sequence or DataArray
-        As a caller gave it.
-    places : mapping of str to str
-        Where a ship file gives what varies.
-
-    Raises
-    ------
-    InputError
-        Where it is empty, has nameless dimensions, or holds what is no finite number.
-    """
+    """Return a number, a sequence or a DataArray as a column of finite numbers with named dimensions."""
     array = value if isinstance(value, xr.DataArray) else _from_plain(name, value)
     if not array.size:
         raise InputError(f"{name} is empty; give at least one value")
@@ -83,18 +62,7 @@ def _floats(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def sizes_of(values: Columns) -> dict[str, int]:
-    """Return the length of each dimension (ours).
-
-    Parameters
-    ----------
-    values : mapping of str to DataArray
-        What varies.
-
-    Raises
-    ------
-    InputError
-        Where two that share a dimension have other lengths or labels.
-    """
+    """Return the length of each dimension."""
     try:
         aligned = xr.align(*(value for value in values.values() if value.dims), join="exact", copy=False)
     except (TypeError, ValueError) as error:
@@ -103,20 +71,7 @@ def sizes_of(values: Columns) -> dict[str, int]:
 
 
 def tied(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
-    """Return what is given with each tied coefficient's partners, which are the same number (ours).
-
-    Parameters
-    ----------
-    terms : TermTable
-        With its ties.
-    varied : mapping of str to DataArray
-        What varies.
-
-    Raises
-    ------
-    InputError
-        Where two coefficients of a tie are given different values.
-    """
+    """Return what is given with each tied coefficient's partners, which are the same number."""
     complete = dict(varied)
     for _ in terms.ties:  # A tie may lead to the next.
         for one, other in terms.ties:
@@ -133,22 +88,7 @@ def _are_one(one: xr.DataArray, other: xr.DataArray) -> bool:
 
 
 def check_columns(model: Model, values: Columns, varied: Columns) -> None:
-    """Raise where particulars break a rule that a ship file must keep, or a coefficient leaves its bounds (ours).
-
-    Parameters
-    ----------
-    model : Model
-        With the bounds of its terms.
-    values : mapping of str to DataArray
-        All that the voyages need.
-    varied : mapping of str to DataArray
-        What was given for them.
-
-    Raises
-    ------
-    InputError
-        Names the first value that is wrong, and where it is.
-    """
+    """Raise where particulars break a rule that a ship file must keep, or a coefficient leaves its bounds."""
     places = file_places(model.terms.actuators)
     check_particulars({name: value for name, value in values.items() if name in places}, places)
     for term in model.terms.terms:

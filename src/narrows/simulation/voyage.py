@@ -45,13 +45,13 @@ if TYPE_CHECKING:
 
     from narrows.waterway.waterway import Waterway
 
+# Of a voyage [s] where nothing is said of it.
 LONGEST = 60.0
-"""Of a voyage [s] where nothing is said of it."""
+# Of the beam, by which a track may be off without a word.
 COARSE = 0.02
-"""Of the beam, by which a track may be off without a word."""
 COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
+# A room that counts as closed [m].
 CONTACT = 1e-6
-"""A room that counts as closed [m]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,18 +106,7 @@ class Voyage(Tabulated):
         return len(self.t)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column: t, x, y, psi, u, v, r, rudder, or another actuator that was given orders.
-
-        Parameters
-        ----------
-        name : str
-            Of the column.
-
-        Raises
-        ------
-        InputError
-            Where there is no such column.
-        """
+        """A column: t, x, y, psi, u, v, r, rudder, or another actuator that was given orders."""
         moved = {actuator.name: column for actuator, column in self.moved.items()}
         check_choice("column", name, (*COLUMNS, *moved))
         column: np.ndarray = moved[name] if name in moved else getattr(self, name)

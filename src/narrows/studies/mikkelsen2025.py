@@ -25,44 +25,32 @@ SHARES = (
     *(0.239, 0.002, 0.087, 0.243, 0.132, 0.015, 0.283),
     *(0.040, 0.255, 0.235, 0.128, 0.026, 0.248, 0.069),
 )
+# Table (significance_test) of the paper, of surge, sway and yaw.
 PRINTED_SHARES = dict(zip(published("mikkelsen2025_dtc").terms.names, SHARES, strict=True))
-"""Table (significance_test) of the paper, of surge, sway and yaw."""
+# Start [m] beyond which the paper's ship grounds on the near bank, "approximately".
 PRINTED_SWITCH = 2.0
-"""Start [m] beyond which the paper's ship grounds on the near bank, "approximately"."""
+# How near to it [m] is the same in its one digit.
 PRINTED_DIGIT = 0.05
-"""How near to it [m] is the same in its one digit."""
+# The paper's constant surge force [N]; and a mass in surge [kg] for it to act on, which the paper does not have: it is
+# near what straight runs of the same hull give, and at the speed where force and resistance balance it does not
+# matter.
 SURGE_FORCE, SURGE_MASS = 12.6, 300.0
-"""The paper's constant surge force [N]; and a mass in surge [kg] for it to act on, which the paper does not have:
-it is near what straight runs of the same hull give, and at the speed where force and resistance balance it
-does not matter."""
+# Displacement of the model [kg] at its scale, for the reading with Coriolis.
 MASS = 245.0
-"""Displacement of the model [kg] at its scale, for the reading with Coriolis."""
+# Of a voyage at most [s].
 DURATION = 120.0
-"""Of a voyage at most [s]."""
 STARTS = np.linspace(0.1, 2.5, 241)
 SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
 
 
 @dataclass(frozen=True, repr=False)
 class Reproduction(Shown):
-    """The paper's coefficients taken as the truth: what tests of its kinds give back, and how its ship sails.
+    """The paper's coefficients taken as the truth: what tests of its kinds give back, and how its ship sails."""
 
-    Parameters
-    ----------
-    truth : Model
-        The model as printed.
-    fit : Fit
-        What synthetic tests of the paper's kinds give.
-    voyages : dict of float to Voyage
-        From starts to starboard [m], contact by the hull's corners.
-    readings : dict of str to Dataset
-        Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without.
-    """
-
-    truth: Model
-    fit: Fit
-    voyages: dict[float, Voyage]
-    readings: dict[str, Any]
+    truth: Model  # The model as printed
+    fit: Fit  # What synthetic tests of the paper's kinds give
+    voyages: dict[float, Voyage]  # From starts to starboard [m], contact by the hull's corners
+    readings: dict[str, Any]  # Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without
 
     def __repr__(self) -> str:
         return f"<Reproduction of Mikkelsen et al. (2025): {self.agreement}>"
@@ -145,18 +133,9 @@ class Reproduction(Shown):
 
 
 def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
-    """Run the paper's tests on its own coefficients, identify them, and sail its voyages.
-
-    Parameters
-    ----------
-    progress : callable
-        Told what is being done.
-
-    References
-    ----------
-    Mikkelsen, Enevoldsen, Jensen, Jeppesen, Galeazzi, Papageorgiou (2025), Closed form modelling and identification
-    of banking effects in confined waters.
-    """
+    """Run the paper's tests on its own coefficients, identify them, and sail its voyages."""
+    # Mikkelsen, Enevoldsen, Jensen, Jeppesen, Galeazzi, Papageorgiou (2025), Closed form modelling and identification
+    # of banking effects in confined waters.
     truth = published("mikkelsen2025_dtc")
     progress("synthetic tests and their identification")
     fit = identify(twin(truth), balance="rows")
@@ -165,26 +144,13 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
 
 
 def sailed(model: Model, y: float) -> Voyage:
-    """Sail as the paper does: 1 m/s, a constant surge force, the speed free (the mass in surge is ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    y : float [m]
-        Start.
-    """
+    """Sail as the paper does: 1 m/s, a constant surge force, the speed free (the mass in surge is ours)."""
+    # y [m]
     return simulate(model, y, 1.0, DURATION, surge="free", surge_inertia=SURGE_MASS, X=SURGE_FORCE)
 
 
 def grounding_readings(model: Model) -> dict[str, Any]:
-    """Sail from every start under each reading of contact, with Coriolis and without.
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    """
+    """Sail from every start under each reading of contact, with Coriolis and without."""
     ship = replace(model.configuration.ship, mass=MASS)
     heavy = replace(model, configuration=replace(model.configuration, ship=ship))
     common: dict[str, Any] = {"y": STARTS, "duration": DURATION, "surge": "free", "X": SURGE_FORCE}
@@ -198,13 +164,7 @@ def grounding_readings(model: Model) -> dict[str, Any]:
 
 
 def switch_of(voyages: Any) -> float | None:
-    """Return the smallest start beyond which every ship grounds to starboard [m], None where there is none.
-
-    Parameters
-    ----------
-    voyages : Dataset
-        Over ``y``, rising.
-    """
+    """Return the smallest start beyond which every ship grounds to starboard [m], None where there is none."""
     elsewhere = np.flatnonzero(voyages["side"].to_numpy() <= 0)
     first = int(elsewhere[-1]) + 1 if elsewhere.size else 0
     return float(voyages["y"][first]) if first < voyages.sizes["y"] else None

@@ -36,18 +36,10 @@ class ScaleEffect(StrEnum):
 
 @dataclass(frozen=True)
 class DepthLaw:
-    """How a coefficient grows over deep water.
+    """How a coefficient grows over deep water."""
 
-    Parameters
-    ----------
-    factor : callable
-        Of names of the ship's particulars and ``depth``; 1 in deep water.
-    verified : bool
-        Whether it was read in its source.
-    """
-
-    factor: Callable[..., Number]
-    verified: bool = True
+    factor: Callable[..., Number]  # Of names of the ship's particulars and ``depth``; 1 in deep water
+    verified: bool = True  # Whether it was read in its source
 
 
 DRIFT_FORCE = DepthLaw(shallow.kijima_drift_force)

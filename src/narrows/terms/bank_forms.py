@@ -14,8 +14,8 @@ from narrows.terms.helm import WITH_HELM
 from narrows.terms.regressors import Composed
 from narrows.terms.term import LETTERS, Term, TermTable
 
+# What the name of a table says where it has no terms of the bank.
 OPEN_WATER = "open_water"
-"""What the name of a table says where it has no terms of the bank."""
 PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted", "ours"
 
 
@@ -77,6 +77,7 @@ class BankForm(Described):
 
 
 PAPER_TEXT = "Mikkelsen et al. (2025)"
+# The forms by name.
 FORMS = {
     form.name: form
     for form in (
@@ -125,11 +126,10 @@ FORMS = {
         ),
     )
 }
-"""The forms by name."""
 
 
 def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTable:
-    """Return a table with another form of its bank term (ours).
+    """Return a table with another form of its bank term.
 
     Parameters
     ----------
@@ -152,13 +152,7 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
 
 
 def without_bank(table: TermTable) -> TermTable:
-    """Return a table without terms of the bank (ours).
-
-    Parameters
-    ----------
-    table : TermTable
-        The table.
-    """
+    """Return a table without terms of the bank."""
     return table.without(f"{_base(table)}+{OPEN_WATER}", lambda term: term.from_bank)
 
 
@@ -175,7 +169,7 @@ def _form(form: str | BankForm) -> BankForm:
 
 
 def bank_only(form: str | BankForm) -> TermTable:
-    """Return a table of a bank form alone, for steady tests along a bank without drift or yaw (ours).
+    """Return a table of a bank form alone, for steady tests along a bank without drift or yaw.
 
     Parameters
     ----------

@@ -39,9 +39,10 @@ YAW = (
 )
 # The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
 # they are masses and inertias, so the table has them.
+# The terms of Mikkelsen et al. (2025).
 PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
-"""The terms of Mikkelsen et al. (2025)."""
 
+# The paper's terms and, beside its linear damping, the parts that grow with the speed: u v and u r.
 MIXED = PAPER.with_terms(
     "mixed",
     sway=[
@@ -53,11 +54,11 @@ MIXED = PAPER.with_terms(
         Term("c_ur", r"c_{ur}", damping.yaw_lift, dim.KG_M, FREE, LIFT, USUAL, YAW_MOMENT),
     ],
 )
-"""The paper's terms and, beside its linear damping, the parts that grow with the speed: u v and u r."""
 
+# The paper's terms with u v and u r in place of v and r: at one speed the same, at several the hull's lift.
 SPEED = MIXED.without("speed", lambda term: term.scale_effect is TEST_SPEED)
-"""The paper's terms with u v and u r in place of v and r: at one speed the same, at several the hull's lift."""
 
+# Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge.
 CROSSFLOW = SPEED.with_terms(
     "crossflow",
     surge=[
@@ -74,4 +75,3 @@ CROSSFLOW = SPEED.with_terms(
         Term("c_rv", r"c_{|r|v}", damping.sway_in_crossflow, dim.KG_M, FREE, CROSS, USUAL),
     ],
 )
-"""Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge."""

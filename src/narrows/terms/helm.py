@@ -9,8 +9,8 @@ from narrows.quantities.names import Number
 from narrows.terms.about import TermKind
 from narrows.terms.term import NONNEGATIVE, Term, TermTable
 
+# What the name of a table says where it has the terms of a rudder.
 WITH_HELM = "helm"
-"""What the name of a table says where it has the terms of a rudder."""
 SOURCE = "form of Yasukawa and Yoshimura (2015)"
 
 
@@ -20,13 +20,7 @@ def _row(letter: str, regressor: Callable[..., Number]) -> tuple[Term, ...]:
 
 
 def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
-    """Return the terms of a rudder as a table would call them: those of surge, sway and yaw (ours).
-
-    Parameters
-    ----------
-    table : TermTable
-        Whose coefficients they go beside.
-    """
+    """Return the terms of a rudder as a table would call them: those of surge, sway and yaw."""
     surge, sway, yaw = table.letters
     return {
         "surge": _row(surge, rudder.helm_surge),
@@ -36,7 +30,7 @@ def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
 
 
 def with_helm(table: TermTable, name: str = "") -> TermTable:
-    """Return a table with the terms of a rudder (ours).
+    """Return a table with the terms of a rudder.
 
     Parameters
     ----------

@@ -15,14 +15,14 @@ from narrows.terms.term import FREE, NONNEGATIVE, Term, TermTable
 SOURCE = "Yasukawa and Yoshimura (2015)"
 LETTERS = ("X", "Y", "N")
 SURGE_POWERS = (("vv", (2, 0)), ("vr", (1, 1)), ("rr", (0, 2)), ("vvvv", (4, 0)))
+# Powers of v' and r' in the hull's forces.
 TURNING_POWERS = (
     ("v", (1, 0)), ("r", (0, 1)), ("vvv", (3, 0)), ("vvr", (2, 1)), ("vrr", (1, 2)), ("rrr", (0, 3)),
 )  # fmt: skip
-"""Powers of v' and r' in the hull's forces."""
+# The powers of what a bluff section drags.
 CROSSFLOW_DRAG = (3, 0)
-"""The powers of what a bluff section drags."""
+# Of the derivatives that are known to grow as the water gets shallow.
 DEPTH_LAWS = {"Y_v": DRIFT_FORCE, "N_v": DRIFT_MOMENT, "N_r": YAW_MOMENT}
-"""Of the derivatives that are known to grow as the water gets shallow."""
 WAKE = ScaleEffect.WAKE
 
 
@@ -47,6 +47,7 @@ def _rudder(name: str, symbol: str, force: Callable[[RudderQuantities], Number])
 
 
 THRUST = Grouped(propeller.thrust, PropellerQuantities)
+# The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its slipstream.
 MMG = TermTable(
     "mmg",
     surge=(
@@ -77,4 +78,3 @@ MMG = TermTable(
     ties=(("X_mass", "Y_mass"), ("X_mass", "N_mass"), ("X_mx", "Y_mx"), ("X_my", "Y_my")),
     letters=LETTERS,
 )  # fmt: skip
-"""The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its slipstream."""

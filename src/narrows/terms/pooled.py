@@ -8,28 +8,15 @@ from narrows.quantities.arithmetic import maximum, minimum
 from narrows.quantities.names import Number
 from narrows.terms.term import DEPTH, Term, TermTable
 
+# Between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.
 AT = "@"
-"""Between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``."""
 
 
 def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:
-    """Return a table whose hull terms have a coefficient for each of some depths (ours).
-
-    Between depths a coefficient is linear, beyond them it stays. Terms of the bank are left as they are: shared, or as
-    their own form changes with depth.
-
-    Parameters
-    ----------
-    table : TermTable
-        The terms.
-    depths : sequence of float [m]
-        Of the tests, two or more.
-
-    Raises
-    ------
-    InputError
-        Where there are fewer than two depths.
-    """
+    """Return a table whose hull terms have a coefficient for each of some depths."""
+    # depths [m]
+    # Between depths a coefficient is linear, beyond them it stays. Terms of the bank are left as they are: shared, or
+    # as their own form changes with depth.
     knots = sorted(set(depths))
     if len(knots) < 2 or not knots[0] > 0:
         raise InputError(f"hulls of their own at each depth need two depths or more; there are {len(knots)}")

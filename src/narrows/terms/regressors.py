@@ -10,18 +10,10 @@ from narrows.quantities.names import Number, asked_by, name_of
 
 @dataclass(frozen=True)
 class Composed:
-    """A law whose first argument is what another function gives.
+    """A law whose first argument is what another function gives."""
 
-    Parameters
-    ----------
-    law : callable
-        Of that result, then of names of the vocabulary.
-    parameter : callable
-        Of names of the vocabulary.
-    """
-
-    law: Callable[..., Number]
-    parameter: Callable[..., Number]
+    law: Callable[..., Number]  # Of that result, then of names of the vocabulary
+    parameter: Callable[..., Number]  # Of names of the vocabulary
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -39,32 +31,16 @@ class Composed:
         return self.of(self.parameter(*[at[name] for name in asked_by(self.parameter)]), at)
 
     def of(self, result: Number, at: Mapping[str, Number]) -> Number:
-        """Evaluate it, of what its parameter gives.
-
-        Parameters
-        ----------
-        result : number
-            Of the parameter.
-        at : mapping of str to number
-            The quantities by name.
-        """
+        """Evaluate it, of what its parameter gives."""
         return self.law(result, *[at[name] for name in asked_by(self.law)[1:]])
 
 
 @dataclass(frozen=True)
 class Grouped:
-    """A function that takes its quantities together, as one object.
+    """A function that takes its quantities together, as one object."""
 
-    Parameters
-    ----------
-    function : callable
-        Of that object.
-    quantities : type
-        A dataclass, its fields names of the vocabulary.
-    """
-
-    function: Callable[[Any], Number]
-    quantities: type
+    function: Callable[[Any], Number]  # Of that object
+    quantities: type  # A dataclass, its fields names of the vocabulary
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:

@@ -12,32 +12,19 @@ from narrows.terms.term import TermTable
 
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
 
+# The terms of ``crossflow`` and a rudder.
 STEERED = with_helm(CROSSFLOW, "steered")
-"""The terms of ``crossflow`` and a rudder."""
+# The tables of a hull without a rudder, with the paper's bank term.
 BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
-"""The tables of a hull without a rudder, with the paper's bank term."""
+# The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
-"""The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term."""
+# Other names for some of them.
 SHORT = {"tapered": "paper+tapered"}
-"""Other names for some of them."""
 
 
 @cache
 def table_named(name: str) -> TermTable:
-    """Return a table of terms that comes with the package.
-
-    Parameters
-    ----------
-    name : str
-        Of a table; ``table+form`` for one with another form of the bank term, or ``table+open_water`` for one with
-        none; ``table+helm`` for one with a rudder; ``table+form+helm`` for one with both; ``table@0.25,0.41`` for one
-        with hull coefficients of its own at each depth in metres.
-
-    Raises
-    ------
-    InputError
-        Where there is no such table or form, or one is asked for twice.
-    """
+    """Return a table of terms that comes with the package."""
     if AT in name:
         base, _, depths = name.partition(AT)
         return pooled(table_named(base), _depths(depths, name))
@@ -69,5 +56,5 @@ def _with(table: TermTable, addition: str) -> TermTable:
     return without_bank(table) if addition == OPEN_WATER else with_bank(table, addition)
 
 
+# The paper's terms with its boundary-layer taper on the bank.
 TAPERED = table_named("paper+tapered")
-"""The paper's terms with its boundary-layer taper on the bank."""

@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 Bound = tuple[float, float]
 FREE: Bound = (float("-inf"), float("inf"))
 NONNEGATIVE: Bound = (0.0, float("inf"))
+# What says where the banks are, and how deep the water is.
 BANKS, DEPTH = "width", "depth"
-"""What says where the banks are, and how deep the water is."""
+# Of a coefficient: nothing that Python keeps for itself, and no blank.
 NAME = re.compile(r"(?!__)\S+")
-"""Of a coefficient: nothing that Python keeps for itself, and no blank."""
 ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
+# What a regressor may write instead of functions, by their names.
 INSTEAD = {
     "sin cos tan": "sin_psi and cos_psi (quantities, as y and u are) for sine and cosine of the heading, and "
     "v / (u**2 + v**2) ** 0.5 for the sine of the drift angle",
@@ -36,10 +37,9 @@ INSTEAD = {
     "min max minimum maximum clip where heaviside": "minimum(x, y), maximum(x, y) or clip(x, most)",
     "pow power square": "x ** 2 for a power",
 }
-"""What a regressor may write instead of functions, by their names."""
 BRANCH = "choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an if"
+# What the names of the paper's coefficients begin with, by force.
 LETTERS = ("a", "b", "c")
-"""What the names of the paper's coefficients begin with, by force."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -320,15 +320,7 @@ class TermTable(Described):
 
 
 def uncompiled(term: Term, error: Exception) -> InputError:
-    """Return what to say where a regressor does more than arithmetic: what to write instead (ours).
-
-    Parameters
-    ----------
-    term : Term
-        Whose it is.
-    error : Exception
-        What came of it.
-    """
+    """Return what to say where a regressor does more than arithmetic: what to write instead."""
     used = getattr(getattr(term.regressor, "__code__", None), "co_names", ())
     instead = [remedy for words, remedy in INSTEAD.items() if set(words.split()) & set(used)]
     if "compares" in str(error) or "branches" in str(error) or "ambiguous" in str(error):

@@ -10,36 +10,21 @@ from narrows.waterway.centreline import FARTHEST, Centreline
 from narrows.waterway.crossings import with_crossings
 from narrows.waterway.normals import Normals
 
+# Share of the centreline at either end beside which a bank need not be drawn.
 SLACK = 0.01
-"""Share of the centreline at either end beside which a bank need not be drawn."""
+# Places between two corners at which distances are checked.
 BETWEEN = 8
-"""Places between two corners at which distances are checked."""
+# Places along a bank at which its side of the line is checked.
 ALONG = 4000
-"""Places along a bank at which its side of the line is checked."""
 
 
 @dataclass(frozen=True)
 class BankLine:
-    """A bank's own line: at each place as far off as the centreline's normal there meets it first.
+    """A bank's own line: at each place as far off as the centreline's normal there meets it first."""
 
-    Parameters
-    ----------
-    side : str
-        ``starboard`` or ``port``, as one sails along the centreline.
-    points : array (n, 2) [m]
-        East and north, in either direction; at least two.
-    line : Centreline
-        The centreline.
-
-    Raises
-    ------
-    InputError
-        Where the bank crosses the line, or a normal meets it nowhere or beyond the centre of its bend: with the place.
-    """
-
-    side: str
-    points: np.ndarray
-    line: Centreline
+    side: str  # ``starboard`` or ``port``, as one sails along the centreline
+    points: np.ndarray  # (n, 2) East and north, in either direction; at least two [m]
+    line: Centreline  # The centreline
 
     def __post_init__(self) -> None:
         shape = np.shape(self.points)
@@ -55,13 +40,8 @@ class BankLine:
         return self._pieces[0]
 
     def distance(self, s: np.ndarray | float) -> np.ndarray:
-        """Return how far off the bank is [m]; beyond what is drawn it stays.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return how far off the bank is [m]; beyond what is drawn it stays."""
+        # s [m]
         corners, pieces = self._pieces
         s = np.clip(s, corners[0], corners[-1])
         return self._normals.met(s, pieces[np.clip(np.searchsorted(corners, s, "right") - 1, 0, len(pieces) - 1)])

@@ -11,8 +11,8 @@ from narrows.waterway.bank_line import BankLine
 from narrows.waterway.centreline import FARTHEST, Centreline
 
 Wall = Callable[[Sequence[Point], float], float]
+# More than any bank's profile reaches [m].
 FAR = 1e4
-"""More than any bank's profile reaches [m]."""
 
 
 @dataclass(frozen=True)
@@ -133,24 +133,7 @@ def _check_profile(profile: tuple[Point, ...], side: str) -> None:
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:
-    """Return a bank by its own line: at each place as far off as the normal of the centreline meets it first (ours).
-
-    Parameters
-    ----------
-    side : str
-        ``starboard`` or ``port``.
-    points : array (n, 2) [m]
-        East and north, in either direction; at least two.
-    line : Centreline
-        The centreline.
-    profile : sequence of (m, m)
-        Its shape, as in ``Bank``.
-
-    Raises
-    ------
-    InputError
-        Where the bank crosses the line, does not reach along the whole of it, or a normal meets it nowhere or beyond
-        the centre of its bend.
-    """
+    """Return a bank by its own line: at each place as far off as the normal of the centreline meets it first."""
+    # points (n, 2) [m]; profile (m, m)
     drawn = BankLine(side, points, line)
     return Bank(side, drawn.corners, drawn.distance(drawn.corners), profile, drawn)

@@ -12,15 +12,15 @@ from scipy.spatial import KDTree
 
 from narrows.errors import InputError
 
+# Between two points of the line, as starts for the search of the nearest place.
 SAMPLES_A_PIECE = 32
-"""Between two points of the line, as starts for the search of the nearest place."""
 ROUNDS = 12
+# Positions at a time, that stay in the cache.
 BLOCK = 8192
-"""Positions at a time, that stay in the cache."""
+# Of the search, over the length of the line.
 STEP = 1e-10
-"""Of the search, over the length of the line."""
+# Farther [m] than any two places on earth.
 FARTHEST = 1e8
-"""Farther [m] than any two places on earth."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,49 +10,29 @@ import numpy as np
 
 from narrows.errors import InputError, needs
 
+# Object classes that bound the water: coastline, shoreline construction, banks of canals and rivers.
 BANKS = ("COALNE", "SLCONS", "canbnk", "rivbnk", "CANBNK", "RIVBNK")
-"""Object classes that bound the water: coastline, shoreline construction, banks of canals and rivers."""
+# Object classes of a range of depths: depth areas, at sea and inland, and dredged areas.
 DEPTH_AREAS = ("DEPARE", "depare", "DRGARE")
-"""Object classes of a range of depths: depth areas, at sea and inland, and dredged areas."""
 OPTIONS = {"SPLIT_MULTIPOINT": "ON", "ADD_SOUNDG_DEPTH": "ON", "UPDATES": "APPLY"}
+# The code of depths in metres.
 METRES = 1
-"""The code of depths in metres."""
+# Layers of a cell read without the catalogue of object classes.
 BARE = {"Point", "Line", "Area"}
-"""Layers of a cell read without the catalogue of object classes."""
 
 
 @dataclass(frozen=True)
 class Chart:
-    """What a cell says of banks and depths, in WGS84.
+    """What a cell says of banks and depths, in WGS84."""
 
-    Parameters
-    ----------
-    banks : tuple of array (n, 2) [deg]
-        Lines, longitude and latitude.
-    areas : tuple of (Polygon [deg], float [m])
-        Areas with their holes, as Shapely has them, and the least depth in each.
-    name : str
-        Of the cell.
-    """
-
-    banks: tuple[np.ndarray, ...]
+    banks: tuple[np.ndarray, ...]  # (n, 2) Lines, longitude and latitude [deg]
+    # Areas with their holes, as Shapely has them, and the least depth in each [deg]
     areas: tuple[tuple[Any, float], ...]
-    name: str
+    name: str  # Of the cell
 
 
 def read_chart(path: str | Path) -> Chart:
-    """Read the banks and depths of a cell of an electronic chart; updates beside it are applied.
-
-    Parameters
-    ----------
-    path : str or Path
-        The base cell, ``.000``.
-
-    Raises
-    ------
-    InputError
-        Where the file is no such cell, its depths are not in metres, or the extra is not installed.
-    """
+    """Read the banks and depths of a cell of an electronic chart; updates beside it are applied."""
     pyogrio, path = _library(), Path(path)
     if not path.is_file():
         raise InputError(f"{path}: cannot be read (no such file); check the path")

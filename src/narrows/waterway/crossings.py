@@ -4,13 +4,8 @@ import numpy as np
 
 
 def with_crossings(points: np.ndarray) -> np.ndarray:
-    """Return the points of a polyline with those between where it crosses itself (ours).
-
-    Parameters
-    ----------
-    points : array (n, 2) [m]
-        East and north, no two in a row one place.
-    """
+    """Return the points of a polyline with those between where it crosses itself."""
+    # points (n, 2) [m]
     one, other = _beside(points)
     start, way = points[:-1], np.diff(points, axis=0)
     across = _cross(way[one], way[other])

@@ -15,18 +15,10 @@ KNOWN_CRS = ("CRS84", "4326")
 
 
 class Feature(NamedTuple):
-    """A feature of a collection.
+    """A feature of a collection."""
 
-    Parameters
-    ----------
-    properties : mapping
-        As given.
-    geometry : mapping
-        As given.
-    """
-
-    properties: Mapping[str, Any]
-    geometry: Mapping[str, Any]
+    properties: Mapping[str, Any]  # As given
+    geometry: Mapping[str, Any]  # As given
 
     @property
     def role(self) -> str | None:
@@ -36,18 +28,7 @@ class Feature(NamedTuple):
 
 
 def read_features(path: Path) -> list[Feature]:
-    """Return the features of a collection in WGS84.
-
-    Parameters
-    ----------
-    path : Path
-        GeoJSON.
-
-    Raises
-    ------
-    InputError
-        Where the file is no such collection.
-    """
+    """Return the features of a collection in WGS84."""
     with reading(path, "JSON"):
         document = json.loads(path.read_text(encoding="utf-8"))
         crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
@@ -65,20 +46,7 @@ def read_features(path: Path) -> list[Feature]:
 
 
 def coordinates(feature: Feature, name: str) -> np.ndarray:
-    """Return the points of a LineString, (n, 2): longitude and latitude [deg].
-
-    Parameters
-    ----------
-    feature : Feature
-        Its geometry.
-    name : str
-        What it is, for a sentence.
-
-    Raises
-    ------
-    InputError
-        Where it is no LineString of two points or more on earth.
-    """
+    """Return the points of a LineString, (n, 2): longitude and latitude [deg]."""
     if feature.geometry.get("type") != "LineString":
         raise InputError(f"{name} is a {shown(feature.geometry.get('type'))}; make it a LineString")
     points = pairs(feature.geometry.get("coordinates"))
@@ -95,20 +63,7 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
 
 
 def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
-    """Return the profile of a bank, empty where it has none: pairs of distance and height [m].
-
-    Parameters
-    ----------
-    feature : Feature
-        Its properties.
-    side : str
-        Of the bank.
-
-    Raises
-    ------
-    InputError
-        Where it is not pairs of numbers.
-    """
+    """Return the profile of a bank, empty where it has none: pairs of distance and height [m]."""
     value = feature.properties.get("profile")
     if value is None:
         return ()
@@ -121,20 +76,7 @@ def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
 
 
 def depths_of(feature: Feature, count: int) -> np.ndarray | None:
-    """Return the depths of a centreline, (1,) or (count,) [m]: NaN where there is none, None without any.
-
-    Parameters
-    ----------
-    feature : Feature
-        Its properties.
-    count : int
-        Of its points.
-
-    Raises
-    ------
-    InputError
-        Where they are not numbers, or neither one nor as many as points.
-    """
+    """Return the depths of a centreline, (1,) or (count,) [m]: NaN where there is none, None without any."""
     depth = feature.properties.get("depth")
     if depth is None:
         return None
@@ -147,18 +89,7 @@ def depths_of(feature: Feature, count: int) -> np.ndarray | None:
 
 
 def depths_along(feature: Feature) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return places along a centreline and the depth at each [m], None without any.
-
-    Parameters
-    ----------
-    feature : Feature
-        Its properties.
-
-    Raises
-    ------
-    InputError
-        Where they are not pairs of numbers, or the places do not rise.
-    """
+    """Return places along a centreline and the depth at each [m], None without any."""
     value = feature.properties.get("depths")
     if value is None:
         return None
@@ -171,15 +102,7 @@ def depths_along(feature: Feature) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
-    """Return lists of two numbers, or of more that are left out, as an array (n, 2); None where they are not.
-
-    Parameters
-    ----------
-    items : anything
-        As a file has it.
-    exactly : bool
-        Whether two numbers are all that may be.
-    """
+    """Return lists of two numbers, or of more that are left out, as an array (n, 2); None where they are not."""
     if not isinstance(items, list) or not all(isinstance(item, list) and len(item) >= 2 for item in items):
         return None
     if exactly and any(len(item) > 2 for item in items):
@@ -189,13 +112,7 @@ def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
 
 
 def number(value: Any) -> float | None:
-    """Return a number as a float, None where it is none or too large for one.
-
-    Parameters
-    ----------
-    value : anything
-        As a file has it.
-    """
+    """Return a number as a float, None where it is none or too large for one."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:

@@ -12,35 +12,20 @@ from narrows.waterway.normals import Normals
 from narrows.waterway.projection import origin_of, projected
 from narrows.waterway.waterway import Waterway
 
+# Longer [m] than any waterway's width.
 MOST = 1e5
-"""Longer [m] than any waterway's width."""
+# How far off a bank is looked for [m].
 REACH = 1000.0
-"""How far off a bank is looked for [m]."""
+# Over which [m] the depth goes from one area's to the next, on the deeper side.
 SHELF = 0.01
-"""Over which [m] the depth goes from one area's to the next, on the deeper side."""
 
 
 def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REACH) -> Waterway:
-    """Measure a waterway in a chart along a centreline (ours).
-
-    On either side the bank is what the normals of the line meet first, by exact intersection with the chart's lines.
-    The depth is the least of the shallowest area that the line is in. Banks
-    are vertical walls where a chart draws them.
-
-    Parameters
-    ----------
-    chart : Chart
-        Banks and depths.
-    centreline : array (n, 2) [deg]
-        Longitude and latitude.
-    reach : float [m]
-        How far off a bank is looked for.
-
-    Raises
-    ------
-    InputError
-        Where the reach is not positive, a bank or the depth is missing at a place, or the geometry is impossible.
-    """
+    """Measure a waterway in a chart along a centreline."""
+    # centreline (n, 2) [deg]; reach [m]
+    # On either side the bank is what the normals of the line meet first, by exact intersection with the chart's lines.
+    # The depth is the least of the shallowest area that the line is in. Banks are vertical walls where a chart draws
+    # them.
     if not 0 < reach < MOST:
         raise InputError(f"a reach of {reach} m is none; give a length over 0")
     if not chart.banks:

@@ -16,8 +16,8 @@ from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
 
 ROLES = ("centreline", "starboard", "port")
+# Between the bank of a bend and the line that is written for it [m].
 CHORD = 0.001
-"""Between the bank of a bend and the line that is written for it [m]."""
 
 
 def read_waterway(path: str | Path) -> Waterway:
@@ -54,18 +54,7 @@ def read_waterway(path: str | Path) -> Waterway:
 
 
 def read_line(path: str | Path) -> np.ndarray:
-    """Read a centreline: the LineString with the role ``centreline``, or the only one: (n, 2) [deg].
-
-    Parameters
-    ----------
-    path : str or Path
-        GeoJSON, longitude before latitude.
-
-    Raises
-    ------
-    InputError
-        Where there is none, or more than one.
-    """
+    """Read a centreline: the LineString with the role ``centreline``, or the only one: (n, 2) [deg]."""
     lines = [feature for feature in read_features(Path(path)) if feature.geometry.get("type") == "LineString"]
     centrelines = [feature for feature in lines if feature.role == "centreline"] or lines
     if len(centrelines) != 1:

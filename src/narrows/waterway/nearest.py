@@ -9,42 +9,26 @@ from narrows.waterway.table import WaterwayTable
 
 
 class LeastWalls(NamedTuple):
-    """Lower bounds at the nodes of a table, straight between them.
+    """Lower bounds at the nodes of a table, straight between them."""
 
-    Parameters
-    ----------
-    starboard, port : array (n,) [m]
-        From the line, square to it at midship, to what a hull can meet of either bank.
-    """
-
-    starboard: np.ndarray
-    port: np.ndarray
+    starboard: np.ndarray  # (n,) From the line, square to it at midship, to what a hull can meet of either bank [m]
+    port: np.ndarray  # (n,) From the line, square to it at midship, to what a hull can meet of either bank [m]
 
 
 def least_walls(table: WaterwayTable, outline: np.ndarray) -> LeastWalls:
-    """Return lower bounds of where a hull can meet a bank, whatever its heading (ours).
-
-    With midship at s and n, let w be the bound at s, straight between nodes, and r how far the hull's outline reaches
-    to that side: then w - n - r (to port w + n - r) is never more than the hull can move square to the line before it
-    meets that bank. Where it is positive the hull is clear.
-
-    Parameters
-    ----------
-    table : WaterwayTable
-        The waterway.
-    outline : array (points, 2) or (2 * points,) [m]
-        Forward, starboard of the hull's points from midship.
-    """
+    """Return lower bounds of where a hull can meet a bank, whatever its heading."""
+    # outline (points, 2) [m]
+    # With midship at s and n, let w be the bound at s, straight between nodes, and r how far the hull's outline
+    # reaches to that side: then w - n - r (to port w + n - r) is never more than the hull can move square to the line
+    # before it meets that bank. Where it is positive the hull is clear.
     radius = float(np.hypot(*np.reshape(outline, (-1, 2)).T).max())
     return LeastWalls(*(_least(table, radius, *side) for side in ((STARBOARD_BANK, 1), (PORT_BANK, -1))))
 
 
 def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.ndarray:
-    """Least of the bank beside the hull as seen from each node, over the cells on either side of it.
-
-    What one point of a bank is from the line, as midship passes a cell, is nearly straight in s; less how far it can
-    sag below its chord, the minimum at the nodes is a bound between them too.
-    """
+    """Least of the bank beside the hull as seen from each node, over the cells on either side of it."""
+    # What one point of a bank is from the line, as midship passes a cell, is nearly straight in s; less how far it can
+    # sag below its chord, the minimum at the nodes is a bound between them too.
     step, (bend, change) = table.step, _sharpest(table)
     sag = step**2 / 8 * np.stack([bend, change])
     least = np.full(len(table.s), np.inf)

@@ -7,41 +7,23 @@ import numpy as np
 
 from narrows.waterway.centreline import Centreline
 
+# Pairs of a normal and a point looked at together.
 AT_ONCE = 4_000_000
-"""Pairs of a normal and a point looked at together."""
 
 
 @dataclass(frozen=True)
 class Normals:
-    """The normals of a centreline to one side, and a polyline beside it, or several end to end.
+    """The normals of a centreline to one side, and a polyline beside it, or several end to end."""
 
-    Parameters
-    ----------
-    line : Centreline
-        The centreline.
-    points : array (n, 2) [m]
-        East and north of the polyline's points, no two in a row one place.
-    sign : int
-        1 for normals to starboard, -1 to port.
-    gaps : array of int
-        Pieces between two points that are not drawn, where one polyline ends and the next begins.
-    """
-
-    line: Centreline
-    points: np.ndarray
-    sign: int
+    line: Centreline  # The centreline
+    points: np.ndarray  # (n, 2) East and north of the polyline's points, no two in a row one place [m]
+    sign: int  # 1 for normals to starboard, -1 to port
+    # Pieces between two points that are not drawn, where one polyline ends and the next begins
     gaps: np.ndarray = field(default_factory=lambda: np.empty(0, int))
 
     def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
-        """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Places of the normals.
-        piece : array of int
-            Numbers of the pieces that they meet.
-        """
+        """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther."""
+        # s [m]
         position, ahead = self.line.frame(s)
         across = self.sign * np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
         start, stop = self.points[piece] - position, self.points[piece + 1] - position
@@ -50,15 +32,9 @@ class Normals:
         return np.asarray((1 - share) * (start * across).sum(axis=-1) + share * (stop * across).sum(axis=-1))
 
     def first(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far off the normals at places meet the polyline first [m], and which piece of it.
-
-        Infinite and -1 where they meet none.
-
-        Parameters
-        ----------
-        s : array (n,) [m]
-            Places.
-        """
+        """Return how far off the normals at places meet the polyline first [m], and which piece of it."""
+        # s (n,) [m]
+        # Infinite and -1 where they meet none.
         distance, first = np.full(len(s), np.inf), np.full(len(s), -1)
         for part in self._parts(len(s)):
             crossed = np.diff(self._behind(s[part]), axis=1)
@@ -72,10 +48,8 @@ class Normals:
         return distance, first
 
     def corners(self) -> np.ndarray:
-        """Return where normals pass a point of the polyline that they may see, and the line's ends [m].
-
-        Between two of them the normals meet one and the same piece first, or none.
-        """
+        """Return where normals pass a point of the polyline that they may see, and the line's ends [m]."""
+        # Between two of them the normals meet one and the same piece first, or none.
         fine, places = self.line.fine, [np.array([0.0, self.line.length])]
         for part in self._parts(len(fine) - 1):
             cell, point = np.nonzero(np.diff(self._behind(fine[part.start : part.stop + 1]), axis=0))

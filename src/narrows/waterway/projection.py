@@ -7,23 +7,13 @@ import numpy as np
 
 from narrows.errors import InputError
 
+# Latitude [deg] beyond which the mean of longitudes is no place near the line.
 NORTHMOST = 89.0
-"""Latitude [deg] beyond which the mean of longitudes is no place near the line."""
 
 
 def origin_of(points: np.ndarray) -> np.ndarray:
-    """Return the middle of a line, (2,): longitude and latitude [deg], across the antimeridian too (ours).
-
-    Parameters
-    ----------
-    points : array (n, 2) [deg]
-        Longitude and latitude.
-
-    Raises
-    ------
-    InputError
-        Where the line comes near a pole.
-    """
+    """Return the middle of a line, (2,): longitude and latitude [deg], across the antimeridian too."""
+    # points (n, 2) [deg]
     if np.abs(points[:, 1]).max() > NORTHMOST:
         raise InputError("the centreline comes within a degree of a pole, where there is no east; draw it elsewhere")
     longitude = np.unwrap(points[:, 0], period=360).mean()
@@ -31,29 +21,15 @@ def origin_of(points: np.ndarray) -> np.ndarray:
 
 
 def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Project longitude and latitude to metres east and north of an origin, true to scale near it (ours).
-
-    Parameters
-    ----------
-    points : array (n, 2) [deg]
-        Longitude and latitude, WGS84.
-    origin : array (2,) [deg]
-        Likewise.
-    """
+    """Project longitude and latitude to metres east and north of an origin, true to scale near it."""
+    # points (n, 2) [deg]; origin (2,) [deg]
     east, north = _projection(*origin.tolist()).transform(points[:, 0], points[:, 1])
     return np.stack([east, north], axis=1)
 
 
 def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Return longitude and latitude of metres east and north of an origin, longitude from -180 to 180 (ours).
-
-    Parameters
-    ----------
-    points : array (n, 2) [m]
-        East and north.
-    origin : array (2,) [deg]
-        Longitude and latitude, WGS84.
-    """
+    """Return longitude and latitude of metres east and north of an origin, longitude from -180 to 180."""
+    # points (n, 2) [m]; origin (2,) [deg]
     longitude, latitude = _projection(*origin.tolist()).transform(points[:, 0], points[:, 1], direction="INVERSE")
     return np.stack([longitude, latitude], axis=1)
 

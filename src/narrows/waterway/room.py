@@ -3,27 +3,18 @@
 from collections.abc import Sequence
 from math import cos, hypot, inf, nan, sin
 
+# Numbers a node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m].
 ROW = 9
-"""Numbers a node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m]."""
 STARBOARD_BANK, PORT_BANK = 5, 7
+# Cosine of the line to the hull at which a bank belongs to another reach of the river.
 TURNED_AWAY = -0.5
-"""Cosine of the line to the hull at which a bank belongs to another reach of the river."""
+# Node of Gauss and Legendre, sqrt(3/5), of three.
 GAUSS = 0.7745966692414834
-"""Node of Gauss and Legendre, sqrt(3/5), of three."""
 
 
 def advanced_along(bend: float, change: float, along: float) -> tuple[float, float, float]:
-    """Return how far a line of linear curvature comes ahead and across [m], and how it turns [rad].
-
-    Parameters
-    ----------
-    bend : float [1/m]
-        Curvature where it begins, ahead.
-    change : float [1/m^2]
-        Of the curvature.
-    along : float [m]
-        Its length.
-    """
+    """Return how far a line of linear curvature comes ahead and across [m], and how it turns [rad]."""
+    # bend [1/m]; change [1/m^2]; along [m]
     ahead, across = 0.0, 0.0
     for node, weight in ((1.0 - GAUSS, 5.0), (1.0, 8.0), (1.0 + GAUSS, 5.0)):
         d = 0.5 * along * node
@@ -35,17 +26,8 @@ def advanced_along(bend: float, change: float, along: float) -> tuple[float, flo
 
 
 def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, float, float, float, int]:
-    """Return the line at a place in the table's own frame: forward, starboard [m], cosine, sine, and the cell.
-
-    Parameters
-    ----------
-    track : array (n * ROW,)
-        Nodes, as ``WaterwayTable.track``.
-    step : float [m]
-        Between nodes.
-    s : float [m]
-        Along the line; beyond its ends it goes straight on.
-    """
+    """Return the line at a place in the table's own frame: forward, starboard [m], cosine, sine, and the cell."""
+    # track (n * ROW,); step [m]; s [m]
     last = len(track) // ROW - 4
     cell = int(min(max(0.0, s / step), float(last)))
     along = min(max(0.0, s - cell * step), step)
@@ -68,19 +50,8 @@ def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, flo
 def edge_room(
     a: float, b: float, next_a: float, next_b: float, sign: float, outline: Sequence[float], least: float
 ) -> float:
-    """Return the least of a room and that between one edge of a bank and the hull [m].
-
-    Parameters
-    ----------
-    a, b, next_a, next_b : float [m]
-        Ends of the edge: forward of midship, and outward.
-    sign : float
-        1 where outward is to starboard, -1 to port.
-    outline : array (2 * points,) [m]
-        Forward, starboard of the points of a convex hull, in order.
-    least : float [m]
-        The room so far.
-    """
+    """Return the least of a room and that between one edge of a bank and the hull [m]."""
+    # a, b, next_a, next_b [m]; outline (2 * points,) [m]; least [m]
     forward, out = outline[len(outline) - 2], sign * outline[len(outline) - 1]
     for point in range(0, len(outline), 2):
         before, out_before = forward, out
@@ -96,23 +67,8 @@ def side_room(
     track: Sequence[float], sign: float, cell: int,
     x: float, y: float, c: float, si: float, outline: Sequence[float],
 ) -> float:  # fmt: skip
-    """Return the least room athwart between a hull and one bank [m].
-
-    Parameters
-    ----------
-    track : array (n * ROW,)
-        Nodes.
-    sign : float
-        1 for starboard, -1 for port.
-    cell : int
-        Where midship is.
-    x, y : float [m]
-        Midship in the table's frame.
-    c, si : float
-        Cosine and sine of the heading in it.
-    outline : array (2 * points,) [m]
-        As in ``edge_room``.
-    """
+    """Return the least room athwart between a hull and one bank [m]."""
+    # track (n * ROW,); x, y [m]; outline (2 * points,) [m]
     column = STARBOARD_BANK if sign > 0.0 else PORT_BANK
     stern, bow, breadth, across, least = 0.0, 0.0, 0.0, 0.0, inf
     aft, fore = 0.0, 0.0
@@ -153,23 +109,10 @@ def side_room(
 def exact_room(
     track: Sequence[float], step: float, s: float, n: float, cos_psi: float, sin_psi: float, outline: Sequence[float]
 ) -> tuple[float, float]:
-    """Return the least room athwart between a hull and either bank, and by how much starboard is nearer [m] (ours).
-
-    Over the whole length of the hull: every node of a bank beside the hull, every point of the hull against the edges.
-
-    Parameters
-    ----------
-    track : array (n * ROW,)
-        Nodes, as ``WaterwayTable.track``; a list is faster where this is not compiled.
-    step : float [m]
-        Between nodes.
-    s, n : float [m]
-        Midship along the line, and to starboard of it.
-    cos_psi, sin_psi : float
-        Of the heading to the line there, short of 90 degrees either way.
-    outline : array (2 * points,) [m]
-        Forward, starboard of the points of a convex hull, in order; midship inside.
-    """
+    """Return the least room athwart between a hull and either bank, and by how much starboard is nearer [m]."""
+    # track (n * ROW,); step [m]; s, n [m]; outline (2 * points,) [m]
+    # Over the whole length of the hull: every node of a bank beside the hull, every point of the hull against the
+    # edges.
     if not hypot(s, n) + hypot(cos_psi, sin_psi) < inf:
         return nan, nan
     x, y, c, si, cell = line_pose(track, step, s)

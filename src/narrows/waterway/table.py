@@ -10,39 +10,24 @@ from narrows.waterway.room import GAUSS
 from narrows.waterway.waterway import Waterway
 
 MOST_CELLS = 1_000_000
+# Cells a beam of the ship that keep contact within 0.01 of the beam.
+# A kink of a bank by a slope m between nodes errs by m step / 4 (1:10: 0.006 of the beam), a bend that starts at once
+# by 0.005 of it, the chord of a bank in a bend by curvature step^2 / 8 (radius of 30 beams: 0.0003).
 STEPS_A_BEAM = 4
-"""Cells a beam of the ship that keep contact within 0.01 of the beam.
-
-A kink of a bank by a slope m between nodes errs by m step / 4 (1:10: 0.006 of the beam), a bend that starts at once by
-0.005 of it, the chord of a bank in a bend by curvature step^2 / 8 (radius of 30 beams: 0.0003).
-"""
 
 
 @dataclass(frozen=True)
 class WaterwayTable:
-    """A waterway in equal cells; between nodes its columns are straight, and so are its banks on the map.
+    """A waterway in equal cells; between nodes its columns are straight, and so are its banks on the map."""
 
-    Parameters
-    ----------
-    s : array (n,) [m]
-        Along the line, from 0 to its length.
-    starboard, port : array (n,) [m]
-        From the line to vertical walls that leave the same section of water.
-    keel_starboard, keel_port : array (n,) [m]
-        From the line to where a keel meets the bank, or to the wall where that is nearer.
-    depth : array (n,) [m]
-        Of the water; NaN where the waterway has none.
-    curvature : array (n,) [1/m]
-        Of the line, to starboard.
-    """
-
-    s: np.ndarray
-    starboard: np.ndarray
-    port: np.ndarray
+    s: np.ndarray  # (n,) Along the line, from 0 to its length [m]
+    starboard: np.ndarray  # (n,) From the line to vertical walls that leave the same section of water [m]
+    port: np.ndarray  # (n,) From the line to vertical walls that leave the same section of water [m]
+    # (n,) From the line to where a keel meets the bank, or to the wall where that is nearer [m]
     keel_starboard: np.ndarray
-    keel_port: np.ndarray
-    depth: np.ndarray
-    curvature: np.ndarray
+    keel_port: np.ndarray  # (n,) From the line to where a keel meets the bank, or to the wall where that is nearer [m]
+    depth: np.ndarray  # (n,) Of the water; NaN where the waterway has none [m]
+    curvature: np.ndarray  # (n,) Of the line, to starboard [1/m]
 
     @property
     def step(self) -> float:
@@ -51,11 +36,9 @@ class WaterwayTable:
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """Of line and banks on a map of the table's own, (n + 2, 9): see ``narrows.waterway.room.ROW``.
-
-        It has its origin and forward axis at the first node. The first row and the last are far beyond the ends, where
-        line and banks go straight on.
-        """
+        """Of line and banks on a map of the table's own, (n + 2, 9): see ``narrows.waterway.room.ROW``."""
+        # It has its origin and forward axis at the first node. The first row and the last are far beyond the ends,
+        # where line and banks go straight on.
         far = self.s[-1] + 100 * max(self.keel_starboard.max(), self.keel_port.max())
         x, y, heading = _integrated(self.curvature, self.step)
         c, si = np.cos(heading), np.sin(heading)
@@ -74,22 +57,8 @@ class WaterwayTable:
 
 
 def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
-    """Return a waterway as a table of equal cells (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway
-        The waterway.
-    draft : float [m]
-        Of the ship, whose keel meets a sloped bank before its wall.
-    step : float [m]
-        No cell is longer.
-
-    Raises
-    ------
-    InputError
-        Where a length is not positive, or the step makes more than a million cells.
-    """
+    """Return a waterway as a table of equal cells."""
+    # draft [m]; step [m]
     length = waterway.line.length
     if not (0 < step < np.inf and 0 < draft < np.inf):
         raise InputError(f"{waterway.name}: a step of {step} m and a draft of {draft} m; give lengths over 0")

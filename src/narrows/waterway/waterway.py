@@ -12,35 +12,23 @@ from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
 
 STATIONS = 2000
+# More than any sea's depth [m].
 DEEPEST = 12_000.0
-"""More than any sea's depth [m]."""
+# More than any current [m/s].
 FASTEST = 100.0
-"""More than any current [m/s]."""
 
 
+# Of its length over its radius: the bend of a line that is straight but for rounding.
 STRAIGHT = 1e-6
-"""Of its length over its radius: the bend of a line that is straight but for rounding."""
 
 
 class Section(NamedTuple):
-    """A waterway at some places, as the straight canal that it is there.
+    """A waterway at some places, as the straight canal that it is there."""
 
-    Parameters
-    ----------
-    width : array [m]
-        From bank to bank.
-    middle : array [m]
-        Of the two banks, to starboard of the centreline.
-    depth : array [m]
-        Of the water; NaN where the waterway has none.
-    curvature : array [1/m]
-        Of the centreline, to starboard.
-    """
-
-    width: np.ndarray
-    middle: np.ndarray
-    depth: np.ndarray
-    curvature: np.ndarray
+    width: np.ndarray  # From bank to bank [m]
+    middle: np.ndarray  # Of the two banks, to starboard of the centreline [m]
+    depth: np.ndarray  # Of the water; NaN where the waterway has none [m]
+    curvature: np.ndarray  # Of the centreline, to starboard [1/m]
 
 
 @dataclass(frozen=True, repr=False)
@@ -254,7 +242,7 @@ def _turned(angle: np.ndarray) -> np.ndarray:
 
 
 def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Waterway:
-    """Return a straight canal as a waterway (ours).
+    """Return a straight canal as a waterway.
 
     Parameters
     ----------

@@ -7,22 +7,10 @@ EXPORT = re.compile(r"^export (?=(?:async )?function|const|let|class)", re.MULTI
 
 
 def asset(name: str) -> str:
-    """Return a script or a style as it is (ours).
-
-    Parameters
-    ----------
-    name : str
-        As in ``canal.js``, ``palette.css``.
-    """
+    """Return a script or a style as it is."""
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
 def without_exports(text: str) -> str:
-    """Return a script as it stands in another one (ours).
-
-    Parameters
-    ----------
-    text : str
-        Of a module.
-    """
+    """Return a script as it stands in another one."""
     return EXPORT.sub("", text)

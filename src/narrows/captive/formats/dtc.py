@@ -11,41 +11,20 @@ from narrows.captive.smooth import rates
 from narrows.errors import InputError
 from narrows.readers import cells
 
+# Of the low-pass [Hz]: ramps last seconds, the tank's carriage shakes above one hertz.
 CUTOFF = 0.5
-"""Of the low-pass [Hz]: ramps last seconds, the tank's carriage shakes above one hertz (ours)."""
 
 
 HEADERS = ("time [s]", "x0 [m]", "y0 [m]", "psi [°]", "heave [mm]", "X [N]", "Y [N]", "N [Nm]")
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Say whether a frame has this layout (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    """
+    """Say whether a frame has this layout."""
     return set(HEADERS) <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring the layout to the documented headers (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    chosen : str
-        The user's selection of rows, already applied.
-    table : str
-        The file.
-
-    Raises
-    ------
-    InputError
-        Where a cell is no number, or the record is short or unevenly spaced.
-    """
+    """Bring the layout to the documented headers."""
     t, x, y, degrees = (cells.numbers(frame, header, table) for header in HEADERS[:4])
     psi = np.unwrap(np.radians(degrees))
     try:

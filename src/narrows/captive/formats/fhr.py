@@ -11,8 +11,8 @@ import pandas as pd
 
 from narrows.readers import cells
 
+# Harmonic sway and harmonic yaw: the tests that the paper's terms can explain.
 HARMONIC = ("PMMY2", "PMMPSI2")
-"""Harmonic sway and harmonic yaw: the tests that the paper's terms can explain."""
 
 RENAMED = {
     "env": "condition",
@@ -20,39 +20,22 @@ RENAMED = {
     "rud_given_deg": "rudder [deg]",
     "n_meas_rpm": "revolutions [rpm]",
 }
+# A selection that says which rudders or types it wants.
 SPEAKS_OF = re.compile(r"\b(?:type|rud_given_deg|rudder\w*)\b")
-"""A selection that says which rudders or types it wants."""
 TURNED = (
     "rudder is rud_given_deg with its sign turned, as it counts the other way there: positive turns the bow to port"
 )
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Say whether a frame has this layout (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    """
+    """Say whether a frame has this layout."""
     return {"env", "type", "psi_deg", "rud_given_deg"} <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring the layout to the documented headers (ours).
-
-    Unless the user's selection speaks of the type of test or of the rudder, harmonic tests with the rudder
-    amidships are kept: the paper's terms know neither a rudder nor a drift of 90 degrees.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    chosen : str
-        The user's selection of rows, already applied.
-    table : str
-        The file.
-    """
+    """Bring the layout to the documented headers."""
+    # Unless the user's selection speaks of the type of test or of the rudder, harmonic tests with the rudder amidships
+    # are kept: the paper's terms know neither a rudder nor a drift of 90 degrees.
     turned = -cells.numbers(frame, "rud_given_deg", table)
     frame = frame.assign(rud_given_deg=turned).rename(columns=RENAMED)
     if SPEAKS_OF.search(chosen):

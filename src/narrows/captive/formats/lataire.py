@@ -18,8 +18,10 @@ RENAMED = {
     "longitudinal force": "X [N]", "transversal force": "Y [N]", "yaw moment": "N [Nm]",
     "bank name": "bank",
 }  # fmt: skip
+# Of the tank, from its centreline [m].
 WALL = 3.5
-"""Of the tank, from its centreline [m]."""
+# Distance from the tank's centreline and height above its bottom [m], from the data's table of banks: toe, slope (1/5,
+# 1/5, 1/5, 1/8, 1/8, 1/3) and, of III, IV and VI, a platform from the top of the slope to the tank's wall.
 BANKS = {
     "I": ((2.83, 0.0), (2.83, 0.5)),
     "II": ((0.53, 0.0), (3.03, 0.5)),
@@ -29,33 +31,15 @@ BANKS = {
     "VI": ((0.53, 0.0), (1.73, 0.15), (WALL, 0.15)),
     "VII": ((2.23, 0.0), (WALL, 1.27 / 3)),
 }
-"""Distance from the tank's centreline and height above its bottom [m], from the data's table of banks: toe, slope (1/5,
-1/5, 1/5, 1/8, 1/8, 1/3) and, of III, IV and VI, a platform from the top of the slope to the tank's wall."""
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Say whether a frame has this layout (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    """
+    """Say whether a frame has this layout."""
     return {"lateral position", "psi", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring the layout to the documented headers (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    chosen : str
-        The user's selection of rows, already applied.
-    table : str
-        The file.
-    """
+    """Bring the layout to the documented headers."""
     ahead = frame[np.abs(cells.numbers(frame, "psi", table)) < 90].rename(columns=RENAMED)
     fore, aft = (cells.numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
     ahead["heave [mm]"] = (fore + aft) / 2

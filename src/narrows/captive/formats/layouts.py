@@ -11,43 +11,17 @@ class Layout(Protocol):
     """What a module that knows a layout offers."""
 
     def recognises(self, frame: pd.DataFrame) -> bool:
-        """Say whether a frame has this layout.
-
-        Parameters
-        ----------
-        frame : DataFrame
-            As read.
-        """
+        """Say whether a frame has this layout."""
 
     def translated(self, frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-        """Bring the layout to the documented headers, with what there is to say of it.
-
-        Parameters
-        ----------
-        frame : DataFrame
-            As read.
-        chosen : str
-            The user's selection of rows, already applied.
-        table : str
-            The file.
-        """
+        """Bring the layout to the documented headers, with what there is to say of it."""
 
 
 LAYOUTS: tuple[Layout, ...] = (fhr, lataire, dtc)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring a frame of a known layout to the documented headers, with what there is to say of it (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    chosen : str
-        The user's selection of rows, already applied.
-    table : str
-        The file.
-    """
+    """Bring a frame of a known layout to the documented headers, with what there is to say of it."""
     for layout in LAYOUTS:
         if layout.recognises(frame):
             return layout.translated(frame, chosen, table)

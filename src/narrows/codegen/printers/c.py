@@ -8,9 +8,10 @@ from narrows.codegen.lines import Program
 from narrows.codegen.printers.python import Arithmetic, statements
 
 WIDTH, TIED = 108, "\0=\0"
+# Functions of <math.h> by what lines and plain functions call them.
 LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
            "floor": "floor", "hypot": "hypot", "cos": "cos", "sin": "sin"}  # fmt: skip
-"""Functions of <math.h> by what lines and plain functions call them."""
+# Words that no number can be called by.
 TAKEN = frozenset({
     "auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern",
     "false", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed",
@@ -18,28 +19,15 @@ TAKEN = frozenset({
     "INFINITY", "NAN", "near", "far", "small", "main", "state", "inputs", "constants", "parameters", "waterway",
     "result", "after", "lane", "rows", *LIBRARY.values(),
 })  # fmt: skip
-"""Words that no number can be called by."""
 
 
 def c_name(name: str) -> str:
-    """Return what a number is called in C (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the lines.
-    """
+    """Return what a number is called in C."""
     return f"{name}_" if name in TAKEN else name
 
 
 class CArithmetic(Arithmetic):
-    """Expressions in C.
-
-    Parameters
-    ----------
-    prefix : str
-        Of the names of functions.
-    """
+    """Expressions in C."""
 
     TABLE = "waterway"
 
@@ -48,15 +36,7 @@ class CArithmetic(Arithmetic):
         self.prefix = prefix
 
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function of <math.h>, or of the file.
-
-        Parameters
-        ----------
-        name : str
-            As the lines call it.
-        *arguments : str
-            Their texts.
-        """
+        """Write the call of a function of <math.h>, or of the file."""
         return super().called(LIBRARY.get(name, f"{self.prefix}_{name}"), *arguments)
 
     def _print_Symbol(self, value: Expr) -> str:
@@ -64,33 +44,13 @@ class CArithmetic(Arithmetic):
 
 
 def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic) -> list[str]:
-    """Write a program as statements of C (ours).
-
-    Parameters
-    ----------
-    program : Program
-        The lines.
-    targets : sequence of str
-        What each result is assigned to.
-    places : mapping of str to str
-        Where each number that the program asks for is found.
-    printer : CArithmetic
-        Writes expressions.
-    """
+    """Write a program as statements of C."""
     lines = unpacked([name for name in program.asked if name != places[name]], places)
     return lines + statements(program, targets, printer, "const double {} = {};", "{} = {};")
 
 
 def unpacked(names: Iterable[str], places: Mapping[str, str]) -> list[str]:
-    """Write the declaration of numbers by where they are found (ours).
-
-    Parameters
-    ----------
-    names : iterable of str
-        Of the lines.
-    places : mapping of str to str
-        Where each is found.
-    """
+    """Write the declaration of numbers by where they are found."""
     values = ", ".join(f"{c_name(name)} = {places[name]}" for name in names if name != places[name])
     whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration.
     return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []

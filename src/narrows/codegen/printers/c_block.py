@@ -10,31 +10,17 @@ from narrows.codegen.lowering import reads_table, rounds
 from narrows.codegen.printers.c import LIBRARY, CArithmetic, c_name, unpacked
 from narrows.codegen.printers.lane_fields import LaneFields
 
+# Functions of <math.h> that processors have instructions for.
 PLAIN = ("fabs", "sqrt", "floor")
-"""Functions of <math.h> that processors have instructions for."""
 CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
 
 
 def c_block(
     lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: CArithmetic, lanes: str
 ) -> list[str]:
-    """Write a program over a block as statements of C (ours).
-
-    Calls of the library and reads of a waterway's table have loops of their own, so that the others vectorise.
-
-    Parameters
-    ----------
-    lines : Lines
-        The program with its cuts.
-    results : mapping of str to expression
-        What is assigned in each lane, by the text of its target.
-    places : mapping of str to str
-        Where each number that the program asks for is found; with ``[lane]`` where each vessel has one of its own.
-    printer : CArithmetic
-        Writes expressions.
-    lanes : str
-        How many vessels there are.
-    """
+    """Write a program over a block as statements of C."""
+    # places [lane]
+    # Calls of the library and reads of a waterway's table have loops of their own, so that the others vectorise.
     values = tuple(map(sympy.sympify, results.values()))
     parts = rounds(lines.needed_for(values), lambda value: reads_table(value) or _calls(value, printer))
     layout = LaneFields(parts, values)

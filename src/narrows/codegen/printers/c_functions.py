@@ -19,15 +19,7 @@ STRUCTURES = {"Inputs": "inputs", "Constants": "constants", "Place": "waterway"}
 
 
 class CTranslation(Translation):
-    """Plain functions in C; a tuple is written to an array that the caller brings.
-
-    Parameters
-    ----------
-    source : PlainSource
-        What is translated.
-    prefix : str
-        Of the names of functions and structures.
-    """
+    """Plain functions in C; a tuple is written to an array that the caller brings."""
 
     def __init__(self, source: PlainSource, prefix: str) -> None:
         super().__init__(source)

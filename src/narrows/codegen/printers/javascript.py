@@ -10,6 +10,7 @@ from narrows.codegen.printers.translation import Translation
 
 LIBRARY = {name: f"Math.{name}" for name in ("abs", "exp", "log", "sqrt", "floor", "hypot", "cos", "sin", "min", "max")}
 LIBRARY |= {"sine": "Math.sin", "cosine": "Math.cos", "power": "Math.pow", "whole": "Math.trunc", "int": "Math.trunc"}
+# Words that no number can be called by.
 TAKEN = frozenset({
     "await", "break", "case", "catch", "class", "const", "continue", "debugger", "default", "delete", "do", "else",
     "enum", "export", "extends", "false", "finally", "for", "function", "if", "import", "in", "instanceof", "let",
@@ -17,17 +18,10 @@ TAKEN = frozenset({
     "while", "with", "yield", "arguments", "eval", "Math", "state", "inputs", "constants", "parameters", "waterway",
     "result",
 })  # fmt: skip
-"""Words that no number can be called by."""
 
 
 def javascript_name(name: str) -> str:
-    """Return what a number is called in JavaScript (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the lines.
-    """
+    """Return what a number is called in JavaScript."""
     return f"{name}_" if name in TAKEN else name
 
 
@@ -37,15 +31,7 @@ class JavaScriptArithmetic(Arithmetic):
     TABLE = "waterway"
 
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function of ``Math``, or of the file.
-
-        Parameters
-        ----------
-        name : str
-            As the lines call it.
-        *arguments : str
-            Their texts.
-        """
+        """Write the call of a function of ``Math``, or of the file."""
         return super().called(LIBRARY.get(name, name), *arguments)
 
     def _print_Symbol(self, value: Expr) -> str:
@@ -53,17 +39,7 @@ class JavaScriptArithmetic(Arithmetic):
 
 
 def javascript_body(program: Program, targets: Sequence[str], places: Mapping[str, str]) -> list[str]:
-    """Write a program as statements of JavaScript (ours).
-
-    Parameters
-    ----------
-    program : Program
-        The lines.
-    targets : sequence of str
-        What each result is assigned to.
-    places : mapping of str to str
-        Where each number that the program asks for is found.
-    """
+    """Write a program as statements of JavaScript."""
     asked = [name for name in program.asked if name != places[name]]
     lines = [f"const {javascript_name(name)} = {places[name]};" for name in asked]
     return lines + statements(program, targets, JavaScriptArithmetic(), "const {} = {};", "{} = {};")

@@ -12,21 +12,11 @@ from narrows.codegen.lines import Assignment
 
 @dataclass(frozen=True)
 class LaneFields:
-    """Fields of a lane; one is used again once what was in it is dead.
+    """Fields of a lane; one is used again once what was in it is dead."""
 
-    Parameters
-    ----------
-    parts : sequence of sequence of (symbol, expression)
-        The rounds, a loop over lanes each.
-    results : tuple of expression
-        What the last of them gives.
-    first : tuple of str
-        Numbers that have the first fields for good.
-    """
-
-    parts: Sequence[Sequence[Assignment]]
-    results: tuple[Expr, ...]
-    first: tuple[str, ...] = ()
+    parts: Sequence[Sequence[Assignment]]  # The rounds, a loop over lanes each
+    results: tuple[Expr, ...]  # What the last of them gives
+    first: tuple[str, ...] = ()  # Numbers that have the first fields for good
 
     @cached_property
     def _last_use(self) -> dict[str, int]:
@@ -56,35 +46,17 @@ class LaneFields:
         return max(self.fields.values(), default=-1) + 1
 
     def read(self, number: int) -> set[str]:
-        """Return what a round asks for and does not make, the last one for the results too.
-
-        Parameters
-        ----------
-        number : int
-            Of the round.
-        """
+        """Return what a round asks for and does not make, the last one for the results too."""
         part = self.parts[number]
         values = [*(value for _, value in part), *(self.results if number == len(self.parts) - 1 else ())]
         return {name for value in values for name in names_in(value)} - {str(target) for target, _ in part}
 
     def stored(self, number: int) -> list[str]:
-        """Return what a round makes for later ones, in alphabetical order.
-
-        Parameters
-        ----------
-        number : int
-            Of the round.
-        """
+        """Return what a round makes for later ones, in alphabetical order."""
         made = {str(target) for target, _ in self.parts[number]}
         return sorted(name for name in made if self._last_use.get(name, -1) > number)
 
 
 def names_in(value: Expr) -> set[str]:
-    """Return the names that an expression asks for (ours).
-
-    Parameters
-    ----------
-    value : expression
-        A number, or an expression.
-    """
+    """Return the names that an expression asks for."""
     return {str(s) for s in sympy.sympify(value).free_symbols}

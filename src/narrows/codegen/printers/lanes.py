@@ -18,31 +18,20 @@ from narrows.codegen.printers.lane_fields import LaneFields, names_in
 from narrows.codegen.printers.python import Arithmetic
 from narrows.codegen.step import Step
 
+# Fields of a lane beside what is kept from step to step: what the queue of vessels reads and writes.
 BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
-"""Fields of a lane beside what is kept from step to step: what the queue of vessels reads and writes."""
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 
 
 @dataclass(frozen=True)
 class Lanes:
-    """A step laid out over a block of lanes.
+    """A step laid out over a block of lanes."""
 
-    Parameters
-    ----------
-    step : Step
-        The program.
-    kept : tuple of str
-        What goes from step to step.
-    varying : tuple of str
-        Inputs that each vessel has of its own, if the program asks for them; all others are shared.
-    count : int
-        Lanes of a block.
-    """
-
-    step: Step
-    kept: tuple[str, ...]
+    step: Step  # The program
+    kept: tuple[str, ...]  # What goes from step to step
+    # Inputs that each vessel has of its own, if the program asks for them; all others are shared
     varying: tuple[str, ...]
-    count: int
+    count: int  # Lanes of a block
 
     @cached_property
     def parts(self) -> list[list[Assignment]]:
@@ -85,25 +74,11 @@ class Lanes:
         return self.layout.size
 
     def entry(self, name: str) -> str:
-        """Return the text of a lane's entry in a field.
-
-        Parameters
-        ----------
-        name : str
-            Of the field.
-        """
+        """Return the text of a lane's entry in a field."""
         return f"block[{self.fields[name] * self.count} + lane]"
 
     def text(self, printer: Arithmetic, leaves: float = 0.0) -> str:
-        """Print the function ``step(block, table, shared)``, that says whether any lane wants attention.
-
-        Parameters
-        ----------
-        printer : Arithmetic
-            Writes expressions.
-        leaves : float [1]
-            Share of the room before it that a step must leave.
-        """
+        """Print the function ``step(block, table, shared)``, that says whether any lane wants attention."""
         head = [f"{name} = shared[{number}]" for number, name in enumerate(self.shared_inputs)]
         body = [*head, "all_well = True"]
         for number, part in enumerate(self.parts):

@@ -10,6 +10,7 @@ from narrows.errors import check_choice
 from narrows.quantities.names import FORCES
 from narrows.terms.term import TermTable
 
+# Quantities as texts write them; others stand upright by their names.
 WRITTEN = {
     "x": "x", "y": "y", "cos_psi": r"(\cos\psi)", "sin_psi": r"(\sin\psi)", "u": "u", "v": "v", "r": "r",
     "udot": r"\dot{u}", "vdot": r"\dot{v}", "rdot": r"\dot{r}", "heave": "z", "length": "L", "beam": "B",
@@ -17,7 +18,6 @@ WRITTEN = {
     "depth": "h", "density": r"\rho", "flow_straightening": r"\gamma_R", "cos_rudder": r"(\cos\delta_R)",
     "sin_rudder": r"(\sin\delta_R)", "revolutions": "n",
 }  # fmt: skip
-"""Quantities as texts write them; others stand upright by their names."""
 DIGITS = 4
 
 

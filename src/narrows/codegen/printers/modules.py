@@ -12,17 +12,7 @@ from narrows.codegen.step import Step, room_left
 
 
 def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
-    """Write the plain module of a system.
-
-    Parameters
-    ----------
-    choices : Choices
-        What a step holds.
-    rates : Rates
-        Of the state.
-    step : Step
-        One step, in lines.
-    """
+    """Write the plain module of a system."""
     kept, lines = choices.kept, Lines()
     room, lean = room_left(lines, choices, {name: real(name) for name in STATE})
     program, derivatives = rates.program()

@@ -14,13 +14,7 @@ LOOSE, TIGHT = 0, 1
 
 
 class PlainExpressions(ABC):
-    """Expressions, as languages with braces write them.
-
-    Parameters
-    ----------
-    source : PlainSource
-        What is translated.
-    """
+    """Expressions, as languages with braces write them."""
 
     INFINITE = "INFINITY"
     NO_NUMBER = "NAN"
@@ -54,25 +48,11 @@ class PlainExpressions(ABC):
         """What is left of one number that is not negative by another."""
 
     def arguments(self, call: ast.Call) -> list[ast.expr]:
-        """Those of a call that are there.
-
-        Parameters
-        ----------
-        call : ast.Call
-            In the function.
-        """
+        """Those of a call that are there."""
         return [one for one in call.args if not (isinstance(one, ast.Name) and one.id in self.source.absent)]
 
     def expression(self, node: ast.expr, tight: int = LOOSE) -> str:
-        """Return an expression.
-
-        Parameters
-        ----------
-        node : ast.expr
-            Of the function.
-        tight : int
-            Whether it stands within another.
-        """
+        """Return an expression."""
         text = str(getattr(self, f"_{type(node).__name__.lower()}")(node))
         compound = isinstance(node, ast.BinOp | ast.BoolOp | ast.Compare | ast.IfExp)
         return f"({text})" if compound and tight else text
@@ -104,13 +84,7 @@ class PlainExpressions(ABC):
         return f"{self.expression(node.left, TIGHT)} {self.comparison(sign)} {self.expression(right, TIGHT)}"
 
     def comparison(self, operator: ast.cmpop) -> str:
-        """Return the sign of a comparison.
-
-        Parameters
-        ----------
-        operator : ast.cmpop
-            In Python.
-        """
+        """Return the sign of a comparison."""
         if isinstance(operator, ast.Eq | ast.NotEq):
             return self.EQUAL if isinstance(operator, ast.Eq) else self.UNEQUAL
         return OPERATORS[type(operator)]

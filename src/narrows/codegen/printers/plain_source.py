@@ -8,21 +8,11 @@ from typing import Any
 
 @dataclass
 class PlainSource:
-    """Functions to be translated, with the constants that they use.
+    """Functions to be translated, with the constants that they use."""
 
-    Parameters
-    ----------
-    texts : tuple of str
-        Modules; a function of an earlier one may be called in a later.
-    numbers : mapping of str to number
-        Constants that stand for those of the modules.
-    absent : frozenset of str
-        Arguments that are left out.
-    """
-
-    texts: tuple[str, ...]
-    numbers: Mapping[str, Any] = field(default_factory=dict)
-    absent: frozenset[str] = frozenset()
+    texts: tuple[str, ...]  # Modules; a function of an earlier one may be called in a later
+    numbers: Mapping[str, Any] = field(default_factory=dict)  # Constants that stand for those of the modules
+    absent: frozenset[str] = frozenset()  # Arguments that are left out
 
     def __post_init__(self) -> None:
         bodies = [ast.parse(text).body for text in self.texts]
@@ -32,13 +22,7 @@ class PlainSource:
         self.functions = {node.name: node for node in folded if isinstance(node, ast.FunctionDef)}
 
     def needed(self, *names: str) -> list[ast.FunctionDef]:
-        """Return some functions, each behind those that it calls.
-
-        Parameters
-        ----------
-        *names : str
-            Of the functions.
-        """
+        """Return some functions, each behind those that it calls."""
         order: dict[str, ast.FunctionDef] = {}
 
         def visit(name: str) -> None:
@@ -54,13 +38,7 @@ class PlainSource:
 
 
 class Folding(ast.NodeTransformer):
-    """Leaves out what the constants decide never happens (ours).
-
-    Parameters
-    ----------
-    constants : mapping of str to number
-        By name.
-    """
+    """Leaves out what the constants decide never happens."""
 
     def __init__(self, constants: Mapping[str, Any]) -> None:
         self.constants = constants

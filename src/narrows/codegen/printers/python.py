@@ -14,33 +14,17 @@ DIGITS = 20
 
 
 class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
-    """SymPy's printer of Python, with short powers as products and the functions of ``lines`` by their names.
+    """SymPy's printer of Python, with short powers as products and the functions of ``lines`` by their names."""
 
-    Parameters
-    ----------
-    number : callable
-        Wraps the text of a number.
-    column : callable
-        Writes the column of an entry; what Numba compiles takes a float, for it compiles a function anew for each int.
-    """
-
+    # What the table of a waterway is called.
     TABLE = "table"
-    """What the table of a waterway is called."""
 
     def __init__(self, number: Callable[[str], str] = "{}".format, column: Callable[[int], str] = str) -> None:
         super().__init__({"fully_qualified_modules": False})
         self.number, self.column = number, column
 
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function.
-
-        Parameters
-        ----------
-        name : str
-            As lines call it.
-        *arguments : str
-            Their texts.
-        """
+        """Write the call of a function."""
         return f"{name}({', '.join(arguments)})"
 
     def _print_Float(self, value: Expr) -> str:
@@ -89,19 +73,7 @@ plain = Arithmetic()
 def statements(
     program: Program, targets: Sequence[str], printer: Arithmetic, declared: str = "{} = {}", assigned: str = "{} = {}"
 ) -> list[str]:
-    """Print the lines of a program, and what its results are assigned to (ours).
-
-    Parameters
-    ----------
-    program : Program
-        The lines.
-    targets : sequence of str
-        What each result is assigned to.
-    printer : Arithmetic
-        Writes expressions.
-    declared, assigned : str
-        A statement that makes a name, and one that writes to a target.
-    """
+    """Print the lines of a program, and what its results are assigned to."""
     lines = [declared.format(*map(printer.doprint, line)) for line in program.assignments]
     results = zip(targets, program.results, strict=True)
     return lines + [assigned.format(target, printer.doprint(value)) for target, value in results]
@@ -110,21 +82,8 @@ def statements(
 def function_text(
     name: str, arguments: Sequence[str], assignments: Iterable[Assignment], results: Sequence[Expr], table: bool = False
 ) -> str:
-    """Print a function (ours).
-
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    arguments : sequence of str
-        Its parameters.
-    assignments : iterable of (symbol, expression)
-        Its lines.
-    results : sequence of expression
-        What it returns, a tuple.
-    table : bool
-        Whether its first argument is the table of a waterway.
-    """
+    """Print a function."""
+    # assignments (symbol, expression)
     parameters = (*(("table",) if table else ()), *arguments)
     body = [f"{target} = {plain.doprint(value)}" for target, value in assignments]
     values = ", ".join(plain.doprint(sympy.sympify(value)) for value in results)

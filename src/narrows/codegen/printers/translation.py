@@ -13,13 +13,7 @@ from narrows.codegen.printers.plain_source import PlainSource
 
 
 class Translation(PlainExpressions):
-    """Statements and expressions, as languages with braces write them.
-
-    Parameters
-    ----------
-    source : PlainSource
-        What is translated.
-    """
+    """Statements and expressions, as languages with braces write them."""
 
     def __init__(self, source: PlainSource) -> None:
         super().__init__(source)
@@ -28,13 +22,7 @@ class Translation(PlainExpressions):
         self.used: set[str] = set()
 
     def text(self, function: ast.FunctionDef) -> str:
-        """Return a function in the language.
-
-        Parameters
-        ----------
-        function : ast.FunctionDef
-            Of the source.
-        """
+        """Return a function in the language."""
         self.function, self.held_numbers = function, 0
         body = [line for statement in function.body[1:] for line in self.statement(statement)]
         return "\n".join([self.head(), *(f"    {line}" for line in [*self.declarations(), *body]), "}"])
@@ -96,13 +84,7 @@ class Translation(PlainExpressions):
                 yield from zip(target.elts, whole, strict=True)
 
     def whole_results(self, call: ast.Call) -> list[bool]:
-        """Whether each number of the tuple that a call returns is a whole one.
-
-        Parameters
-        ----------
-        call : ast.Call
-            Of a function of the source.
-        """
+        """Whether each number of the tuple that a call returns is a whole one."""
         assert isinstance(call.func, ast.Name)
         returned = self.source.functions[call.func.id].returns
         assert isinstance(returned, ast.Subscript)
@@ -110,23 +92,11 @@ class Translation(PlainExpressions):
         return [ast.unparse(one) == "int" for one in returned.slice.elts]
 
     def statement(self, node: ast.stmt) -> list[str]:
-        """Return the lines of a statement.
-
-        Parameters
-        ----------
-        node : ast.stmt
-            Of the function.
-        """
+        """Return the lines of a statement."""
         return list(getattr(self, f"_{type(node).__name__.lower()}")(node))
 
     def block(self, nodes: Sequence[ast.stmt]) -> list[str]:
-        """Return the lines of statements, set in.
-
-        Parameters
-        ----------
-        nodes : sequence of ast.stmt
-            Of the function.
-        """
+        """Return the lines of statements, set in."""
         return [f"    {line}" for node in nodes for line in self.statement(node)]
 
     def _expr(self, node: ast.Expr) -> Iterator[str]:

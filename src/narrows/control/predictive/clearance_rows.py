@@ -4,32 +4,17 @@ import numpy as np
 
 from narrows.control.predictive.line_frame import HELD
 
+# Of the hull's rectangle: half lengths forward, half beams to starboard.
 CORNERS = ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
-"""Of the hull's rectangle: half lengths forward, half beams to starboard."""
 FORWARD, SIDES = np.array(CORNERS).T[:, :, None]
 
 
 def corner_offsets(
     states: np.ndarray, half_length: float, half_beam: float, curvature: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Return where corners are off the line, what that changes by the heading, and how far ahead they are (ours).
-
-    In a bend the line falls away from what is ahead and astern by half its curvature times the distance squared.
-
-    Parameters
-    ----------
-    states : array (nodes, 5)
-        y, psi, v, r, rudder.
-    half_length, half_beam : float [m]
-        Of the hull.
-    curvature : array (nodes,) [1/m]
-        Of the line, to starboard.
-
-    Returns
-    -------
-    array (4, nodes) [m], array (4, nodes) [m], array (4, nodes) [m]
-        To starboard of the line, by radian of heading, along it.
-    """
+    """Return where corners are off the line, what that changes by the heading, and how far ahead they are."""
+    # states (nodes, 5); half_length, half_beam [m]; curvature (nodes,) [1/m]
+    # In a bend the line falls away from what is ahead and astern by half its curvature times the distance squared.
     forward, aside = half_length * FORWARD, half_beam * SIDES
     sine, cosine = np.sin(states[:, 1]), np.cos(states[:, 1])
     ahead = forward * cosine - aside * sine
@@ -42,19 +27,8 @@ def clearance_rows(
     corners: tuple[np.ndarray, np.ndarray], e: np.ndarray, G: np.ndarray, room: tuple[np.ndarray, np.ndarray],
     spare: float,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return rows and bounds: rows @ change of the rates <= bounds keeps every corner off the banks (ours).
-
-    Parameters
-    ----------
-    corners : pair of arrays (4, nodes) [m], [m/rad]
-        Where they are off the line, and what that changes by the heading, as ``corner_offsets`` gives them.
-    e, G : array (nodes, 5), array (nodes, 5, intervals)
-        As ``condensed`` gives them.
-    room : pair of arrays (4, nodes) [m]
-        From the line to the starboard and the port bank beside each corner, margins taken off.
-    spare : float [m]
-        Corners with more room than this have no row.
-    """
+    """Return rows and bounds: rows @ change of the rates <= bounds keeps every corner off the banks."""
+    # corners (4, nodes) [m]; e, G (nodes, 5); room (4, nodes) [m]; spare [m]
     off, lever = corners
     y, psi = HELD.index("y"), HELD.index("psi")
     now = SIDES * (off + e[:, y] + lever * e[:, psi])

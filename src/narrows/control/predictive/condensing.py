@@ -6,26 +6,9 @@ import numpy as np
 def condensed(
     A: np.ndarray, B: np.ndarray, defects: np.ndarray, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return e and G, by which states after each interval are off their nodes: e + G @ change of the rates (ours).
-
-    Of off_(k+1) = A_k off_k + B_k change_k + defect_k.
-
-    Parameters
-    ----------
-    A : array (intervals, n, n)
-        How a state off its node at the start of an interval moves the end.
-    B : array (intervals, n)
-        How the rate moves it.
-    defects : array (intervals, n)
-        How far the nominal end of an interval is from the next node.
-    start : array (n,)
-        How far the first node is off.
-
-    Returns
-    -------
-    array (intervals, n), array (intervals, n, intervals)
-        e and G.
-    """
+    """Return e and G, by which states after each interval are off their nodes: e + G @ change of the rates."""
+    # A (intervals, n, n); B (intervals, n); defects (intervals, n); start (n,)
+    # Of off_(k+1) = A_k off_k + B_k change_k + defect_k.
     intervals, n = B.shape
     step = np.zeros((intervals, n + 1, n + 1))
     step[:, :n, :n], step[:, :n, n], step[:, n, n] = A, defects, 1.0

@@ -14,42 +14,17 @@ from narrows.control.predictive.water_ahead import WaterAhead
 from narrows.errors import InputError
 from narrows.simulation.ship import SimulatedShip
 
+# Of the way to a bank, up to which its forces are told, and places between the banks at which they are.
 FURTHEST, SHARES = 0.9, 61
-"""Of the way to a bank, up to which its forces are told, and places between the banks at which they are."""
+# Change of speed [1] from which steady courses are found anew.
 OTHER_SPEED = 0.02
-"""Change of speed [1] from which steady courses are found anew."""
 
+# Gains of the best linear helm (5,), and what a state off costs it for ever, (5, 5).
 Regulated = tuple[np.ndarray, np.ndarray]
-"""Gains of the best linear helm (5,), and what a state off costs it for ever, (5, 5)."""
 
 
 class CourseAhead:
-    """The steady course along a line, found anew where the speed has changed (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model, its speed held.
-    water : WaterAhead
-        Along the line.
-    y : float [m]
-        Offset to hold.
-    u : float [m/s]
-        Surge velocity to begin with.
-    margin : float [m]
-        Between hull and bank, at least.
-    positions : mapping of str to float
-        Of other actuators.
-    weights : Weights
-        What is costly.
-    interval : float [s]
-        Of plans.
-
-    Raises
-    ------
-    InputError
-        Where no rudder holds the ship anywhere, or no helm does.
-    """
+    """The steady course along a line, found anew where the speed has changed."""
 
     def __init__(
         self, ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float,
@@ -72,28 +47,16 @@ class CourseAhead:
         return int(np.minimum(there["keel_starboard"] - off, there["keel_port"] + off).argmin())
 
     def at_speed(self, u: float) -> SteadyTrack:
-        """Return the course at a speed; where none is found, as it was before.
-
-        Parameters
-        ----------
-        u : float [m/s]
-            Surge velocity.
-        """
+        """Return the course at a speed; where none is found, as it was before."""
+        # u [m/s]
         if u > 0 and abs(u - self.speed) > OTHER_SPEED * self.speed:
             with suppress(InputError):
                 self._start(u, steady_track(self.ship, self.water, self.y, u, self.margin, self.positions))
         return self.track
 
     def regulated(self, x: float, way: float) -> Regulated:
-        """Return the best linear helm about the course at a place; where none holds, that of the narrowest.
-
-        Parameters
-        ----------
-        x : float [m]
-            Along the line.
-        way : float
-            From the offset, 0, to the middle, 1.
-        """
+        """Return the best linear helm about the course at a place; where none holds, that of the narrowest."""
+        # x [m]
         place = self.track.nearest(x), round(way * (WAYS - 1))
         if place not in self._known:
             try:
@@ -107,15 +70,7 @@ class CourseAhead:
         return regulator_of(A, integral[:, RUDDER], self.weights)
 
     def margins(self, intervals: int, confidence: float) -> np.ndarray:
-        """Return the margins of clearance after each interval of a plan [m], by where the course has the least room.
-
-        Parameters
-        ----------
-        intervals : int
-            Of a plan.
-        confidence : float [1]
-            With which the hull is to stay within them.
-        """
+        """Return the margins of clearance after each interval of a plan [m], by where the course has the least room."""
         place, (gains, _) = self.narrowest, self._usual
         steady = self.track.states[0, place]
         (A,), (integral,) = over_interval(self.track.slopes[0, place : place + 1], self.interval)

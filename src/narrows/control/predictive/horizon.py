@@ -6,31 +6,21 @@ import numpy as np
 
 from narrows.errors import InputError, check_count
 
+# Ship lengths ahead that a plan reaches, unless a time is given.
 LENGTHS = 2.4
-"""Ship lengths ahead that a plan reaches, unless a time is given."""
 INTERVALS = 30
 MOST_INTERVALS = 60
+# New plans are made this often, unless a time between them is given.
 PLANS_AN_INTERVAL = 5
-"""New plans are made this often, unless a time between them is given."""
 
 
 @dataclass(frozen=True)
 class Horizon:
-    """Equal intervals ahead, in each of which the rudder turns at one rate.
+    """Equal intervals ahead, in each of which the rudder turns at one rate."""
 
-    Parameters
-    ----------
-    intervals : int
-        How many.
-    interval : float [s]
-        Of each.
-    period : float [s]
-        Between one plan and the next.
-    """
-
-    intervals: int
-    interval: float
-    period: float
+    intervals: int  # How many
+    interval: float  # Of each [s]
+    period: float  # Between one plan and the next [s]
 
     @property
     def time(self) -> float:
@@ -39,24 +29,8 @@ class Horizon:
 
 
 def horizon_of(passing: float, horizon: float | None, intervals: int, period: float | None) -> Horizon:
-    """Return the horizon of a ship (ours).
-
-    Parameters
-    ----------
-    passing : float [s]
-        In which it moves on by its length.
-    horizon : float [s], optional
-        How far ahead; 2.4 times that unless given.
-    intervals : int
-        How many intervals.
-    period : float [s], optional
-        Between one plan and the next; a fifth of an interval unless given.
-
-    Raises
-    ------
-    InputError
-        Where a time is not positive, plans are further apart than an interval, or intervals are too many.
-    """
+    """Return the horizon of a ship."""
+    # passing [s]; horizon [s]; period [s]
     check_count("intervals", intervals, 2, MOST_INTERVALS)
     for name, value in (("horizon", horizon), ("period", period)):
         if value is not None and not 0 < value < np.inf:
@@ -72,15 +46,8 @@ def horizon_of(passing: float, horizon: float | None, intervals: int, period: fl
 
 
 def later(nodes: np.ndarray, share: float) -> np.ndarray:
-    """Return a plan's nodes as they are a share of an interval later, the last staying (ours).
-
-    Parameters
-    ----------
-    nodes : array (nodes, ...)
-        At the ends of intervals, or a number of each interval.
-    share : float [1]
-        Of an interval, from 0.
-    """
+    """Return a plan's nodes as they are a share of an interval later, the last staying."""
+    # nodes (nodes, ...)
     whole = min(int(share), len(nodes) - 1)
     shifted = np.concatenate([nodes[whole:], *[nodes[-1:]] * whole]) if whole else nodes.copy()
     shifted[:-1] += (share - int(share)) * np.diff(shifted, axis=0)

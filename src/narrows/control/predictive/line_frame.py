@@ -7,28 +7,17 @@ import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
 
+# The state of a plan; the speed is held through it, and the rudder's rate drives it.
 HELD = ("y", "psi", "v", "r", "rudder")
-"""The state of a plan; the speed is held through it, and the rudder's rate drives it."""
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
 PSI, RUDDER = HELD.index("psi"), HELD.index("rudder")
+# What forces accelerate.
 FORCED = slice(HELD.index("v"), HELD.index("r") + 1)
-"""What forces accelerate."""
 
 
 def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current: float) -> np.ndarray:
-    """Return the derivatives of the rates of ``HELD`` by ``HELD``, (points, 5, 5) (ours).
-
-    Parameters
-    ----------
-    linear : array (points, 6, columns)
-        Derivatives in a straight canal, as ``Linearisation.linear`` gives them.
-    rudder : int
-        The column of the rudder in it.
-    at : mapping of str to array (points,)
-        y [m] to starboard of the line, psi [rad] to it, u, v [m/s], curvature [1/m].
-    current : float [m/s]
-        Along the line.
-    """
+    """Return the derivatives of the rates of ``HELD`` by ``HELD``, (points, 5, 5)."""
+    # linear (points, 6, columns); at [m]; current [m/s]
     slopes = np.zeros((len(linear), len(HELD), len(HELD)))
     slopes[:, :4] = linear[:, MOVED][:, :, [*MOVED, rudder]]
     curvature, psi = at["curvature"], at["psi"]
@@ -44,17 +33,9 @@ def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current:
 
 
 def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return how a state acts over a time, exp(A t), and how constant rates do: (points, 5, 5) each (ours).
-
-    By the series to the fifth power: an interval is short beside what grows in it.
-
-    Parameters
-    ----------
-    slopes : array (points, 5, 5)
-        Derivatives of the rates, held through the time.
-    time : float [s]
-        Of the interval.
-    """
+    """Return how a state acts over a time, exp(A t), and how constant rates do: (points, 5, 5) each."""
+    # slopes (points, 5, 5); time [s]
+    # By the series to the fifth power: an interval is short beside what grows in it.
     step, unit = slopes * time, np.eye(slopes.shape[-1])
     square = step @ step
     integral = unit + step / 2 + square / 6 + square @ (step / 24 + square / 120)

@@ -27,46 +27,27 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# The steady states that a plan is drawn to, (places, 5), at places along the line.
 Reference = Callable[[np.ndarray], np.ndarray]
-"""The steady states that a plan is drawn to, (places, 5), at places along the line."""
 MOST_HEADING = np.radians(25.0)
+# Heading off [rad], room to a bank in half beams, sway velocity over speed and yaw rate by half length over speed,
+# beyond which no plan is linearised.
 LEAST_ROOM, MOST_DRIFT, MOST_TURN = 0.2, 0.5, 1.0
-"""Heading off [rad], room to a bank in half beams, sway velocity over speed and yaw rate by half length over speed,
-beyond which no plan is linearised."""
+# Half beams of room beyond the margin from which a corner needs no row: from one plan to the next none is used up.
 SPARE = 4.0
-"""Half beams of room beyond the margin from which a corner needs no row: from one plan to the next none is used up."""
 
 
 @dataclass(frozen=True)
 class RudderPlan:
-    """A plan: nodes at the start and after each interval, and the rates between them.
+    """A plan: nodes at the start and after each interval, and the rates between them."""
 
-    Parameters
-    ----------
-    x : array (intervals + 1,) [m]
-        Along the line.
-    states : array (intervals + 1, 5)
-        y [m], psi [rad], v [m/s], r [rad/s], rudder [rad].
-    rates : array (intervals,) [rad/s]
-        Of the rudder.
-    """
-
-    x: np.ndarray
-    states: np.ndarray
-    rates: np.ndarray
+    x: np.ndarray  # (intervals + 1,) Along the line [m]
+    states: np.ndarray  # (intervals + 1, 5) y [m], psi [rad], v [m/s], r [rad/s], rudder [rad]
+    rates: np.ndarray  # (intervals,) Of the rudder [rad/s]
 
     def from_here(self, x: float, state: np.ndarray, share: float = 0.0) -> "RudderPlan":
-        """Return the plan a share of an interval later, its places along the line counted from where the ship is.
-
-        Parameters
-        ----------
-        x : float [m]
-            Where it is.
-        state : array (5,)
-            Of the ship.
-        share : float [1]
-            Of an interval that has passed.
-        """
+        """Return the plan a share of an interval later, its places along the line counted from where the ship is."""
+        # x [m]; state (5,)
         places, states = later(self.x, share), later(self.states, share)
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
@@ -80,54 +61,21 @@ class RudderPlan:
 
 @dataclass(frozen=True)
 class Planner:
-    """What makes plans of one ship.
+    """What makes plans of one ship."""
 
-    Parameters
-    ----------
-    horizon : Horizon
-        How far ahead.
-    lanes : PredictionLanes
-        One an interval.
-    jacobians : JacobianBatch
-        Likewise.
-    water : WaterAhead
-        Where it sails.
-    margins : array (intervals,) [m]
-        Between hull and bank after each interval.
-    hull : pair of float [m]
-        Half length and half beam.
-    limits : pair of float [rad, rad/s]
-        Of the rudder's angle and rate.
-    weights : Weights
-        What is costly.
-    positions : mapping of str to float
-        Of other actuators.
-    """
-
-    horizon: Horizon
-    lanes: PredictionLanes
-    jacobians: JacobianBatch
-    water: WaterAhead
-    margins: np.ndarray
-    hull: tuple[float, float]
-    limits: tuple[float, float]
-    weights: Weights
-    positions: Mapping[str, float]
+    horizon: Horizon  # How far ahead
+    lanes: PredictionLanes  # One an interval
+    jacobians: JacobianBatch  # Likewise
+    water: WaterAhead  # Where it sails
+    margins: np.ndarray  # (intervals,) Between hull and bank after each interval [m]
+    hull: tuple[float, float]  # Half length and half beam [m]
+    limits: tuple[float, float]  # Of the rudder's angle and rate [rad, rad/s]
+    weights: Weights  # What is costly
+    positions: Mapping[str, float]  # Of other actuators
 
     def first(self, x: float, state: np.ndarray, speed: float, reference: Reference) -> RudderPlan:
-        """Return a plan to begin with: on the steady course, the rudder still.
-
-        Parameters
-        ----------
-        x : float [m]
-            Along the line.
-        state : array (5,)
-            Of the ship.
-        speed : float [m/s]
-            Surge velocity.
-        reference : callable
-            The states to come to at places along the line.
-        """
+        """Return a plan to begin with: on the steady course, the rudder still."""
+        # x [m]; state (5,); speed [m/s]
         horizon = self.horizon
         places = x + (speed + self.water.current) * horizon.interval * np.arange(horizon.intervals + 1)
         states = reference(places)
@@ -137,23 +85,8 @@ class Planner:
     def better(
         self, plan: RudderPlan, speed: float, push: Push, reference: Reference, beyond: np.ndarray, seconds: float = 0.0
     ) -> RudderPlan | None:  # fmt: skip
-        """Return the plan after a step of sequential quadratic programming; None where the program has no answer.
-
-        Parameters
-        ----------
-        plan : RudderPlan
-            From the state of the ship on.
-        speed : float [m/s]
-            Surge velocity.
-        push : Push
-            Beside what the model knows.
-        reference : callable
-            The states to come to at places along the line.
-        beyond : array (5, 5)
-            What the last state off it costs for ever.
-        seconds : float [s]
-            That the program may take; 0 for no limit.
-        """
+        """Return the plan after a step of sequential quadratic programming; None where the program has no answer."""
+        # speed [m/s]; beyond (5, 5); seconds [s]
         interval, nodes = self.horizon.interval, plan.states.copy()
         nodes[1:] = self._within_reason(plan.x[1:], nodes[1:], speed)
         plan = RudderPlan(plan.x, nodes, plan.rates)
@@ -225,25 +158,8 @@ def planner_of(
     ship: SimulatedShip, waterway: "Waterway | None", water: WaterAhead, horizon: Horizon, margins: np.ndarray,
     weights: Weights, positions: Mapping[str, float],
 ) -> Planner:  # fmt: skip
-    """Lay out what makes plans (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model, its speed held.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    water : WaterAhead
-        The same, as plans ask for it.
-    horizon : Horizon
-        How far ahead.
-    margins : array (intervals,) [m]
-        Between hull and bank.
-    weights : Weights
-        What is costly.
-    positions : mapping of str to float
-        Of other actuators.
-    """
+    """Lay out what makes plans."""
+    # margins (intervals,) [m]
     configuration = ship.model.configuration
     section = () if water.straight else SECTION
     linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)

@@ -13,23 +13,17 @@ from narrows.simulation.steering import PARAMETER, steering_of
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Of Runge and Kutta's method, an interval.
 STEPS = 2
-"""Of Runge and Kutta's method, an interval."""
+# Where a waterway ends; for a plan it is far off [m]: beyond its end it goes on as it ends.
 LAST, FAR = "x_last", 1e12
-"""Where a waterway ends; for a plan it is far off [m]: beyond its end it goes on as it ends."""
+# Of a waterway [m], where a lane begins at the earliest: at the very start it would be at its end.
 AFTER_THE_START = 1e-3
-"""Of a waterway [m], where a lane begins at the earliest: at the very start it would be at its end."""
 TURNING = "turning"
 
 
 class RudderTurning:
-    """A law that turns the rudder at a rate, one of its own in every lane (ours).
-
-    Parameters
-    ----------
-    turning : array [rad/s]
-        The rates.
-    """
+    """A law that turns the rudder at a rate, one of its own in every lane."""
 
     def __init__(self, turning: np.ndarray) -> None:
         self.turning = turning
@@ -39,40 +33,16 @@ class RudderTurning:
         return {TURNING: self.turning}
 
     def memory(self, start: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return nothing.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return nothing."""
         return {}
 
     def orders(self, at: Any) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        """Return the angle at the end of the step.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the angle at the end of the step."""
         return {"rudder": at.rudder + at.turning * at.dt}, {}
 
 
 class PredictionLanes:
-    """Lanes of one ship, laid out once: each sails from a state of its own for one interval (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model, its speed held.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    lanes : int
-        How many.
-    **positions : float
-        Of other actuators, by name.
-    """
+    """Lanes of one ship, laid out once: each sails from a state of its own for one interval."""
 
     def __init__(self, ship: SimulatedShip, waterway: "Waterway | None", lanes: int, **positions: float) -> None:
         steering = steering_of(RudderTurning(np.zeros(lanes)), ship.actuators)
@@ -91,25 +61,9 @@ class PredictionLanes:
     def __call__(
         self, x: np.ndarray, states: np.ndarray, speed: float, rates: np.ndarray, push: np.ndarray, time: float
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Return where lanes are after a time: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5).
-
-        A lane that meets a bank stays there.
-
-        Parameters
-        ----------
-        x : array (lanes,) [m]
-            Along the line.
-        states : array (lanes, 5) [m, rad, m/s, rad/s, rad]
-            y, psi, v, r, rudder.
-        speed : float [m/s]
-            Surge velocity.
-        rates : array (lanes,) [rad/s]
-            Of the rudder.
-        push : array (lanes, 2) [N, N m]
-            Sway force and yaw moment from outside.
-        time : float [s]
-            How long.
-        """
+        """Return where lanes are after a time: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5)."""
+        # x (lanes,) [m]; states (lanes, 5); speed [m/s]; rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]; time [s]
+        # A lane that meets a bank stays there.
         run, at = self._prepared, self._places
         start, end = run.start, run.end
         psi = states[:, 1]

@@ -25,8 +25,8 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Beams between hull and bank, at least, unless a margin is given.
 MARGIN = 0.15
-"""Beams between hull and bank, at least, unless a margin is given."""
 
 
 @dataclass(frozen=True, repr=False)

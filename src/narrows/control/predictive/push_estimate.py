@@ -11,33 +11,23 @@ import numpy as np
 
 Variances = tuple[float, float, float]
 
+# Ship lengths sailed in which the estimate of a force of any kind comes two thirds of the way.
 LENGTHS = 0.3
-"""Ship lengths sailed in which the estimate of a force of any kind comes two thirds of the way."""
 
 
 @dataclass(frozen=True)
 class BankSpread:
-    """How far the bank's force and moment may be off, by the place between the banks.
+    """How far the bank's force and moment may be off, by the place between the banks."""
 
-    Parameters
-    ----------
-    furthest : float
-        Towards a bank, of the way from the middle, 0, to the wall, 1; beyond it they stay as they are there.
-    forces : array (n, 2) [N, N m]
-        One standard deviation, with the sign of a stronger suction, at equal steps from port to starboard.
-    """
-
+    # Towards a bank, of the way from the middle, 0, to the wall, 1; beyond it they stay as they are there
     furthest: float
+    # (n, 2) One standard deviation, with the sign of a stronger suction, at equal steps from port to starboard [N, N
+    # m]
     forces: np.ndarray
 
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return force and moment at places between the banks, and their derivatives, (places, 2) each.
-
-        Parameters
-        ----------
-        share : array (places,)
-            From the port wall, -1, to the starboard one, 1.
-        """
+        """Return force and moment at places between the banks, and their derivatives, (places, 2) each."""
+        # share (places,)
         last, step = len(self.forces) - 1, 2 * self.furthest / (len(self.forces) - 1)
         position = np.minimum(np.maximum((share + self.furthest) / step, 0.0), last)
         cell = np.minimum(position.astype(int), last - 1)
@@ -49,73 +39,33 @@ class BankSpread:
 
 @dataclass(frozen=True)
 class Push:
-    """What pushes the ship beside what the model knows.
+    """What pushes the ship beside what the model knows."""
 
-    Parameters
-    ----------
-    steady : array (2,) [N, N m]
-        Sway force and yaw moment of any kind.
-    strength : array (2,) [1]
-        Of the bank's force and moment beyond the model's, in standard deviations.
-    spread : BankSpread
-        What a standard deviation is.
-    uncertainty : pair of tuples of three floats
-        Of force and of moment: the variance of the steady part, that of the strength, and their covariance.
-    noise : pair of float [N2, N2 m2]
-        Variance of what is missing from one moment to the next.
-    """
-
-    steady: np.ndarray
-    strength: np.ndarray
-    spread: BankSpread
+    steady: np.ndarray  # (2,) Sway force and yaw moment of any kind [N, N m]
+    strength: np.ndarray  # (2,) Of the bank's force and moment beyond the model's, in standard deviations [1]
+    spread: BankSpread  # What a standard deviation is
+    # Of force and of moment: the variance of the steady part, that of the strength, and their covariance
     uncertainty: tuple[Variances, Variances]
-    noise: tuple[float, float]
+    noise: tuple[float, float]  # Variance of what is missing from one moment to the next [N2, N2 m2]
 
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the push at places between the banks, and its derivative, (places, 2) each [N, N m].
-
-        Parameters
-        ----------
-        share : array (places,)
-            From the port wall, -1, to the starboard one, 1.
-        """
+        """Return the push at places between the banks, and its derivative, (places, 2) each [N, N m]."""
+        # share (places,)
         forces, slopes = self.spread.at(share)
         return self.steady + self.strength * forces, self.strength * slopes
 
 
 def no_push(spread: BankSpread) -> Push:
-    """Return the push before anything is seen (ours).
-
-    Parameters
-    ----------
-    spread : BankSpread
-        Of the bank's force and moment.
-    """
+    """Return the push before anything is seen."""
     unseen = (0.0, 1.0, 0.0)
     return Push(np.zeros(2), np.zeros(2), spread, (unseen, unseen), (0.0, 0.0))
 
 
 def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, time: float) -> Push:
-    """Return the push that explains better what was seen (ours).
-
-    Parameters
-    ----------
-    push : Push
-        As it was taken to be.
-    missing : array (2,) [N, N m]
-        What more it would have taken, over the time that has passed.
-    share : float
-        Place between the walls, from -1 to 1.
-    elapsed : float [s]
-        Time that has passed.
-    time : float [s]
-        In which the estimate of the steady part comes two thirds of the way.
-
-    References
-    ----------
-    Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of Process
-    Control 12(5), 617-632.
-    """
+    """Return the push that explains better what was seen."""
+    # missing (2,) [N, N m]; elapsed [s]; time [s]
+    # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
+    # Process Control 12(5), 617-632.
     if not np.isfinite(missing).all():
         return push
     gain = 1.0 - math.exp(-elapsed / time)
@@ -134,11 +84,9 @@ def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, 
 def _filtered(
     walk: float, constant: float, both: float, noise: float, missing: float, felt: float, gain: float
 ) -> tuple[tuple[float, float], Variances, float]:
-    """Return changes of the steady part and of the strength, their variances, and the noise.
-
-    A Kalman filter of a random walk and a constant. The noise is taken from what is missing itself; the walk is such
-    that the filter of it alone has the gain that is asked for, q = R gain^2 / (1 - gain).
-    """
+    """Return changes of the steady part and of the strength, their variances, and the noise."""
+    # A Kalman filter of a random walk and a constant. The noise is taken from what is missing itself; the walk is such
+    # that the filter of it alone has the gain that is asked for, q = R gain^2 / (1 - gain).
     noise = noise + gain * (missing**2 - noise) if noise else missing**2
     if not noise:
         return (0.0, 0.0), (walk, constant, both), noise

@@ -8,53 +8,28 @@ from narrows.control.predictive.line_frame import RUDDER
 from narrows.control.predictive.linear_quadratic import Weights
 from narrows.errors import needs
 
+# Costs of a clearance that is short by half a beam: by the length, and by its square.
 SHORT, SHORT_SQUARED = 50.0, 10.0
-"""Costs of a clearance that is short by half a beam: by the length, and by its square."""
 MOST_ITERATIONS = 500
 WITHOUT_BOUND = 1e20
 
 
 @dataclass(frozen=True)
 class QuadraticProgram:
-    """Minimise z' H z / 2 + f' z where bounds hold; z are the changes of the rates, and the shortness of clearance.
+    """Minimise z' H z / 2 + f' z where bounds hold; z are the changes of the rates, and the shortness of clearance."""
 
-    Parameters
-    ----------
-    H : array (n, n)
-        Positive definite.
-    f : array (n,)
-        Of the cost.
-    rows : array (m, n)
-        Of the constraints.
-    lower, upper : array (n + m,)
-        Of z, then of the rows.
-    """
-
-    H: np.ndarray
-    f: np.ndarray
-    rows: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
+    H: np.ndarray  # (n, n) Positive definite
+    f: np.ndarray  # (n,) Of the cost
+    rows: np.ndarray  # (m, n) Of the constraints
+    lower: np.ndarray  # (n + m,) Of z, then of the rows
+    upper: np.ndarray  # (n + m,) Of z, then of the rows
 
 
 def tracking_cost(
     off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: Weights, beyond: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return H and f of what it costs to be off the reference and to turn the rudder (ours).
-
-    Parameters
-    ----------
-    off : array (intervals, 5)
-        States after each interval off their reference, if no rate changes.
-    G : array (intervals, 5, intervals)
-        How the changes move them.
-    rates : array (intervals,) [rad/s]
-        Of the rudder, as they are.
-    weights : Weights
-        What is costly.
-    beyond : array (5, 5)
-        What the last state off costs for ever.
-    """
+    """Return H and f of what it costs to be off the reference and to turn the rudder."""
+    # off (intervals, 5); G (intervals, 5, intervals); rates (intervals,) [rad/s]; beyond (5, 5)
     felt = np.flatnonzero(weights.states)
     root = np.sqrt(weights.states[felt])
     moved = (G[:-1, felt] * root[:, None]).reshape(-1, len(rates))
@@ -69,23 +44,8 @@ def program_of(
     cost: tuple[np.ndarray, np.ndarray], rates: np.ndarray, rudders: tuple[np.ndarray, np.ndarray],
     clearance: tuple[np.ndarray, np.ndarray], limits: tuple[float, float], half_beam: float,
 ) -> QuadraticProgram:  # fmt: skip
-    """Put cost and constraints together; clearance may fall short, for a price (ours).
-
-    Parameters
-    ----------
-    cost : pair of arrays
-        H and f of ``tracking_cost``.
-    rates : array (intervals,) [rad/s]
-        Of the rudder, as they are.
-    rudders : pair of arrays (intervals,), (intervals, intervals)
-        Angles after each interval, and how the changes move them.
-    clearance : pair of arrays
-        Of ``clearance_rows``.
-    limits : pair of float [rad, rad/s]
-        Of the rudder's angle and rate.
-    half_beam : float [m]
-        Unit of the shortness.
-    """
+    """Put cost and constraints together; clearance may fall short, for a price."""
+    # rates (intervals,) [rad/s]; rudders (intervals,); limits [rad, rad/s]; half_beam [m]
     n = len(rates)
     H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, SHORT)
     H[:n, :n], f[:n] = cost
@@ -99,25 +59,10 @@ def program_of(
 
 
 def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
-    """Solve by DAQP: z, or None where it finds no answer, in time (ours).
-
-    Parameters
-    ----------
-    program : QuadraticProgram
-        The program.
-    seconds : float [s]
-        That it may take; 0 for no limit but that of its iterations.
-
-    Raises
-    ------
-    InputError
-        Where DAQP is not installed.
-
-    References
-    ----------
-    Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using recursive
-    LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
-    """
+    """Solve by DAQP: z, or None where it finds no answer, in time."""
+    # seconds [s]
+    # Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using
+    # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
     with needs("control", "a predictive helm"):
         import daqp
     if not all(map(np.isfinite, (program.H.sum(), program.f.sum(), program.rows.sum(), program.upper.sum()))):
@@ -130,13 +75,6 @@ def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | No
 
 
 def rudder_rows(states: np.ndarray, e: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rudder after each interval, and how changes of the rates move it (ours).
-
-    Parameters
-    ----------
-    states : array (intervals, 5)
-        Nodes of the plan.
-    e, G : array
-        As ``condensed`` gives them.
-    """
+    """Return the rudder after each interval, and how changes of the rates move it."""
+    # states (intervals, 5)
     return states[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]

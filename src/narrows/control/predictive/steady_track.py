@@ -18,70 +18,37 @@ from narrows.errors import InputError
 from narrows.simulation.ship import SimulatedShip
 
 PLACES_A_LENGTH, MOST_PLACES = 2, 4000
+# Courses from the offset that is asked for to the middle of the keel's room, both among them.
 WAYS = 9
-"""Courses from the offset that is asked for to the middle of the keel's room, both among them."""
+# What does not change on a steady course; psi, v and the rudder see to it.
 BALANCED = [LINEARISED.index(name) for name in ("y", "v", "r")]
-"""What does not change on a steady course; psi, v and the rudder see to it."""
 
 
 @dataclass(frozen=True)
 class SteadyTrack:
-    """Steady courses at places along a line, and nearer and nearer to the middle.
+    """Steady courses at places along a line, and nearer and nearer to the middle."""
 
-    Parameters
-    ----------
-    places : array (n,) [m]
-        Along the line.
-    states : array (ways, n, 5)
-        y [m], psi [rad], v [m/s], r [rad/s], rudder [rad].
-    by_push : array (ways, n, 5, 2)
-        How they give way to a sway force [N] and a yaw moment [N m].
-    force_of : array (ways, n, 2, 2)
-        The force and moment that an acceleration in sway and yaw takes.
-    slopes : array (ways, n, 5, 5)
-        Derivatives of the rates of the state by the state.
-    known : array (ways, n) of bool
-        Whether there is a steady course; where there is none, the next one nearer to the middle stands.
-    shares : array (ways, n)
-        Places between the banks, from -1 to 1.
-    limit : float [rad]
-        Of the rudder.
-    """
-
-    places: np.ndarray
-    states: np.ndarray
-    by_push: np.ndarray
-    force_of: np.ndarray
-    slopes: np.ndarray
+    places: np.ndarray  # (n,) Along the line [m]
+    states: np.ndarray  # (ways, n, 5) y [m], psi [rad], v [m/s], r [rad/s], rudder [rad]
+    by_push: np.ndarray  # (ways, n, 5, 2) How they give way to a sway force [N] and a yaw moment [N m]
+    force_of: np.ndarray  # (ways, n, 2, 2) The force and moment that an acceleration in sway and yaw takes
+    slopes: np.ndarray  # (ways, n, 5, 5) Derivatives of the rates of the state by the state
+    # (ways, n) Whether there is a steady course; where there is none, the next one nearer to the middle stands
     known: np.ndarray
-    shares: np.ndarray
-    limit: float
+    shares: np.ndarray  # (ways, n) Places between the banks, from -1 to 1
+    limit: float  # Of the rudder [rad]
 
     def nearest(self, x: float) -> int:
-        """Return the number of the place nearest to one along the line.
-
-        Parameters
-        ----------
-        x : float [m]
-            Along the line.
-        """
+        """Return the number of the place nearest to one along the line."""
+        # x [m]
         if len(self.places) == 1:
             return 0
         step = self.places[1] - self.places[0]
         return int(min(max(round((x - self.places[0]) / step), 0), len(self.places) - 1))
 
     def held(self, x: float, push: Push, most: float) -> float:
-        """Return how far from the offset to the middle, 0 to 1, a rudder no further than ``most`` holds the ship.
-
-        Parameters
-        ----------
-        x : float [m]
-            Along the line.
-        push : Push
-            Beside what the model knows.
-        most : float [rad]
-            Of the rudder.
-        """
+        """Return how far from the offset to the middle, 0 to 1, a rudder no further than ``most`` holds the ship."""
+        # x [m]; most [rad]
         place = self.nearest(x)
         pushed, _ = push.at(self.shares[:, place])
         asked = np.abs(self.states[:, place, RUDDER] + (self.by_push[:, place, RUDDER] * pushed).sum(axis=-1))
@@ -97,17 +64,8 @@ class SteadyTrack:
         return (first - 1 + float(part)) / (WAYS - 1)
 
     def at(self, x: np.ndarray, push: Push, way: float = 0.0) -> np.ndarray:
-        """Return the steady states at places under a push, (places, 5).
-
-        Parameters
-        ----------
-        x : array (places,) [m]
-            Along the line.
-        push : Push
-            Beside what the model knows.
-        way : float
-            From the offset, 0, to the middle, 1.
-        """
+        """Return the steady states at places under a push, (places, 5)."""
+        # x (places,) [m]
         row = min(int(way * (WAYS - 1)), WAYS - 2)
         part = way * (WAYS - 1) - row
         states = self.states[row] + part * (self.states[row + 1] - self.states[row])
@@ -127,30 +85,9 @@ class SteadyTrack:
 def steady_track(
     ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float, positions: Mapping[str, float]
 ) -> SteadyTrack:
-    """Find the steady courses along a line (ours).
-
-    Where the keel has no room for the offset the course gives way.
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model, its speed held.
-    water : WaterAhead
-        Along the line.
-    y : float [m]
-        Offset to hold.
-    u : float [m/s]
-        Surge velocity.
-    margin : float [m]
-        Between hull and bank.
-    positions : mapping of str to float
-        Of other actuators.
-
-    Raises
-    ------
-    InputError
-        Where no rudder holds the ship anywhere.
-    """
+    """Find the steady courses along a line."""
+    # y [m]; u [m/s]; margin [m]
+    # Where the keel has no room for the offset the course gives way.
     length = ship.model.configuration.ship.length
     count = 1 if water.straight else int(min(max(PLACES_A_LENGTH * water.length / length, 2), MOST_PLACES))
     places = np.linspace(0.0, water.length, count)

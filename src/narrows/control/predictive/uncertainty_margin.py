@@ -12,26 +12,10 @@ def margins_of(
     model: Model, motion: tuple[np.ndarray, np.ndarray], slopes_by_coefficient: np.ndarray, gains: np.ndarray,
     margin: float, confidence: float,
 ) -> np.ndarray:  # fmt: skip
-    """Return margins after each interval of a plan (ours).
-
-    While the ship comes back from half a beam off, under the best linear helm: what its forces are there is uncertain,
-    less what the push that is estimated tells of them at the start.
-
-    Parameters
-    ----------
-    model : Model
-        With the covariance of its coefficients; without one the margin is the least.
-    motion : pair of arrays (5, 5)
-        How a state off its course acts over an interval, and how constant rates do.
-    slopes_by_coefficient : array (intervals + 1, 6, coefficients)
-        Of the rates, at states on the way back.
-    gains : array (5,)
-        Of the best linear helm.
-    margin : float [m]
-        At least.
-    confidence : float [1]
-        With which the hull is to stay within it.
-    """
+    """Return margins after each interval of a plan."""
+    # motion (5, 5); slopes_by_coefficient (intervals + 1, 6, coefficients); gains (5,); margin [m]
+    # While the ship comes back from half a beam off, under the best linear helm: what its forces are there is
+    # uncertain, less what the push that is estimated tells of them at the start.
     (A, integral), count = motion, len(slopes_by_coefficient) - 1
     if model.covariance is None:
         return np.full(count, margin)

@@ -15,63 +15,37 @@ from narrows.control.predictive.push_estimate import Push, no_push, updated_push
 from narrows.control.predictive.water_ahead import share_of
 from narrows.simulation.controllers import VoyageState
 
+# Of sequential quadratic programming, for a first plan.
 FIRST_ROUNDS = 6
-"""Of sequential quadratic programming, for a first plan."""
+# Of the period, by which a plan may come early: times of steps are sums.
 EARLY = 1e-6
-"""Of the period, by which a plan may come early: times of steps are sums."""
+# Of the rudder's limit, that holding an offset may take; where it takes more, the helm comes nearer the middle...
 RESERVE = 0.7
-"""Of the rudder's limit, that holding an offset may take; where it takes more, the helm comes nearer the middle ..."""
+# ... and goes back no faster than all the way in so many of the times in which the push is estimated.
 RETURNING = 20.0
-"""... and goes back no faster than all the way in so many of the times in which the push is estimated."""
 
 
 class Seen(NamedTuple):
-    """A ship as the helm takes it to be.
+    """A ship as the helm takes it to be."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When.
-    x : float [m]
-        Along the line.
-    speed : float [m/s]
-        Surge velocity.
-    state : array (5,)
-        y [m], psi [rad], v [m/s], r [rad/s], rudder [rad].
-    """
-
-    t: float
-    x: float
-    speed: float
-    state: np.ndarray
+    t: float  # When [s]
+    x: float  # Along the line [m]
+    speed: float  # Surge velocity [m/s]
+    state: np.ndarray  # (5,) y [m], psi [rad], v [m/s], r [rad/s], rudder [rad]
 
 
 @dataclass
 class VoyageOrders:
-    """A function of time and state that gives rudder orders, with a memory.
+    """A function of time and state that gives rudder orders, with a memory."""
 
-    It keeps the ``push`` that it estimates, the ``plan``, the ``way`` that it has come from the offset, 0, to the
-    middle, 1, and how many orders it gave ``without_plan``.
+    # It keeps the ``push`` that it estimates, the ``plan``, the ``way`` that it has come from the offset, 0, to the
+    # middle, 1, and how many orders it gave ``without_plan``.
 
-    Parameters
-    ----------
-    planner : Planner
-        Makes plans.
-    course : CourseAhead
-        That is to be held.
-    observer : PredictionLanes
-        Says what was to be expected.
-    push_time : float [s]
-        In which the estimate of the push comes two thirds of the way.
-    seconds : float [s]
-        That a plan may take; 0 for no limit.
-    """
-
-    planner: Planner
-    course: CourseAhead
-    observer: PredictionLanes
-    push_time: float
-    seconds: float = 0.0
+    planner: Planner  # Makes plans
+    course: CourseAhead  # That is to be held
+    observer: PredictionLanes  # Says what was to be expected
+    push_time: float  # In which the estimate of the push comes two thirds of the way [s]
+    seconds: float = 0.0  # That a plan may take; 0 for no limit [s]
     push: Push = field(init=False)
     plan: RudderPlan | None = field(init=False, default=None)
     way: float = field(init=False, default=0.0)
@@ -83,15 +57,8 @@ class VoyageOrders:
         self.push = no_push(self.course.spread)
 
     def __call__(self, t: float, state: VoyageState) -> float:
-        """Return the rudder order [rad], a finite number within its limit whatever is seen.
-
-        Parameters
-        ----------
-        t : float [s]
-            When; where it runs backwards, the helm begins anew.
-        state : VoyageState
-            What is seen; what is no number in it is taken to be as was expected.
-        """
+        """Return the rudder order [rad], a finite number within its limit whatever is seen."""
+        # t [s]
         if self._seen is None or t < self._seen.t:
             self._begin_anew()
         elif not t - self._seen.t >= self.planner.horizon.period * (1 - EARLY):

@@ -11,30 +11,18 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
+# What the terms are told of it.
 SECTION = ("width", "depth")
-"""What the terms are told of it."""
 
 
 @dataclass(frozen=True)
 class WaterAhead:
-    """Equal cells along the line, straight between their nodes; beyond the ends the water goes on as it is there.
+    """Equal cells along the line, straight between their nodes; beyond the ends the water goes on as it is there."""
 
-    Parameters
-    ----------
-    nodes : array (nodes, 6)
-        ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m].
-    step : float [m]
-        Length of a cell.
-    current : float [m/s]
-        Along the line.
-    straight : bool
-        Whether this is the model's own canal.
-    """
-
-    nodes: np.ndarray
-    step: float
-    current: float = 0.0
-    straight: bool = False
+    nodes: np.ndarray  # (nodes, 6) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m]
+    step: float  # Length of a cell [m]
+    current: float = 0.0  # Along the line [m/s]
+    straight: bool = False  # Whether this is the model's own canal
 
     @property
     def length(self) -> float:
@@ -42,13 +30,8 @@ class WaterAhead:
         return 0.0 if self.straight else self.step * (len(self.nodes) - 1)
 
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
-        """Return every column at places.
-
-        Parameters
-        ----------
-        x : array (places,) [m]
-            Along the line.
-        """
+        """Return every column at places."""
+        # x (places,) [m]
         if self.straight:
             return dict(zip(COLUMNS, np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x))), strict=True))
         last = len(self.nodes) - 1
@@ -60,33 +43,13 @@ class WaterAhead:
 
 
 def share_of(y: np.ndarray, there: dict[str, np.ndarray]) -> np.ndarray:
-    """Return places between the walls: -1 at the port one, 1 at the starboard one (ours).
-
-    Parameters
-    ----------
-    y : array [m]
-        To starboard of the line.
-    there : dict of str to array
-        As ``WaterAhead.at`` gives it.
-    """
+    """Return places between the walls: -1 at the port one, 1 at the starboard one."""
+    # y [m]
     return np.asarray((y - there["middle"]) / (there["width"] / 2))
 
 
 def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
-    """Return the water of a waterway, or of the model's own canal (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Its canal gives the depth where the waterway has none.
-    waterway : Waterway, optional
-        Where the ship sails instead of that canal.
-
-    Raises
-    ------
-    InputError
-        Where the ship does not fit the waterway.
-    """
+    """Return the water of a waterway, or of the model's own canal."""
     ship, canal = model.configuration.ship, model.configuration.canal
     own_depth = np.nan if canal.depth is None else canal.depth
     if waterway is None:

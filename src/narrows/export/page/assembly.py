@@ -13,22 +13,8 @@ from narrows.simulation.usual import usual_voyage
 
 
 def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[str, tuple[str, ...]]:
-    """Return the page of a ship, and what to say of it (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The model under its choices.
-    title : str
-        Of the page; the ship's name where it is empty.
-    speed : float [m/s], optional
-        That a voyage begins with; what suits the ship unless given.
-
-    Raises
-    ------
-    InputError
-        Where the speed is none, the equations lack something, or the compiler fails.
-    """
+    """Return the page of a ship, and what to say of it."""
+    # speed [m/s]
     u = float(usual_voyage(ship.model).speed if speed is None else speed)
     finite_numbers(u=u)
     if not u > 0:

@@ -9,25 +9,16 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.export.page.page_sliders import ASSUMED, COEFFICIENTS, Slider, both_ways, covered, deviation, sliders_of
 from narrows.model.model import Model
 
+# Ship lengths that are looked at.
 LENGTHS = 7.0
-"""Ship lengths that are looked at."""
+# Of fleet.c: ships of a task, those whose paths are kept, and points of a path.
 MOST, PATHS, SAMPLES = 4096, 1024, 96
-"""Of fleet.c: ships of a task, those whose paths are kept, and points of a path."""
 UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
 
 
 def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any]:
-    """Return everything that the scripts of a page ask for (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Its ship.
-    speed : float [m/s]
-        That a voyage begins with at first.
-    title : str
-        Of the page.
-    """
+    """Return everything that the scripts of a page ask for."""
+    # speed [m/s]
     model, kept = exported.ship.model, exported.portable.kept
     ship, sliders = model.configuration.ship, sliders_of(exported, speed, exported.steering is not None)
     names = [slider.name for slider in sliders if slider.group == COEFFICIENTS]
@@ -74,15 +65,7 @@ def _notes(model: Model, sliders: list[Slider]) -> list[str]:
 
 
 def root_of(model: Model, names: list[str]) -> np.ndarray:
-    """Return the symmetric root of the covariance of some coefficients, by their correlations as in ``samples`` (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Whose.
-    names : list of str
-        The coefficients.
-    """
+    """Return the symmetric root of the covariance of some coefficients, by their correlations as in ``samples``."""
     size = np.array([deviation(model, name) for name in names])
     if model.covariance is None:
         return np.diag(size)

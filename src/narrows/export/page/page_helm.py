@@ -6,15 +6,8 @@ from narrows.simulation.switched_law import SwitchedLaw
 
 
 def helm_of(model: Model, speed: float) -> tuple[SwitchedLaw | None, str]:
-    """Return what holds a ship in the middle of its canal, or why nothing does (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-    speed : float [m/s]
-        That the gains are made for.
-    """
+    """Return what holds a ship in the middle of its canal, or why nothing does."""
+    # speed [m/s]
     from narrows.control.regulator import regulator
 
     if not any(actuator.name == "rudder" for actuator in model.terms.actuators):

@@ -13,46 +13,30 @@ from narrows.model.model import SETTLED, Model
 
 VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "What is not known"
 PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
+# Standard deviation of a coefficient, of its size, where the model has no covariance.
 ASSUMED = 0.05
-"""Standard deviation of a coefficient, of its size, where the model has no covariance."""
+# Standard deviations that a slider of a coefficient goes either way; widths of canals, of the model's own.
 WIDE, USUAL_WIDTHS = 3.0, (0.5, 2.0)
-"""Standard deviations that a slider of a coefficient goes either way; widths of canals, of the model's own."""
+# Standard deviation of the start, of the length, and of the heading [degrees].
 START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
-"""Standard deviation of the start, of the length, and of the heading [degrees]."""
 
 
 @dataclass(frozen=True)
 class Slider:
-    """A number that whoever plays may change.
+    """A number that whoever plays may change."""
 
-    Parameters
-    ----------
-    name, label, unit, group : str
-        In the address, in words, of the value as it is shown, and where it stands.
-    low, high, step, value : float
-        Its range, how fine it is, and where it stands at first.
-    tested : pair of float, optional
-        What the data covered.
-    beyond : str
-        What to say beside a value beyond that.
-    told : str, optional
-        What to call it among what is beyond the data.
-    switch : bool
-        Whether it is on or off.
-    """
-
-    name: str
-    label: str
-    unit: str
-    group: str
-    low: float
-    high: float
-    step: float
-    value: float
-    tested: Range | None = None
-    beyond: str = "beyond the data"
-    told: str | None = None
-    switch: bool = False
+    name: str  # In the address, in words, of the value as it is shown, and where it stands
+    label: str  # In the address, in words, of the value as it is shown, and where it stands
+    unit: str  # In the address, in words, of the value as it is shown, and where it stands
+    group: str  # In the address, in words, of the value as it is shown, and where it stands
+    low: float  # Its range, how fine it is, and where it stands at first
+    high: float  # Its range, how fine it is, and where it stands at first
+    step: float  # Its range, how fine it is, and where it stands at first
+    value: float  # Its range, how fine it is, and where it stands at first
+    tested: Range | None = None  # What the data covered
+    beyond: str = "beyond the data"  # What to say beside a value beyond that
+    told: str | None = None  # What to call it among what is beyond the data
+    switch: bool = False  # Whether it is on or off
 
     def to_dict(self) -> dict[str, Any]:
         """Give what there is to tell by name, with the digits of a value."""
@@ -64,17 +48,8 @@ class Slider:
 
 
 def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:
-    """Return the sliders of a page, in order (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        Its ship.
-    speed : float [m/s]
-        That a voyage begins with at first.
-    steered : bool
-        Whether there is a helm to switch on.
-    """
+    """Return the sliders of a page, in order."""
+    # speed [m/s]
     model = exported.ship.model
     names = {parameter.name for parameter in exported.parameters}
     return [
@@ -132,15 +107,7 @@ def _unknown(model: Model) -> Iterator[Slider]:
 
 
 def deviation(model: Model, name: str) -> float:
-    """Return the standard deviation of a coefficient, the assumed one where its tests do not say (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Whose.
-    name : str
-        Of the coefficient.
-    """
+    """Return the standard deviation of a coefficient, the assumed one where its tests do not say."""
     if model.covariance is None:
         return ASSUMED * abs(model.coefficients[name])
     place = model.terms.names.index(name)
@@ -161,15 +128,7 @@ def _coefficient(model: Model, name: str) -> Slider:
 
 
 def covered(known: Range | None, scale: float = 1.0) -> Range | None:
-    """Return what counts as covered by the data, by the one rule of ``DataRange.outside`` (ours).
-
-    Parameters
-    ----------
-    known : pair of float, optional
-        What the data covered.
-    scale : float
-        Of the value that is shown.
-    """
+    """Return what counts as covered by the data, by the one rule of ``DataRange.outside``."""
     if known is None:
         return None
     slack = SLACK * max(map(abs, known))
@@ -177,15 +136,7 @@ def covered(known: Range | None, scale: float = 1.0) -> Range | None:
 
 
 def both_ways(known: Range | None, scale: float = 1.0) -> Range | None:
-    """Return what counts as covered of a number whose size the data tell (ours).
-
-    Parameters
-    ----------
-    known : pair of float, optional
-        What the data covered of its size.
-    scale : float
-        Of the value that is shown.
-    """
+    """Return what counts as covered of a number whose size the data tell."""
     reach = covered(known, scale)
     return None if reach is None else (-reach[1], reach[1])
 

@@ -12,37 +12,24 @@ from narrows.export.page.page_data import page_data
 from narrows.export.page.script_bundle import bundled, smaller
 
 BARE_DEFLATE = -15
+# What both the page and its workers run.
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
-"""What both the page and its workers run."""
+# Signs of the model's text, which has no words between quotes, that need no blank beside them.
 SUMS = re.compile(r" ([+-]) (?![+-])")
-"""Signs of the model's text, which has no words between quotes, that need no blank beside them."""
+# Which the page's numbers say already.
 DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
-"""Which the page's numbers say already."""
+# Fields of a structure unpacked one after another.
 UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
-"""Fields of a structure unpacked one after another."""
+# Behind a number of the model's text.
 MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
-"""Behind a number of the model's text."""
+# Lines of the model's text that name a number each.
 IN_A_ROW = re.compile(r"(?:^const \w+=.*;\n){2,}", re.MULTILINE)
-"""Lines of the model's text that name a number each."""
 MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
 
 
 def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:
-    """Return the page of a ship (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship, called ``ship``.
-    speed : float [m/s]
-        That a voyage begins with at first.
-    title : str
-        Of the page.
-    helm : str
-        Why nothing steers, where there is no helm.
-    wasm : bytes, optional
-        What sails fleets; plain JavaScript does where there is none.
-    """
+    """Return the page of a ship."""
+    # speed [m/s]
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from narrows.web.assets import asset
@@ -60,20 +47,14 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
 
 
 def own_style() -> str:
-    """Return the style of the page itself (ours)."""
+    """Return the style of the page itself."""
     from importlib.resources import files
 
     return (files("narrows.export.page") / "page.css").read_text("utf-8")
 
 
 def model_script(exported: ExportedShip) -> str:
-    """Return the exported model as a module that gives what a page asks for (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship.
-    """
+    """Return the exported model as a module that gives what a page asks for."""
     text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
     text = UNPACKED.sub(_destructured, DEFAULTS.sub("", MEANING.sub("", text)))
     return MODEL.format(IN_A_ROW.sub(_together, SUMS.sub(r"\1", text)))
@@ -89,13 +70,7 @@ def _destructured(match: re.Match[str]) -> str:
 
 
 def packed(wasm: bytes) -> str:
-    """Return bytes as text: deflated, base 64 (ours).
-
-    Parameters
-    ----------
-    wasm : bytes
-        Of a module.
-    """
+    """Return bytes as text: deflated, base 64."""
     press = zlib.compressobj(9, zlib.DEFLATED, BARE_DEFLATE)
     return base64.b64encode(press.compress(wasm) + press.flush()).decode()
 

@@ -11,23 +11,13 @@ SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\
 EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
 COMMENTS = re.compile(r"^[ \t]*(?://.*|/\*\*.*?\*/)[ \t]*\n", re.MULTILINE)
 BLOCK = re.compile(r"/\*\*.*?\*/\n", re.DOTALL)
+# Words between quotes, which stay as they are, and signs that need no blank beside them.
 SPACED = re.compile(r"""("[^"\n]*"|`[^`]*`)|[ ]*([=*/<>?:,{}();&|]+)[ ]*""")
-"""Words between quotes, which stay as they are, and signs that need no blank beside them."""
 INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
 
 
 def bundled(entry: str, given: Mapping[str, str], known: set[str]) -> str:
-    """Return a script with all that it imports, in order (ours).
-
-    Parameters
-    ----------
-    entry : str
-        File of the folder ``script``.
-    given : mapping of str to str
-        Text of modules that are not in the folder.
-    known : set of str
-        Modules that stand in the page already; what is written is added.
-    """
+    """Return a script with all that it imports, in order."""
     return "".join(_modules(entry, given, known))
 
 
@@ -61,12 +51,6 @@ def _variable(name: str) -> str:
 
 
 def smaller(text: str) -> str:
-    """Return a script or a style without comments, indentation and blanks beside signs (ours).
-
-    Parameters
-    ----------
-    text : str
-        Whose comments stand on lines of their own.
-    """
+    """Return a script or a style without comments, indentation and blanks beside signs."""
     bare = INDENT.sub("", COMMENTS.sub("", BLOCK.sub("", text)))
     return re.sub(r"\n+", "\n", SPACED.sub(lambda match: match[1] or match[2], bare))

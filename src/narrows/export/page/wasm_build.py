@@ -22,7 +22,7 @@ LANE, SHIP = "lane", "ship"
 
 
 def lacks_zig() -> str:
-    """Return what to do for a page that sails by WebAssembly where its compiler is not here, else nothing (ours)."""
+    """Return what to do for a page that sails by WebAssembly where its compiler is not here, else nothing."""
     try:
         with needs("fmu", "WebAssembly"):
             import ziglang  # noqa: F401
@@ -32,20 +32,7 @@ def lacks_zig() -> str:
 
 
 def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
-    """Return a module that sails fleets of a ship, 64 side by side (ours).
-
-    Parameters
-    ----------
-    exported : ExportedShip
-        The ship, called ``ship``.
-    single : bool
-        Whether the lanes are in single precision; the step that ends a voyage is in double precision all the same.
-
-    Raises
-    ------
-    InputError
-        Where the compiler fails.
-    """
+    """Return a module that sails fleets of a ship, 64 side by side."""
     ship = c_text(exported)
     lane = re.sub(rf"\b{SHIP}_", f"{LANE}_", re.sub(rf"\b{SHIP.upper()}_", f"{LANE.upper()}_", ship))
     texts = {"ship.h": ship, "lane.h": in_single_precision(lane) if single else lane}
@@ -57,13 +44,7 @@ def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
 
 
 def in_single_precision(text: str) -> str:
-    """Return C with every ``double``, number and function of <math.h> in single precision (ours).
-
-    Parameters
-    ----------
-    text : str
-        A header that was exported.
-    """
+    """Return C with every ``double``, number and function of <math.h> in single precision."""
     text = FUNCTION.sub(r"\1f(", NUMBER.sub(r"\1f", text))
     return re.sub(r"\bdouble\b", "float", text)
 

@@ -7,28 +7,19 @@ import numpy as np
 from narrows.identification.regression.batch import RIDGE
 from narrows.identification.regression.problem import Problem
 
+# Correlation of two estimates beyond which they are named as a pair.
 STRONG = 0.9
-"""Correlation of two estimates beyond which they are named as a pair."""
 
 
 @dataclass(frozen=True)
 class CorrelatedPair:
-    """Two coefficients that the tests tell apart badly.
+    """Two coefficients that the tests tell apart badly."""
 
-    Parameters
-    ----------
-    first, second : str
-        Coefficients.
-    correlation : float [1]
-        Of their estimates, as the columns alone determine it.
-    slope : float
-        How far ``second`` moves when ``first`` is moved by one, the fit staying as good as it can, in the unit of
-        ``second`` over that of ``first``.
-    """
-
-    first: str
-    second: str
-    correlation: float
+    first: str  # Coefficients
+    second: str  # Coefficients
+    correlation: float  # Of their estimates, as the columns alone determine it [1]
+    # How far ``second`` moves when ``first`` is moved by one, the fit staying as good as it can, in the unit of
+    # ``second`` over that of ``first``
     slope: float
 
     @property
@@ -41,15 +32,8 @@ class CorrelatedPair:
 
 
 def correlated_pairs(problem: Problem, total: np.ndarray) -> tuple[CorrelatedPair, ...]:
-    """Find the pairs, the closest first (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    total : array (m, m)
-        Sums over all rows.
-    """
+    """Find the pairs, the closest first."""
+    # total (m, m)
     inverse = np.linalg.inv(_ridged(problem.normal(total)[0]))
     size = np.sqrt(np.diag(inverse))
     correlation = inverse / np.outer(size, size)

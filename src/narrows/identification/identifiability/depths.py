@@ -7,30 +7,18 @@ import numpy as np
 
 from narrows.identification.identifiability.other_estimates import ComparedEstimate
 
+# Probability of as much difference under which a coefficient is said to change with the depth.
 DIFFERENT = 0.05
-"""Probability of as much difference under which a coefficient is said to change with the depth."""
 
 
 @dataclass(frozen=True)
 class DepthTest:
-    """A coefficient at each depth by itself, and the test of whether it is one.
+    """A coefficient at each depth by itself, and the test of whether it is one."""
 
-    Parameters
-    ----------
-    values : mapping of float [m] to float
-        Its estimate by the tests at each depth alone, in its unit.
-    std : mapping of float [m] to float
-        Their standard errors.
-    chi2 : float [1]
-        Sum of squared distances from their weighted mean, each over its standard error.
-    p : float [1]
-        Probability of as much, were it one coefficient.
-    """
-
-    values: Mapping[float, float]
-    std: Mapping[float, float]
-    chi2: float
-    p: float
+    values: Mapping[float, float]  # Its estimate by the tests at each depth alone, in its unit [m]
+    std: Mapping[float, float]  # Their standard errors [m]
+    chi2: float  # Sum of squared distances from their weighted mean, each over its standard error [1]
+    p: float  # Probability of as much, were it one coefficient [1]
 
     @property
     def changes(self) -> bool:
@@ -38,28 +26,14 @@ class DepthTest:
         return self.p < DIFFERENT
 
     def sentence(self, name: str) -> str:
-        """Say it.
-
-        Parameters
-        ----------
-        name : str
-            The coefficient.
-        """
+        """Say it."""
         told = ", ".join(f"{value:.3g} +- {self.std[h]:.2g} at {h:.4g} m" for h, value in self.values.items())
         word = "it changes with the depth" if self.changes else "no change with the depth is seen"
         return f"{name} by each depth alone is {told}: {word} (p = {self.p:.2g})."
 
 
 def depth_test(compared: Iterable[ComparedEstimate], std_over_reach: float) -> DepthTest | None:
-    """Compare what the tests at each depth tell of a coefficient; None where fewer than two depths do (ours).
-
-    Parameters
-    ----------
-    compared : iterable of ComparedEstimate
-        Of the coefficient.
-    std_over_reach : float [1]
-        Standard error over half of a 95 % interval.
-    """
+    """Compare what the tests at each depth tell of a coefficient; None where fewer than two depths do."""
     from scipy.special import chdtrc
 
     known = [(*c.stratum, c) for c in compared if c.stratum and not c.lost]

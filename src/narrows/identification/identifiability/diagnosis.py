@@ -10,54 +10,31 @@ from narrows.identification.regression.normal_equations import ONE, NormalEquati
 from narrows.identification.regression.solve import RANK_TOLERANCE
 from narrows.terms.term import Term
 
+# A column takes part in a direction of unit length where its share is larger than this.
 INVOLVED = 1e-3
-"""A column takes part in a direction of unit length where its share is larger than this."""
+# Of the columns that stand in for another: those with at least this part of the largest share, and how many.
 PARTNER_SHARE, MOST_PARTNERS = 0.5, 2
-"""Of the columns that stand in for another: those with at least this part of the largest share, and how many."""
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The columns of one force over some rows.
+    """The columns of one force over some rows."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        The coefficients.
-    rank : int
-        Number of directions with data.
-    condition : float [1]
-        Of the matrix with columns scaled to one; infinite where the rank is short.
-    vif : mapping of str to float [1]
-        Variance inflation, 1/(1 - R2) of a column on the others, without intercept as the model has none;
-        infinite where the column is a combination of others, NaN where it is zero.
-    correlation : array (n, n)
-        Of the columns; NaN where one does not vary.
-    alignment : array (n, n)
-        Cosine between the columns, which is what a model without intercept feels; NaN where one is zero.
-    empty : tuple of str
-        Coefficients whose column is zero.
-    missing : array (k, n)
-        Directions without data, of unit length, among the columns that are not zero, each scaled to one.
-    """
-
-    names: tuple[str, ...]
-    rank: int
-    condition: float
+    names: tuple[str, ...]  # The coefficients
+    rank: int  # Number of directions with data
+    condition: float  # Of the matrix with columns scaled to one; infinite where the rank is short [1]
+    # Variance inflation, 1/(1 - R2) of a column on the others, without intercept as the model has none; infinite
+    # where the column is a combination of others, NaN where it is zero [1]
     vif: Mapping[str, float]
-    correlation: np.ndarray
+    correlation: np.ndarray  # (n, n) Of the columns; NaN where one does not vary
+    # (n, n) Cosine between the columns, which is what a model without intercept feels; NaN where one is zero
     alignment: np.ndarray
-    empty: tuple[str, ...]
+    empty: tuple[str, ...]  # Coefficients whose column is zero
+    # (k, n) Directions without data, of unit length, among the columns that are not zero, each scaled to one
     missing: np.ndarray
 
     def partner(self, name: str) -> tuple[str, float]:
-        """Return the coefficient whose column is most like this one's, and their alignment [1].
-
-        Parameters
-        ----------
-        name : str
-            A coefficient.
-        """
+        """Return the coefficient whose column is most like this one's, and their alignment [1]."""
         index = self.names.index(name)
         row = np.nan_to_num(self.alignment[index])
         row[index] = 0.0
@@ -65,13 +42,7 @@ class Diagnosis:
         return self.names[most], float(row[most])
 
     def partners(self, name: str) -> tuple[str, ...]:
-        """Return the coefficients whose columns between them stand in for this one's, the largest share first.
-
-        Parameters
-        ----------
-        name : str
-            A coefficient.
-        """
+        """Return the coefficients whose columns between them stand in for this one's, the largest share first."""
         live = [i for i, other in enumerate(self.names) if other not in self.empty]
         index = live.index(self.names.index(name))
         inverse = np.linalg.pinv(self.alignment[np.ix_(live, live)], rcond=RANK_TOLERANCE**2, hermitian=True)
@@ -91,17 +62,8 @@ class Diagnosis:
 
 
 def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
-    """Diagnose the columns of one force over the rows behind some sums.
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        For its columns.
-    sums : array (m, m)
-        The rows.
-    terms : tuple of Term
-        The force's terms.
-    """
+    """Diagnose the columns of one force over the rows behind some sums."""
+    # sums (m, m)
     names = tuple(term.name for term in terms)
     gram = equations.pick(sums, list(names))
     norm = np.sqrt(np.diag(gram))

@@ -14,21 +14,11 @@ from narrows.terms.term import TermTable
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """The columns of every force, whatever the forces are; each diagnosis is made when it is first asked for.
+    """The columns of every force, whatever the forces are; each diagnosis is made when it is first asked for."""
 
-    Parameters
-    ----------
-    equations : NormalEquations
-        The sums.
-    terms : TermTable
-        The terms.
-    motions : DistinctMotions
-        The distinct motions, and their speeds.
-    """
-
-    equations: NormalEquations
-    terms: TermTable
-    motions: DistinctMotions
+    equations: NormalEquations  # The sums
+    terms: TermTable  # The terms
+    motions: DistinctMotions  # The distinct motions, and their speeds
 
     @cached_property
     def overall(self) -> dict[str, Diagnosis]:
@@ -50,25 +40,12 @@ class Diagnostics:
         }
 
     def over(self, sums: np.ndarray) -> dict[str, Diagnosis]:
-        """Diagnose each force that has terms over the rows behind some sums.
-
-        Parameters
-        ----------
-        sums : array (m, m)
-            The rows.
-        """
+        """Diagnose each force that has terms over the rows behind some sums."""
+        # sums (m, m)
         return {force: diagnose(self.equations, sums, part) for force, part in self.terms.forces.items() if part}
 
     def determined(self, name: str, among: Mapping[str, Diagnosis] | None = None) -> bool:
-        """Return whether rows determine a coefficient, through its own force or through one that it is tied to.
-
-        Parameters
-        ----------
-        name : str
-            A coefficient.
-        among : mapping of str to Diagnosis, optional
-            Of each force over some rows; over all rows unless given.
-        """
+        """Return whether rows determine a coefficient, through its own force or through one that it is tied to."""
         tied = {name, *(other for tie in self.terms.ties if name in tie for other in tie)}
         diagnoses = (self.overall if among is None else among).values()
         return any(np.isfinite(d.vif[other]) for d in diagnoses for other in tied if other in d.names)

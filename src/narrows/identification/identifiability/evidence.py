@@ -12,35 +12,25 @@ from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.interval import t_quantile
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel, freedoms
 
+# Standard errors of a difference between two fits beyond which the interval reaches over it.
 SEEN = 2.0
-"""Standard errors of a difference between two fits beyond which the interval reaches over it."""
+# Half widths that this may add.
 MOST_WIDENED = 2.0
-"""Half widths that this may add."""
+# Steady runs against harmonic ones, over all of whose difference the interval reaches: a calibration, a mount or a
+# rail that is another in one type of runs is shared by all of these, so that their number says nothing of it.
 OF_TYPES = (Kind.TYPE, Kind.GAIN)
-"""Steady runs against harmonic ones, over all of whose difference the interval reaches: a calibration, a mount or a
-rail that is another in one type of runs is shared by all of these, so that their number says nothing of it."""
+# Of what the fit knows, under which a type of runs by itself knows nothing of a coefficient.
 LEAST_SHARE = 1 / 30
-"""Of what the fit knows, under which a type of runs by itself knows nothing of a coefficient."""
+# Level at which estimates contradict each other, over how many are compared.
 CONTRADICTION = 0.01
-"""Level at which estimates contradict each other, over how many are compared."""
+# Share of what is known that may go with one motion: without it the standard error doubles.
 ONE_TEST = 0.75
-"""Share of what is known that may go with one motion: without it the standard error doubles."""
+# Of the interval's half width: a smaller difference contradicts nothing.
 MATTERS = 0.5
-"""Of the interval's half width: a smaller difference contradicts nothing."""
 
 
 class Evidence:
-    """Everything that speaks for or against the coefficients of a fit.
-
-    Parameters
-    ----------
-    problem : Problem
-        The terms.
-    motions : DistinctMotions
-        The distinct motions.
-    model : ErrorModel
-        The fit and its errors.
-    """
+    """Everything that speaks for or against the coefficients of a fit."""
 
     def __init__(self, problem: Problem, motions: DistinctMotions, model: ErrorModel) -> None:
         self.problem, self.motions, self.model = problem, motions, model
@@ -67,11 +57,9 @@ class Evidence:
 
     @cached_property
     def _errors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Standard errors by the error model, or by what each motion moves where that reaches farther; their counts.
-
-        What moves a coefficient that rests on one motion says nothing of its error, nor is it asked where runs are said
-        not to differ.
-        """
+        """Standard errors by the error model, or by what each motion moves where that reaches farther; their counts."""
+        # What moves a coefficient that rests on one motion says nothing of its error, nor is it asked where runs are
+        # said not to differ.
         assumed, counts = self.std[self.slots], self.freedom + 1
         if self.model.errors.none:
             return assumed, counts
@@ -99,11 +87,9 @@ class Evidence:
         return np.array([std[slots == slot].max() for slot in slots])
 
     def _seen(self, index: int) -> float:
-        """By how much the interval reaches over other fits; not at all where runs do not differ.
-
-        Over the farthest that is two of its errors off, within a limit; between types of runs over the difference, and
-        its own interval where that is wider than the plain one.
-        """
+        """By how much the interval reaches over other fits; not at all where runs do not differ."""
+        # Over the farthest that is two of its errors off, within a limit; between types of runs over the difference,
+        # and its own interval where that is wider than the plain one.
         if self.model.errors.none:
             return 0.0
         theta, plain = self.model.theta[self.slots[index]], float(self.plain[index])
@@ -117,13 +103,7 @@ class Evidence:
         return max(seen)
 
     def compared(self, index: int) -> Iterator[ComparedEstimate]:
-        """Yield the alternatives of a coefficient beside the fit.
-
-        Parameters
-        ----------
-        index : int
-            Of the term.
-        """
+        """Yield the alternatives of a coefficient beside the fit."""
         slot, alternatives = self.slots[index], self.alternatives[index]
         level = 1 - CONTRADICTION / max(len(alternatives), 1)
         limit = float(t_quantile(self._scatter_count(index), level))
@@ -148,11 +128,5 @@ class Evidence:
         return int(np.searchsorted(np.cumsum([len(part) for part in parts]), index, side="right"))
 
     def lack_of_fit(self, index: int) -> float:
-        """Return the probability of as much scatter as there is in a coefficient's force [1]; NaN if unknown.
-
-        Parameters
-        ----------
-        index : int
-            Of the term.
-        """
+        """Return the probability of as much scatter as there is in a coefficient's force [1]; NaN if unknown."""
         return self.model.fit[self._force(index)].p

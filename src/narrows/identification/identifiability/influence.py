@@ -13,57 +13,28 @@ from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 @dataclass(frozen=True)
 class Influence:
-    """What each distinct motion does to each coefficient.
+    """What each distinct motion does to each coefficient."""
 
-    Parameters
-    ----------
-    tests : tuple of str
-        The motions, each called by its first test and the number of its repeats.
-    names : tuple of str
-        The coefficients.
-    information : array (tests, n) [1]
-        Share of what is known of a coefficient that is gone without the test: 1 less the ratio of the variance with
-        all tests to the variance without this one.
-    moved : array (tests, n)
-        How far the test moves the constrained estimate, in the coefficient's unit.
-    """
-
-    tests: tuple[str, ...]
-    names: tuple[str, ...]
+    tests: tuple[str, ...]  # The motions, each called by its first test and the number of its repeats
+    names: tuple[str, ...]  # The coefficients
+    # (tests, n) Share of what is known of a coefficient that is gone without the test: 1 less the ratio of the
+    # variance with all tests to the variance without this one [1]
     information: np.ndarray
-    moved: np.ndarray
+    moved: np.ndarray  # (tests, n) How far the test moves the constrained estimate, in the coefficient's unit
 
     def most_informing(self, name: str) -> tuple[str, float]:
-        """Return the test that a coefficient would miss most, and the share of what is known that goes with it [1].
-
-        Parameters
-        ----------
-        name : str
-            A coefficient.
-        """
+        """Return the test that a coefficient would miss most, and the share of what is known that goes with it [1]."""
         column = self.information[:, self._place(name)]
         return self.tests[int(column.argmax())], float(column.max())
 
     def most_moving(self, name: str) -> tuple[str, float]:
-        """Return the test that moves a coefficient most, and how far, in the coefficient's unit.
-
-        Parameters
-        ----------
-        name : str
-            A coefficient.
-        """
+        """Return the test that moves a coefficient most, and how far, in the coefficient's unit."""
         column = self.moved[:, self._place(name)]
         most = int(np.abs(column).argmax())
         return self.tests[most], float(column[most])
 
     def of(self, name: str) -> dict[str, str | float]:
-        """Give the test that a coefficient would miss most and the one that moves it most.
-
-        Parameters
-        ----------
-        name : str
-            A coefficient.
-        """
+        """Give the test that a coefficient would miss most and the one that moves it most."""
         (informing, share), (moving, by) = self.most_informing(name), self.most_moving(name)
         return {"most_informing": informing, "share": share, "most_moving": moving, "moved_by": by}
 
@@ -74,17 +45,7 @@ class Influence:
 
 
 def influence(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> Influence:
-    """Leave out each distinct motion in turn (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    motions : DistinctMotions
-        The distinct motions.
-    model : ErrorModel
-        Says how large their errors are.
-    """
+    """Leave out each distinct motion in turn."""
     h, g = problem.normal(np.concatenate([motions.sums.sum(axis=0)[None], motions.without]))
     z = solve_many(h, g, problem.lower, problem.upper)
     variance = np.diag(model.of_theta)

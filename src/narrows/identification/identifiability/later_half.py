@@ -9,19 +9,8 @@ from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 
 def of_later_half(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> SecondEstimate:
-    """Compare the fit with that to the later half of each run (ours).
-
-    Both halves have a run's gain and zero, so that these do not part the two fits; a form error of each half does.
-
-    Parameters
-    ----------
-    problem : Problem
-        The terms.
-    motions : DistinctMotions
-        The sums over the halves.
-    model : ErrorModel
-        The fit.
-    """
+    """Compare the fit with that to the later half of each run."""
+    # Both halves have a run's gain and zero, so that these do not part the two fits; a form error of each half does.
     level = in_halves(model.level, motions, problem).less(model.theta, model.held)
     later = level.d.copy()
     later[:, : model.level.d.shape[1]] = 0.0

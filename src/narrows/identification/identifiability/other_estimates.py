@@ -20,24 +20,12 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class OtherEstimate:
-    """Another estimate of one coefficient.
+    """Another estimate of one coefficient."""
 
-    Parameters
-    ----------
-    kind : Kind
-        What it is made of.
-    label : str
-        In words.
-    value : float
-        NaN where nothing is left of the coefficient.
-    stratum : pair of str and float, optional
-        Which one alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
-    """
-
-    kind: Kind
-    label: str
-    value: float
-    stratum: tuple[str, float] | None
+    kind: Kind  # What it is made of
+    label: str  # In words
+    value: float  # NaN where nothing is left of the coefficient
+    stratum: tuple[str, float] | None  # Which one alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean
 
     @property
     def lost(self) -> bool:
@@ -47,53 +35,19 @@ class OtherEstimate:
 
 @dataclass(frozen=True)
 class Alternative(OtherEstimate):
-    """The same in scaled parameters, with its errors.
+    """The same in scaled parameters, with its errors."""
 
-    Parameters
-    ----------
-    kind : Kind
-        What it is made of.
-    label : str
-        In words.
-    value : float
-        NaN where nothing is left of the coefficient.
-    stratum : pair of str and float, optional
-        Which one alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
-    std : float
-        Its standard error by the error model.
-    gap : float
-        Standard error of its difference from the fit, by the scatter that the data show.
-    """
-
-    std: float
-    gap: float
+    std: float  # Its standard error by the error model
+    gap: float  # Standard error of its difference from the fit, by the scatter that the data show
 
 
 @dataclass(frozen=True)
 class ComparedEstimate(OtherEstimate):
-    """The same in the coefficient's unit, beside the fit's.
+    """The same in the coefficient's unit, beside the fit's."""
 
-    Parameters
-    ----------
-    kind : Kind
-        What it is made of.
-    label : str
-        In words.
-    value : float
-        NaN where nothing is left of the coefficient.
-    stratum : pair of str and float, optional
-        Which one alone tells it: ``speed`` [m/s] or ``depth`` [m], and its mean.
-    reach : float
-        Half of its 95 % interval.
-    share : float [1]
-        Of the information that the fit has: variance of the fit over that of the alternative.
-    contradicts : bool
-        Whether it is farther from the fit than the scatter of the data allows, and by what matters.
-    """
-
-    reach: float
-    share: float
-    contradicts: bool
+    reach: float  # Half of its 95 % interval
+    share: float  # Of the information that the fit has: variance of the fit over that of the alternative [1]
+    contradicts: bool  # Whether it is farther from the fit than the scatter of the data allows, and by what matters
 
     @property
     def holds_zero(self) -> bool:

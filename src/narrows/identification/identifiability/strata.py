@@ -15,34 +15,24 @@ from narrows.identification.uncertainty.linear_estimator import SecondEstimate, 
 from narrows.identification.uncertainty.second_level import SecondLevel
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
+# Share of a column that is left beside others under which it cannot be told from them.
 LOST = 1e-6
-"""Share of a column that is left beside others under which it cannot be told from them."""
 OFFSET = "offset"
 STEADY_RUNS, HARMONIC_RUNS = TYPES = "steady runs", "harmonic runs"
 LATER = "told by the later half of each run alone"
 WHERE = {"speed": "runs at {:.3g} m/s", "depth": "runs in {:.4g} m of water"}
+# Of the offset, its sign kept, as which a force may go that is no bank's; as y itself a bank's goes.
 POWERS = (1.5, 2, 3)
-"""Of the offset, its sign kept, as which a force may go that is no bank's; as y itself a bank's goes."""
+# How often columns are projected: the second time takes off what rounding left the first time.
 TWICE = 2
-"""How often columns are projected: the second time takes off what rounding left the first time."""
+# Share of a column that is in a cell up to which it is not there at all.
 ABSENT = 1e-12
-"""Share of a column that is in a cell up to which it is not there at all."""
+# The same of a column that is added: under it what is left is rounding.
 RESOLVED = 1e-8
-"""The same of a column that is added: under it what is left is rounding."""
 
 
 class Strata:
-    """Alternatives to a fit, made when they are asked for and shared between coefficients where they are the same.
-
-    Parameters
-    ----------
-    problem : Problem
-        The terms.
-    motions : DistinctMotions
-        The strata.
-    model : ErrorModel
-        The fit.
-    """
+    """Alternatives to a fit, made when they are asked for and shared between coefficients where they are the same."""
 
     def __init__(self, problem: Problem, motions: DistinctMotions, model: ErrorModel) -> None:
         self.problem, self.motions, self.model = problem, motions, model
@@ -55,13 +45,7 @@ class Strata:
         self._kept: dict[str, list[np.ndarray | None]] = {}
 
     def of(self, index: int) -> Iterator[Alternative]:
-        """Yield every alternative estimate of a coefficient.
-
-        Parameters
-        ----------
-        index : int
-            Of the term.
-        """
+        """Yield every alternative estimate of a coefficient."""
         slot = self.problem.slot[self.terms[index].name]
         for name in self.motions.cells:
             label = f"hull terms and zeros of their own at each {name}"
@@ -130,11 +114,9 @@ class Strata:
         return self._kept[name][index]
 
     def _within(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """What is left of each coefficient's column, and of the bank's, beside hull terms and zeros of each cell.
-
-        (n, blocks, q, c), its own first; and whether anything is left of that, (n,). Other hull columns are sums of
-        those beside: nothing is left of them.
-        """
+        """What is left of each coefficient's column, and of the bank's, beside hull terms and zeros of each cell."""
+        # (n, blocks, q, c), its own first; and whether anything is left of that, (n,). Other hull columns are sums of
+        # those beside: nothing is left of them.
         level, (beside, of_terms) = self.level, self._hulls
         group = self.motions.offsets if name == OFFSET else self.motions.cells[name]
         cell = group[level.motion] * level.forces + level.force
@@ -170,10 +152,8 @@ class Strata:
 
     @cached_property
     def _hulls(self) -> tuple[np.ndarray, np.ndarray]:
-        """Columns of hull terms and of a zero, force by force, (blocks, q, k); of which term each is, (forces, k).
-
-        The zero's number is that of the terms; -1 where there is none.
-        """
+        """Columns of hull terms and of a zero, force by force, (blocks, q, k); of which term each is, (forces, k)."""
+        # The zero's number is that of the terms; -1 where there is none.
         level = self.level
         return _of_own_force(np.concatenate([level.columns * ~self.bank, level.one[..., None]], axis=2), level.force)
 

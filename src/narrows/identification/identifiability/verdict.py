@@ -12,13 +12,13 @@ from narrows.identification.identifiability.other_estimates import ComparedEstim
 from narrows.identification.identifiability.strata import HARMONIC_RUNS, STEADY_RUNS
 from narrows.terms.term import Term
 
+# Over all rows: beyond this the other columns leave a coefficient under a tenth of its own information.
 VIF_LIMIT = 10.0
-"""Over all rows: beyond this the other columns leave a coefficient under a tenth of its own information."""
+# Over all rows, or as information that is lost within strata: beyond this a small error of the model's form, shared by
+# the columns that align, lands on the coefficient magnified; no standard error knows that.
 CONFOUNDED_VIF = 30.0
-"""Over all rows, or as information that is lost within strata: beyond this a small error of the model's form, shared by
-the columns that align, lands on the coefficient magnified; no standard error knows that."""
+# Probability of the scatter about the fit under which the terms are said not to fit.
 MISFIT = 1e-3
-"""Probability of the scatter about the fit under which the terms are said not to fit."""
 
 NOT_EXCITED, NOT_IDENTIFIABLE = "not excited", "not identifiable"
 AT_BOUND, CONFOUNDED, ONE_ALONE = "at its bound", "confounded", "rests on one test"
@@ -29,22 +29,13 @@ WITH = dict.fromkeys(Kind, "with ") | {Kind.WITHOUT: "without ", Kind.ONLY: "", 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What can be said of a coefficient.
+    """What can be said of a coefficient."""
 
-    Parameters
-    ----------
-    status : str
-        ``identified``, ``weakly identified``, ``contradicted``, ``rests on one test``, ``confounded``,
-        ``at its bound``, ``not identifiable`` or ``not excited``.
-    reasons : tuple of str
-        Why, each a clause.
-    partners : tuple of str
-        With which coefficients it is confounded.
-    """
-
+    # ``identified``, ``weakly identified``, ``contradicted``, ``rests on one test``, ``confounded``, ``at its
+    # bound``, ``not identifiable`` or ``not excited``
     status: str
-    reasons: tuple[str, ...] = ()
-    partners: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()  # Why, each a clause
+    partners: tuple[str, ...] = ()  # With which coefficients it is confounded
 
     @property
     def determined(self) -> bool:
@@ -58,13 +49,7 @@ class Verdict:
         return f"{word} with {' and '.join(self.partners)}" if self.partners else word
 
     def sentence(self, name: str) -> str:
-        """Say it of a coefficient.
-
-        Parameters
-        ----------
-        name : str
-            The coefficient.
-        """
+        """Say it of a coefficient."""
         verb = "" if self.status == ONE_ALONE else "is "
         return f"{name} {verb}{self.words}" + (f": {'; '.join(self.reasons)}." if self.reasons else ".")
 
@@ -75,19 +60,7 @@ def verdicts(
     intervals: Mapping[str, tuple[float, float]],
     at_bound: Mapping[str, float],
 ) -> dict[str, Verdict]:
-    """Say how far each coefficient of a fit can be trusted.
-
-    Parameters
-    ----------
-    diagnostics : Diagnostics
-        Of the columns.
-    evidence : Evidence
-        The error model's interval, and the fits that should agree.
-    intervals : mapping of str to pair of float
-        95 % confidence interval of each coefficient.
-    at_bound : mapping of str to float
-        Coefficients that the fit pressed against a bound, and where they would be without that bound.
-    """
+    """Say how far each coefficient of a fit can be trusted."""
     terms = diagnostics.terms
     judged = {}
     for force, part in terms.forces.items():

@@ -18,30 +18,24 @@ from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
 PARTS, PART_ROWS = 8, 12_000
+# Products at once: a strip in the cache, and too few for BLAS to share among threads of its own, which for products as
+# small as these costs many times what it gains and fights with ours.
 STRIP = 2**19
-"""Products at once: a strip in the cache, and too few for BLAS to share among threads of its own, which for products as
-small as these costs many times what it gains and fights with ours."""
+# Rows of a span, on average, below which spans are summed together, and how many at once.
 SHORT, TOGETHER = 32, 100
-"""Rows of a span, on average, below which spans are summed together, and how many at once."""
+# Blocks that are in memory at once.
 AHEAD = 16
-"""Blocks that are in memory at once."""
+# What says of a test which motion it is, and in which water.
 MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft", "width", "rudder")
-"""What says of a test which motion it is, and in which water."""
+# What terms may ask for that follows from the rest.
 NOT_SET = ("x", "cos_psi", "heave")
-"""What terms may ask for that follows from the rest."""
 
 
 def products(design: np.ndarray) -> np.ndarray:
-    """Return ``design @ design.T``, (m, m), in strips that stay in the cache (ours).
-
-    Long designs are cut into a fixed number of parts for the cores to share and summed in order, so that the
-    result does not depend on how many cores there are.
-
-    Parameters
-    ----------
-    design : array (m, rows)
-        Columns, one a row.
-    """
+    """Return ``design @ design.T``, (m, m), in strips that stay in the cache."""
+    # design (m, rows)
+    # Long designs are cut into a fixed number of parts for the cores to share and summed in order, so that the result
+    # does not depend on how many cores there are.
     if design.shape[1] < PARTS * PART_ROWS:
         return _products(design)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -61,29 +55,7 @@ def _products(design: np.ndarray) -> np.ndarray:
 def accumulate(
     tests: Tests, terms: TermTable, pieces: int = 1, balance: Balance = "rows"
 ) -> tuple[NormalEquations, DataRange]:
-    """Sum over every row, once.
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    terms : TermTable
-        The columns.
-    pieces : int
-        Into how many stretches each test is cut.
-    balance : str
-        What counts alike: ``tests`` or ``rows``.
-
-    Returns
-    -------
-    NormalEquations, DataRange
-        The sums, and the ranges that the rows cover.
-
-    Raises
-    ------
-    InputError
-        Where there are no rows, or a column is not finite.
-    """
+    """Sum over every row, once."""
     matrix = DesignMatrix(terms)
     sums: dict[tuple[str, int], np.ndarray] = defaultdict(lambda: np.zeros((matrix.size, matrix.size)))
     moved: dict[tuple[str, int], dict[str, np.ndarray]] = defaultdict(lambda: defaultdict(lambda: np.zeros(3)))

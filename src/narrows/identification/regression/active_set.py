@@ -2,33 +2,20 @@
 
 import numpy as np
 
+# Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it.
 RANK_TOLERANCE = 1e-6
-"""Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it."""
+# Changes of the active set before a problem is given up.
 ROUNDS = 25
-"""Changes of the active set before a problem is given up."""
+# Added to the unit diagonal: keeps directions without data at rest, a tenth of what still counts as data.
 RIDGE = 0.1 * RANK_TOLERANCE**2
-"""Added to the unit diagonal: keeps directions without data at rest, a tenth of what still counts as data."""
 
 
 def active_set(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for a stack: z (n, p), and the problems left open (k,).
-
-    Guess which parameters sit at a bound, solve the rest directly, put at their bound those that left it, free those
-    whose multiplier has the wrong sign, until nothing changes. A problem in which something still does is open.
-
-    Parameters
-    ----------
-    h : array (n, p, p)
-        Scaled near a unit diagonal.
-    g : array (n, p)
-        Right-hand sides.
-    lower, upper : array (p,)
-        Bounds, the same for all.
-
-    References
-    ----------
-    Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
-    """
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for a stack: z (n, p), and the problems left open (k,)."""
+    # h (n, p, p); g (n, p); lower, upper (p,)
+    # Guess which parameters sit at a bound, solve the rest directly, put at their bound those that left it, free those
+    # whose multiplier has the wrong sign, until nothing changes. A problem in which something still does is open.
+    # Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
     held = np.zeros(g.shape, np.int8)  # -1 at the lower bound, +1 at the upper
     z = np.empty_like(g)
     left = np.arange(len(g))

@@ -10,19 +10,9 @@ CHUNK = 4096
 
 
 def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for every problem of a stack, (n, p).
-
-    By the active set of ``solve``; the few that it leaves open are solved one by one.
-
-    Parameters
-    ----------
-    h : array (n, p, p) or (p, p)
-        Scaled near a unit diagonal; one matrix may serve all.
-    g : array (n, p)
-        Right-hand sides.
-    lower, upper : array (p,)
-        Bounds, the same for all.
-    """
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for every problem of a stack, (n, p)."""
+    # h (n, p, p); g (n, p); lower, upper (p,)
+    # By the active set of ``solve``; the few that it leaves open are solved one by one.
     h = np.broadcast_to(h, (len(g), *h.shape[-2:]))
     parts = [slice(i, i + CHUNK) for i in range(0, len(g), CHUNK)]
     return np.concatenate([_chunk(h[part], g[part], lower, upper) for part in parts]) if parts else np.empty_like(g)

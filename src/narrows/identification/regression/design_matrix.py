@@ -14,13 +14,7 @@ from narrows.terms.term import TermTable, uncompiled
 
 
 class DesignMatrix:
-    """Which column of the design holds which regressor; built once a table of terms.
-
-    Parameters
-    ----------
-    terms : TermTable
-        The terms.
-    """
+    """Which column of the design holds which regressor; built once a table of terms."""
 
     def __init__(self, terms: TermTable) -> None:
         self.regressors: list[tuple[Callable[..., Number], tuple[str, ...]]] = []
@@ -43,18 +37,7 @@ class DesignMatrix:
         return len(self.regressors) + len(self.forces) + 1
 
     def evaluate(self, block: Block) -> np.ndarray:
-        """Evaluate every column on a block of rows, (m, rows), into memory that the thread's next block overwrites.
-
-        Parameters
-        ----------
-        block : Block
-            The rows.
-
-        Raises
-        ------
-        InputError
-            Where a term needs what neither the table nor the ship file gives.
-        """
+        """Evaluate every column on a block of rows, (m, rows), into memory that the thread's next block overwrites."""
         check_given((*self.inputs, *self.forces), block.values, block.headers, self.actuators)
         design = self._room(block.rows)
         values, known = block.values, {}
@@ -87,15 +70,7 @@ class DesignMatrix:
 
 
 def design_rows(tests: Tests, terms: TermTable) -> Iterator[tuple[DesignMatrix, np.ndarray]]:
-    """Yield the columns themselves, block by block, for what sums of products cannot say (ours).
-
-    Parameters
-    ----------
-    tests : CaptiveTests or StreamedTests
-        The rows.
-    terms : TermTable
-        The columns.
-    """
+    """Yield the columns themselves, block by block, for what sums of products cannot say."""
     matrix = DesignMatrix(terms)
     for block in tests.blocks(1):
         yield matrix, matrix.evaluate(block)

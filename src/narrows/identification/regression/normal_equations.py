@@ -10,42 +10,29 @@ from typing import Literal
 
 import numpy as np
 
+# Name of the column of ones.
 ONE = "1"
-"""Name of the column of ones."""
+# What counts alike in a fit.
 Balance = Literal["tests", "rows"]
-"""What counts alike in a fit."""
 
 
 @dataclass(frozen=True)
 class NormalEquations:
-    """Sums of products over the rows of each piece of each test, each row by its weight.
+    """Sums of products over the rows of each piece of each test, each row by its weight."""
 
-    Parameters
-    ----------
-    columns : mapping of str to int
-        Which column of the sums is which coefficient's regressor, force, or the constant ``1``; coefficients
-        with the same regressor share one.
-    sums : array (pieces, m, m)
-        Products of columns, summed over rows.
-    tests : tuple of str
-        The test of each piece.
-    moved : mapping of str to array (pieces, 3)
-        Rows, sum and sum of squares of each quantity that says what was done in a test.
-    length : float [m]
-        Of the ship.
-    weights : array (pieces,) [1], optional
-        What a row of each piece counts, one on average over all rows; one unless given.
-    """
-
+    # Which column of the sums is which coefficient's regressor, force, or the constant ``1``; coefficients with the
+    # same regressor share one
     columns: Mapping[str, int]
-    sums: np.ndarray
-    tests: tuple[str, ...]
+    sums: np.ndarray  # (pieces, m, m) Products of columns, summed over rows
+    tests: tuple[str, ...]  # The test of each piece
+    # (pieces, 3) Rows, sum and sum of squares of each quantity that says what was done in a test
     moved: Mapping[str, np.ndarray]
-    length: float
+    length: float  # Of the ship [m]
+    # (pieces,) What a row of each piece counts, one on average over all rows; one unless given [1]
     weights: np.ndarray | None = None
 
     def balanced(self) -> "NormalEquations":
-        """Return the same with each test counting alike, however many rows it has (ours)."""
+        """Return the same with each test counting alike, however many rows it has."""
         one = self.columns[ONE]
         rows = {name: float(self.of_test(name)[one, one]) for name in self.names}
         mean = sum(rows.values()) / len(rows)
@@ -53,13 +40,7 @@ class NormalEquations:
         return replace(self, sums=self.sums * weights[:, None, None], weights=weights)
 
     def noise_weight(self, tests: Sequence[str]) -> float:
-        """Return the variance of a weighted row's noise over that of a plain one, over the rows of some tests.
-
-        Parameters
-        ----------
-        tests : sequence of str
-            Whose rows.
-        """
+        """Return the variance of a weighted row's noise over that of a plain one, over the rows of some tests."""
         if self.weights is None:
             return 1.0
         weighted = self.sums[:, self.columns[ONE], self.columns[ONE]] * np.isin(self.tests, tests)
@@ -86,13 +67,7 @@ class NormalEquations:
         return tuple(dict.fromkeys(self.tests))
 
     def of_test(self, name: str) -> np.ndarray:
-        """Return the sums over one test, (m, m).
-
-        Parameters
-        ----------
-        name : str
-            The test.
-        """
+        """Return the sums over one test, (m, m)."""
         return np.asarray(self.sums[[test == name for test in self.tests]].sum(axis=0))
 
     def by_test(self) -> np.ndarray:
@@ -100,28 +75,14 @@ class NormalEquations:
         return np.stack([self.of_test(name) for name in self.names])
 
     def pick(self, sums: np.ndarray, rows: list[str], columns: list[str] | None = None) -> np.ndarray:
-        """Return the sums of some columns.
-
-        Parameters
-        ----------
-        sums : array (..., m, m)
-            Of this object.
-        rows, columns : list of str
-            Coefficients, forces or ``1``; the columns are the rows where left out.
-        """
+        """Return the sums of some columns."""
+        # sums (..., m, m)
         i = [self.columns[name] for name in rows]
         j = [self.columns[name] for name in columns] if columns else i
         return sums[..., np.array(i)[:, None], np.array(j)[None, :]]
 
 
 def count(sums: np.ndarray, columns: Mapping[str, int]) -> int:
-    """Return the number of rows behind some sums (ours).
-
-    Parameters
-    ----------
-    sums : array (m, m)
-        Of a NormalEquations.
-    columns : mapping of str to int
-        Its columns.
-    """
+    """Return the number of rows behind some sums."""
+    # sums (m, m)
     return round(float(sums[columns[ONE], columns[ONE]]))

@@ -16,40 +16,19 @@ WEIGHTS = get_args(Weights)
 
 @dataclass(frozen=True)
 class Problem:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper, where z = parameters x scale.
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper, where z = parameters x scale."""
 
-    Parameters
-    ----------
-    slot : mapping of str to int
-        The parameter of each coefficient; tied coefficients share one.
-    scale : array (p,)
-        Norm of each parameter's column; 1 where the column is zero.
-    lower, upper : array (p,)
-        Bounds of z.
-    weights : mapping of str to float
-        Of each force in the sum.
-    terms : TermTable
-        The terms.
-    columns : mapping of str to int
-        Which column of the sums is which coefficient's regressor or force.
-    """
-
-    slot: Mapping[str, int]
-    scale: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
-    weights: Mapping[str, float]
-    terms: TermTable
-    columns: Mapping[str, int]
+    slot: Mapping[str, int]  # The parameter of each coefficient; tied coefficients share one
+    scale: np.ndarray  # (p,) Norm of each parameter's column; 1 where the column is zero
+    lower: np.ndarray  # (p,) Bounds of z
+    upper: np.ndarray  # (p,) Bounds of z
+    weights: Mapping[str, float]  # Of each force in the sum
+    terms: TermTable  # The terms
+    columns: Mapping[str, int]  # Which column of the sums is which coefficient's regressor or force
 
     def normal(self, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Assemble H (..., p, p) and g (..., p) from sums of products.
-
-        Parameters
-        ----------
-        sums : array (..., m, m)
-            Of a NormalEquations; leading axes are kept.
-        """
+        """Assemble H (..., p, p) and g (..., p) from sums of products."""
+        # sums (..., m, m)
         size = len(self.scale)
         h, g = np.zeros((*sums.shape[:-2], size, size)), np.zeros((*sums.shape[:-2], size))
         for force, terms in self.terms.forces.items():
@@ -67,43 +46,18 @@ class Problem:
         return h, g
 
     def coefficients(self, z: np.ndarray) -> np.ndarray:
-        """Return the coefficients (..., n) of scaled parameters z (..., p).
-
-        Parameters
-        ----------
-        z : array (..., p)
-            Scaled parameters.
-        """
+        """Return the coefficients (..., n) of scaled parameters z (..., p)."""
+        # z (..., p)
         return np.asarray((z / self.scale)[..., [self.slot[name] for name in self.terms.names]])
 
     def named(self, z: np.ndarray) -> dict[str, float]:
-        """Return the coefficients of scaled parameters by name.
-
-        Parameters
-        ----------
-        z : array (p,)
-            Scaled parameters.
-        """
+        """Return the coefficients of scaled parameters by name."""
+        # z (p,)
         return dict(zip(self.terms.names, self.coefficients(z).tolist(), strict=True))
 
 
 def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "paper") -> Problem:
-    """Set up the joint problem of the paper (ours: scaled, ties substituted).
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        The sums.
-    terms : TermTable
-        Terms, bounds and ties.
-    weights : str
-        ``paper``: the plain sum of the three squared errors; ``variance``: each over its force's variance.
-
-    Raises
-    ------
-    InputError
-        Where the weights are neither, or bounds leave a coefficient no room.
-    """
+    """Set up the joint problem of the paper (ours: scaled, ties substituted)."""
     check_choice("weights", weights, WEIGHTS)
     slot = slots(terms)
     total = equations.total
@@ -123,13 +77,7 @@ def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "pa
 
 
 def slots(terms: TermTable) -> dict[str, int]:
-    """Return the parameter of each coefficient; tied coefficients share one (ours).
-
-    Parameters
-    ----------
-    terms : TermTable
-        The terms.
-    """
+    """Return the parameter of each coefficient; tied coefficients share one."""
     leader = {name: name for name in terms.names}
     for first, second in terms.ties:
         old, new = leader[second], leader[first]

@@ -10,38 +10,17 @@ from narrows.terms.term import Term, TermTable
 
 
 class Score(NamedTuple):
-    """How well one force is reproduced.
+    """How well one force is reproduced."""
 
-    Parameters
-    ----------
-    r2 : float [1]
-        Share of the variance explained.
-    rmse : float [N] or [N m]
-        Root mean squared error.
-    """
-
-    r2: float
-    rmse: float
+    r2: float  # Share of the variance explained [1]
+    rmse: float  # Root mean squared error [N]
 
 
 def squared_error(
     equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...], values: np.ndarray, force: str
 ) -> float:
-    """Return the sum of squared errors [N2 or N2 m2] of one force over the rows behind some sums (ours).
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        For its columns.
-    sums : array (m, m)
-        The rows.
-    terms : tuple of Term
-        The force's terms.
-    values : array (terms,)
-        Their coefficients.
-    force : str
-        ``X``, ``Y`` or ``N``.
-    """
+    """Return the sum of squared errors [N2 or N2 m2] of one force over the rows behind some sums."""
+    # sums (m, m); values (terms,)
     names = [term.name for term in terms]
     gram, cross = equations.pick(sums, names), equations.pick(sums, names, [force])[:, 0]
     square = equations.pick(sums, [force])[0, 0]
@@ -51,19 +30,8 @@ def squared_error(
 def score(
     equations: NormalEquations, sums: np.ndarray, terms: TermTable, coefficients: Mapping[str, float]
 ) -> dict[str, Score]:
-    """Score coefficients on the rows behind some sums.
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        For its columns.
-    sums : array (m, m)
-        The rows.
-    terms : TermTable
-        The terms.
-    coefficients : mapping of str to float
-        Their values.
-    """
+    """Score coefficients on the rows behind some sums."""
+    # sums (m, m)
     errors = {
         force: squared_error(equations, sums, part, np.array([coefficients[t.name] for t in part]), force)
         for force, part in terms.forces.items()
@@ -73,17 +41,8 @@ def score(
 
 
 def scores_of(equations: NormalEquations, sums: np.ndarray, errors: Mapping[str, float]) -> dict[str, Score]:
-    """Put sums of squared errors over the rows behind some sums: force -> score (ours).
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        For its columns.
-    sums : array (m, m)
-        The rows.
-    errors : mapping of str to float [N2 or N2 m2]
-        Sum of squared errors of each force.
-    """
+    """Put sums of squared errors over the rows behind some sums: force -> score."""
+    # sums (m, m); errors [N2 or N2 m2]
     one = equations.columns[ONE]
     rows = sums[one, one]
     scores = {}

@@ -12,21 +12,11 @@ KKT_TOLERANCE = 1e-8
 
 @dataclass(frozen=True)
 class Kkt:
-    """How well a solution meets the Karush-Kuhn-Tucker conditions, relative to the largest entry of g.
+    """How well a solution meets the Karush-Kuhn-Tucker conditions, relative to the largest entry of g."""
 
-    Parameters
-    ----------
-    stationarity : float [1]
-        Largest gradient among the free parameters.
-    multiplier : float [1]
-        Most negative multiplier among the bound ones, as a positive number.
-    infeasibility : float [1]
-        Largest distance outside a bound.
-    """
-
-    stationarity: float
-    multiplier: float
-    infeasibility: float
+    stationarity: float  # Largest gradient among the free parameters [1]
+    multiplier: float  # Most negative multiplier among the bound ones, as a positive number [1]
+    infeasibility: float  # Largest distance outside a bound [1]
 
     @property
     def satisfied(self) -> bool:
@@ -40,39 +30,19 @@ class Kkt:
 
 @dataclass(frozen=True)
 class Solution:
-    """What the solver found.
+    """What the solver found."""
 
-    Parameters
-    ----------
-    z : array (p,)
-        Scaled parameters.
-    at_bound : array (p,) of bool
-        Which of them sit at a bound.
-    kkt : Kkt
-        Check of optimality.
-    """
-
-    z: np.ndarray
-    at_bound: np.ndarray
-    kkt: Kkt
+    z: np.ndarray  # (p,) Scaled parameters
+    at_bound: np.ndarray  # (p,) Which of them sit at a bound
+    kkt: Kkt  # Check of optimality
 
 
 def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper.
-
-    A primal-dual active set finds which parameters sit at a bound, SciPy's BVLS on H's factor where it does not come to
-    rest or to an optimum. The free set is then solved anew, so that the result is as exact as a direct solve;
-    directions without data are left at their smallest norm.
-
-    Parameters
-    ----------
-    h : array (p, p)
-        Scaled to a unit diagonal, or zero where there is no data.
-    g : array (p,)
-        Right-hand side.
-    lower, upper : array (p,)
-        Bounds.
-    """
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper."""
+    # h (p, p); g (p,); lower, upper (p,)
+    # A primal-dual active set finds which parameters sit at a bound, SciPy's BVLS on H's factor where it does not come
+    # to rest or to an optimum. The free set is then solved anew, so that the result is as exact as a direct solve;
+    # directions without data are left at their smallest norm.
     start, left = active_set(h[None], g[None], lower, upper)
     quick = _settled(h, g, start[0], lower, upper)
     if quick.kkt.satisfied and not left.size:
@@ -124,17 +94,8 @@ def _polished(
 
 
 def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
-    """Measure how far a point is from optimal (ours).
-
-    Parameters
-    ----------
-    h, g : array
-        The problem, as in ``solve``.
-    z : array (p,)
-        The point.
-    lower, upper : array (p,)
-        Bounds.
-    """
+    """Measure how far a point is from optimal."""
+    # z (p,); lower, upper (p,)
     gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
     low, high = z <= lower, z >= upper
     pushed = np.concatenate([-gradient[low & ~high], gradient[high & ~low], [0.0]])

@@ -16,34 +16,21 @@ from narrows.terms.term import TermTable
 
 Kind = Literal["errors", "tests"]
 BOOTSTRAPS = get_args(Kind)
+# Between these a Gaussian holds two standard deviations; the few resamples that miss a kind of test do not count.
 MIDDLE = (0.158655, 0.841345)
-"""Between these a Gaussian holds two standard deviations; the few resamples that miss a kind of test do not count."""
 CHUNK = 2048
 
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Coefficients of many resamples of the tests.
+    """Coefficients of many resamples of the tests."""
 
-    Parameters
-    ----------
-    terms : TermTable
-        The terms.
-    samples : array (resamples, n)
-        Coefficients of each resample fitted under the constraints, each in its own unit.
-    std : array (n,)
-        Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds.
-    unbounded : UnboundedFit
-        Of the tests themselves: the middle of the intervals, and the degrees of freedom of each.
-    kind : str
-        ``errors`` or ``tests``.
-    """
-
-    terms: TermTable
+    terms: TermTable  # The terms
+    # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
     samples: np.ndarray
-    std: np.ndarray
-    unbounded: UnboundedFit
-    kind: str
+    std: np.ndarray  # (n,) Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds
+    unbounded: UnboundedFit  # Of the tests themselves: the middle of the intervals, and the degrees of freedom of each
+    kind: str  # ``errors`` or ``tests``
 
     @property
     def covariance(self) -> np.ndarray:
@@ -51,20 +38,10 @@ class Bootstrap:
         return np.atleast_2d(np.cov(self.samples.T))
 
     def intervals(self, level: float = LEVEL) -> Mapping[str, tuple[float, float]]:
-        """Return a confidence interval for each coefficient, in its unit and within its bounds.
-
-        They rest on the spread of fits that do not know the bounds: percentiles of constrained ones miss the truth
-        where a coefficient, or one that it trades against, is near a bound.
-
-        Parameters
-        ----------
-        level : float [1]
-            Of confidence.
-
-        References
-        ----------
-        Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
-        """
+        """Return a confidence interval for each coefficient, in its unit and within its bounds."""
+        # They rest on the spread of fits that do not know the bounds: percentiles of constrained ones miss the truth
+        # where a coefficient, or one that it trades against, is near a bound.
+        # Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
         seen = zip(self.terms.terms, self.unbounded.values, self.std, self.unbounded.counts, strict=True)
         return {
             term.name: bounded_interval(float(value), float(std), term.bound, float(count), level)
@@ -75,31 +52,10 @@ class Bootstrap:
 def resampled(
     problem: Problem, motions: DistinctMotions, unbounded: UnboundedFit, resamples: int, kind: str, seed: int
 ) -> Bootstrap:
-    """Fit resamples of the tests, with the constraints and without.
-
-    ``errors`` leaves the tests as they are and perturbs their pull on the fit by errors of the size that the fit
-    without bounds has. ``tests`` draws as many distinct motions as there are, with replacement, and adds up their sums.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    motions : DistinctMotions
-        The distinct motions.
-    unbounded : UnboundedFit
-        What is known of the coefficients without resampling.
-    resamples : int
-        How many.
-    kind : str
-        ``tests`` or ``scores``.
-    seed : int
-        Of the draws.
-
-    Raises
-    ------
-    InputError
-        Where the kind is neither, or there are fewer than 2 resamples.
-    """
+    """Fit resamples of the tests, with the constraints and without."""
+    # ``errors`` leaves the tests as they are and perturbs their pull on the fit by errors of the size that the fit
+    # without bounds has. ``tests`` draws as many distinct motions as there are, with replacement, and adds up their
+    # sums.
     if kind not in BOOTSTRAPS:
         raise InputError(f"bootstrap kind {kind!r} is unknown; choose {' or '.join(BOOTSTRAPS)}")
     if resamples < 2 or seed < 0:

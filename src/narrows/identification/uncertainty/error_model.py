@@ -10,30 +10,21 @@ from narrows.identification.regression.normal_equations import ONE, NormalEquati
 from narrows.identification.uncertainty.run_errors import RunErrors
 from narrows.identification.uncertainty.second_level import SecondLevel, roots
 
+# Mean over root mean square of a motion's force beyond which its gain and its zero are one.
 CONSTANT = 0.98
-"""Mean over root mean square of a motion's force beyond which its gain and its zero are one."""
+# Error of a run that repeats may show.
 LARGEST = 0.99
-"""Error of a run that repeats may show."""
+# Of the largest eigenvalue, columns scaled to one: under it a direction of the second level holds rounding.
 EXACT = 1e-9
-"""Of the largest eigenvalue, columns scaled to one: under it a direction of the second level holds rounding."""
 
 
 @dataclass(frozen=True)
 class LackOfFit:
-    """How the scatter about a fit compares with what the error model allows, for one force.
+    """How the scatter about a fit compares with what the error model allows, for one force."""
 
-    Parameters
-    ----------
-    chi2 : float [1]
-        Sum of squared residuals of the generalised fit, each over its assumed variance.
-    freedom : float [1]
-        Its degrees of freedom.
-    p : float [1]
-        Probability of as much, were the terms right and the errors as assumed; NaN where nothing is left over.
-    """
-
-    chi2: float
-    freedom: float
+    chi2: float  # Sum of squared residuals of the generalised fit, each over its assumed variance [1]
+    freedom: float  # Its degrees of freedom [1]
+    # Probability of as much, were the terms right and the errors as assumed; NaN where nothing is left over [1]
     p: float
 
     @property
@@ -43,23 +34,9 @@ class LackOfFit:
 
 
 def covariance(level: SecondLevel, fitted: np.ndarray, errors: RunErrors, factor: np.ndarray) -> np.ndarray:
-    """Return the covariance of each block, (blocks, q, q); ones on the diagonal of empty rows.
-
-    Parameters
-    ----------
-    level : SecondLevel
-        The blocks.
-    fitted : array (blocks, q)
-        Forces of the fit, to which gains are proportional.
-    errors : RunErrors
-        Gain, zero and form.
-    factor : array (forces,)
-        Variance over the assumed one, of each force.
-
-    References
-    ----------
-    Birge (1932), The calculation of errors by the method of least squares: the factor.
-    """
+    """Return the covariance of each block, (blocks, q, q); ones on the diagonal of empty rows."""
+    # fitted (blocks, q); factor (forces,)
+    # Birge (1932), The calculation of errors by the method of least squares: the factor.
     zero = level.one * level.level[:, None]
     between = errors.gain**2 * _outer(fitted) + errors.zero**2 * _outer(zero)
     within = (level.noise + errors.form**2 * level.form)[:, None] * level.live
@@ -73,28 +50,14 @@ def _outer(rows: np.ndarray) -> np.ndarray:
 
 
 def whitened(v: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Return the columns (blocks, q, p) with the errors of unit variance and independent (ours).
-
-    Parameters
-    ----------
-    v : array (blocks, q, q)
-        Covariance.
-    columns : array (blocks, q, p)
-        Of the second level.
-    """
+    """Return the columns (blocks, q, p) with the errors of unit variance and independent."""
+    # v (blocks, q, q); columns (blocks, q, p)
     return np.asarray(np.linalg.solve(np.linalg.cholesky(v), columns))
 
 
 def pseudo_inverse(h: np.ndarray, empty: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Return the inverse of symmetric matrices (..., p, p) over what has data, and which parameters that determines.
-
-    Parameters
-    ----------
-    h : array (..., p, p)
-        Sums of products.
-    empty : float
-        Square of a column's length up to which it counts as zero.
-    """
+    """Return the inverse of symmetric matrices (..., p, p) over what has data, and which parameters that determines."""
+    # h (..., p, p)
     size = np.sqrt(np.maximum(np.diagonal(h, axis1=-2, axis2=-1), 0.0))
     full = size**2 > empty
     size = np.where(full, size, 1.0)
@@ -109,15 +72,8 @@ def pseudo_inverse(h: np.ndarray, empty: float = 0.0) -> tuple[np.ndarray, np.nd
 
 
 def lack_of_fit(level: SecondLevel, v: np.ndarray) -> tuple[LackOfFit, ...]:
-    """Test the fit of the terms against the scatter that the error model allows, force by force (ours).
-
-    Parameters
-    ----------
-    level : SecondLevel
-        The blocks, held parameters taken out.
-    v : array (blocks, q, q)
-        Assumed covariance.
-    """
+    """Test the fit of the terms against the scatter that the error model allows, force by force."""
+    # v (blocks, q, q)
     from scipy.special import chdtrc
 
     white = whitened(v, np.concatenate([level.d, level.y[..., None]], axis=2))
@@ -137,40 +93,18 @@ def lack_of_fit(level: SecondLevel, v: np.ndarray) -> tuple[LackOfFit, ...]:
 
 @dataclass(frozen=True)
 class Repeatability:
-    """What repeats of motions say of one force.
+    """What repeats of motions say of one force."""
 
-    A motion counts by its force over that of the table: one without force tells nothing of a gain.
+    # A motion counts by its force over that of the table: one without force tells nothing of a gain.
 
-    Parameters
-    ----------
-    gain : float [1]
-        Standard deviation of the gain from run to run.
-    zero : float [1]
-        Standard deviation of the zero, over the force's root mean square.
-    gain_freedom, zero_freedom : float [1]
-        Repeats beyond the first run of each motion that tell of each.
-    """
-
-    gain: float
-    zero: float
-    gain_freedom: float
-    zero_freedom: float
+    gain: float  # Standard deviation of the gain from run to run [1]
+    zero: float  # Standard deviation of the zero, over the force's root mean square [1]
+    gain_freedom: float  # Repeats beyond the first run of each motion that tell of each [1]
+    zero_freedom: float  # Repeats beyond the first run of each motion that tell of each [1]
 
 
 def repeatability(equations: NormalEquations, motions: DistinctMotions, force: str, names: list[str]) -> Repeatability:
-    """Compare the runs of each motion: a gain and a zero of each against the fit to all of them (ours).
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        The sums.
-    motions : DistinctMotions
-        Which tests are repeats.
-    force : str
-        Of the terms.
-    names : list of str
-        The force's coefficients.
-    """
+    """Compare the runs of each motion: a gain and a zero of each against the fit to all of them."""
     columns = [*names, ONE, force]
     tests = dict(zip(equations.names, equations.pick(equations.by_test(), columns), strict=True))
     total = equations.pick(equations.total, columns)
@@ -207,15 +141,7 @@ def _gains_and_zeros(runs: np.ndarray, square: float) -> tuple[np.ndarray, np.nd
 
 
 def corrected(errors: RunErrors, repeats: Mapping[str, Repeatability]) -> RunErrors:
-    """Weigh the prior of gain and zero against what repeats show; the form error, which none shows, stays (ours).
-
-    Parameters
-    ----------
-    errors : RunErrors
-        The prior.
-    repeats : mapping of str to Repeatability
-        By force; those of sway and yaw count where there are any.
-    """
+    """Weigh the prior of gain and zero against what repeats show; the form error, which none shows, stays."""
     seen = [one for force, one in repeats.items() if force != "X"] or list(repeats.values())
     if errors.none:
         return errors

@@ -9,27 +9,14 @@ from narrows.quantities.names import Number
 
 LEVEL = 0.95
 GRID = 201
+# Of the critical ratio: to a billionth.
 HALVINGS = 30
-"""Of the critical ratio: to a billionth."""
+# Clusters from which on a tenth of one makes no difference.
 COARSE = 20.0
-"""Clusters from which on a tenth of one makes no difference."""
 
 
 def t_quantile(clusters: Number, level: float = LEVEL) -> Number:
-    """Return how many standard errors a two-sided interval reaches, Student's t with K - 1 degrees (ours).
-
-    Parameters
-    ----------
-    clusters : number [1]
-        K; an effective number need not be whole.
-    level : float [1]
-        Of confidence.
-
-    Raises
-    ------
-    InputError
-        Where the level is not between 0 and 1.
-    """
+    """Return how many standard errors a two-sided interval reaches, Student's t with K - 1 degrees."""
     from scipy.special import stdtrit
 
     if not 0 < level < 1:
@@ -40,29 +27,11 @@ def t_quantile(clusters: Number, level: float = LEVEL) -> Number:
 def bounded_interval(
     value: float, std: float, bound: tuple[float, float], clusters: float, level: float = LEVEL
 ) -> tuple[float, float]:
-    """Return the interval of a coefficient that is known to lie within bounds.
-
-    Away from the bounds it is ``value`` and Student's t on either side. Near one it is the unified interval: the
-    values whose likelihood ratio, to the best value within the bounds, is not surprising. Cutting the plain
-    interval at the bound would cover a coefficient at its bound too often, and could leave nothing.
-
-    Parameters
-    ----------
-    value : float
-        Estimate that does not know the bounds, in the coefficient's unit.
-    std : float
-        Its standard error.
-    bound : pair of float
-        Lowest and highest value.
-    clusters : float [1]
-        Behind the standard error, as many as count.
-    level : float [1]
-        Of confidence.
-
-    References
-    ----------
-    Feldman, Cousins (1998), Unified approach to the classical statistical analysis of small signals.
-    """
+    """Return the interval of a coefficient that is known to lie within bounds."""
+    # Away from the bounds it is ``value`` and Student's t on either side. Near one it is the unified interval: the
+    # values whose likelihood ratio, to the best value within the bounds, is not surprising. Cutting the plain interval
+    # at the bound would cover a coefficient at its bound too often, and could leave nothing.
+    # Feldman, Cousins (1998), Unified approach to the classical statistical analysis of small signals.
     if not np.isfinite(std):
         return bound
     if std == 0:

@@ -9,52 +9,25 @@ from narrows.identification.regression.problem import Problem
 from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 
 POINTS = 61
+# Standard errors on either side.
 SPAN = 4.0
-"""Standard errors on either side."""
 
 
 @dataclass(frozen=True)
 class Profile:
-    """The best fit under the constraints with one coefficient held, over a range of its values.
+    """The best fit under the constraints with one coefficient held, over a range of its values."""
 
-    Parameters
-    ----------
-    name : str
-        The coefficient.
-    values : array (points,)
-        Where it is held, in its unit.
-    deviance : array (points,) [1]
-        Twice the loss of log-likelihood, scaled so that, away from bounds, it is the squared distance from the best
-        value in cluster-robust standard errors.
-    others : array (points, n)
-        All coefficients along the way, each in its own unit.
-    """
-
-    name: str
-    values: np.ndarray
+    name: str  # The coefficient
+    values: np.ndarray  # (points,) Where it is held, in its unit
+    # (points,) Twice the loss of log-likelihood, scaled so that, away from bounds, it is the squared distance from
+    # the best value in cluster-robust standard errors [1]
     deviance: np.ndarray
-    others: np.ndarray
+    others: np.ndarray  # (points, n) All coefficients along the way, each in its own unit
 
 
 def profile(problem: Problem, total: np.ndarray, unbounded: UnboundedFit, name: str) -> Profile | None:
-    """Hold one coefficient at a range of values and fit the others (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    total : array (m, m)
-        Sums over all rows.
-    unbounded : UnboundedFit
-        Says how far to go, and scales the deviance.
-    name : str
-        The coefficient.
-
-    Returns
-    -------
-    Profile or None
-        None where the coefficient has no standard error.
-    """
+    """Hold one coefficient at a range of values and fit the others."""
+    # total (m, m)
     index, slot = problem.terms.names.index(name), problem.slot[name]
     std = unbounded.std[index] * problem.scale[slot]
     h, g = problem.normal(total)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from narrows.errors import InputError
 
+# Of an error, as a share: a force that is off by itself tells nothing.
 MOST = 1.0
-"""Of an error, as a share: a force that is off by itself tells nothing."""
 
 
 @dataclass(frozen=True)
@@ -54,18 +54,7 @@ class RunErrors:
 
 
 def run_errors_of(written: str) -> RunErrors:
-    """Read errors of runs, ``gain,zero,form`` (ours).
-
-    Parameters
-    ----------
-    written : str
-        As in ``0.02,0.02,0.02``.
-
-    Raises
-    ------
-    InputError
-        Where these are not three shares.
-    """
+    """Read errors of runs, ``gain,zero,form``."""
     try:
         gain, zero, form = (float(part) for part in written.split(","))
     except ValueError:

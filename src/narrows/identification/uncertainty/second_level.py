@@ -8,58 +8,32 @@ from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.normal_equations import ONE, NormalEquations
 from narrows.identification.regression.problem import Problem
 
+# Of the largest eigenvalue of a motion's scaled products: under it a direction holds rounding.
 DIRECTION = 1e-9
-"""Of the largest eigenvalue of a motion's scaled products: under it a direction holds rounding."""
+# Of the force's root mean square: what stands for noise where the rows show none.
 LEAST_NOISE = 1e-6
-"""Of the force's root mean square: what stands for noise where the rows show none."""
 
 
 @dataclass(frozen=True)
 class SecondLevel:
-    """``y = D theta + error``, in blocks of q rows, one for each motion and force; empty rows are zero.
+    """``y = D theta + error``, in blocks of q rows, one for each motion and force; empty rows are zero."""
 
-    With [A 1]'[A 1] = S V L V' S over the rows of a motion, S scales to one, D = L^1/2 V' S and
-    y = L^-1/2 V' S^-1 [A 1]'F: D'D = A'A and D'y = A'F, so that nothing is lost but the rows' own noise. Parameters
-    and forces are scaled and weighed as in the ``Problem``.
+    # With [A 1]'[A 1] = S V L V' S over the rows of a motion, S scales to one, D = L^1/2 V' S and y = L^-1/2 V' S^-1
+    # [A 1]'F: D'D = A'A and D'y = A'F, so that nothing is lost but the rows' own noise. Parameters and forces are
+    # scaled and weighed as in the ``Problem``.
 
-    Parameters
-    ----------
-    d : array (blocks, q, p)
-        Columns of the parameters.
-    columns : array (blocks, q, n)
-        Columns of the coefficients, before ties make one parameter of two.
-    one : array (blocks, q)
-        Column of a constant force.
-    y : array (blocks, q)
-        Measured.
-    motion, force : array (blocks,) of int
-        Which block is whose; forces are numbered as in the terms.
-    repeats : array (blocks,) [1]
-        How many runs a motion was made in.
-    noise : array (blocks,)
-        Variance of each row from the noise within runs.
-    form : array (blocks,)
-        Variance of each row from a form error as large as the force.
-    level : array (blocks,)
-        Root mean square of the force in all tests.
-    live : array (blocks, q) of bool
-        Rows that are not empty.
-    noise_known : array (forces,) of bool
-        Whether the rows of a force say how large its noise is.
-    """
-
-    d: np.ndarray
-    columns: np.ndarray
-    one: np.ndarray
-    y: np.ndarray
-    motion: np.ndarray
-    force: np.ndarray
-    repeats: np.ndarray
-    noise: np.ndarray
-    form: np.ndarray
-    level: np.ndarray
-    live: np.ndarray
-    noise_known: np.ndarray
+    d: np.ndarray  # (blocks, q, p) Columns of the parameters
+    columns: np.ndarray  # (blocks, q, n) Columns of the coefficients, before ties make one parameter of two
+    one: np.ndarray  # (blocks, q) Column of a constant force
+    y: np.ndarray  # (blocks, q) Measured
+    motion: np.ndarray  # (blocks,) Which block is whose; forces are numbered as in the terms
+    force: np.ndarray  # (blocks,) Which block is whose; forces are numbered as in the terms
+    repeats: np.ndarray  # (blocks,) How many runs a motion was made in [1]
+    noise: np.ndarray  # (blocks,) Variance of each row from the noise within runs
+    form: np.ndarray  # (blocks,) Variance of each row from a form error as large as the force
+    level: np.ndarray  # (blocks,) Root mean square of the force in all tests
+    live: np.ndarray  # (blocks, q) Rows that are not empty
+    noise_known: np.ndarray  # (forces,) Whether the rows of a force say how large its noise is
 
     @property
     def forces(self) -> int:
@@ -67,31 +41,14 @@ class SecondLevel:
         return len(self.noise_known)
 
     def less(self, theta: np.ndarray, held: np.ndarray) -> "SecondLevel":
-        """Return it with some parameters held: what they explain taken from y, their columns emptied.
-
-        Parameters
-        ----------
-        theta : array (p,)
-            Values.
-        held : array (p,) of bool
-            Which.
-        """
+        """Return it with some parameters held: what they explain taken from y, their columns emptied."""
+        # theta (p,); held (p,)
         free = np.where(held, 0.0, 1.0)
         return replace(self, d=self.d * free, y=self.y - self.d @ np.where(held, theta, 0.0))
 
 
 def second_level(equations: NormalEquations, motions: DistinctMotions, problem: Problem) -> SecondLevel:
-    """Bring sums of products to blocks of a few rows (ours).
-
-    Parameters
-    ----------
-    equations : NormalEquations
-        Of pieces of tests, which say how large the noise is.
-    motions : DistinctMotions
-        Which tests are one motion.
-    problem : Problem
-        Scale of the parameters, weights of the forces.
-    """
+    """Bring sums of products to blocks of a few rows."""
     count, forces = len(motions), _fitted_forces(problem)
     rows = _rows(motions.sums, problem)
     errors = [_errors(equations, motions.sums, problem, force) for force in forces]
@@ -111,17 +68,7 @@ def second_level(equations: NormalEquations, motions: DistinctMotions, problem: 
 
 
 def in_halves(level: SecondLevel, motions: DistinctMotions, problem: Problem) -> SecondLevel:
-    """Return the same with rows for the first half of each run and, behind them, rows for the later half (ours).
-
-    Parameters
-    ----------
-    level : SecondLevel
-        The blocks.
-    motions : DistinctMotions
-        Of the same tests.
-    problem : Problem
-        Scale of the parameters, weights of the forces.
-    """
+    """Return the same with rows for the first half of each run and, behind them, rows for the later half."""
     first, later = (_rows(sums, problem) for sums in motions.halves)
     return replace(level, **{name: np.concatenate([first[name], later[name]], axis=1) for name in first})
 
@@ -175,13 +122,8 @@ def _errors(
 
 
 def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Factor stacks of products, H = R'R: R (m, k, k), its inverse from the left for H z = g, and which rows live.
-
-    Parameters
-    ----------
-    gram : array (m, k, k)
-        Sums of products of columns.
-    """
+    """Factor stacks of products, H = R'R: R (m, k, k), its inverse from the left for H z = g, and which rows live."""
+    # gram (m, k, k)
     size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 0.0))
     full, size = size > 0, np.where(size > 0, size, 1.0)
     values, vectors = np.linalg.eigh(gram / (size[:, :, None] * size[:, None, :]))
@@ -193,11 +135,9 @@ def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _noise(sums: np.ndarray, equations: NormalEquations) -> tuple[float, bool]:
-    """Variance of a row's noise as it adds up over a run, from how fits to a run err on its stretches.
-
-    Each run is fitted by itself. What its stretches leave, in the directions of its columns, adds up to 0; the noise is
-    as large as their spread. Correlation within a stretch is in it, since what a stretch leaves is a sum over it.
-    """
+    """Variance of a row's noise as it adds up over a run, from how fits to a run err on its stretches."""
+    # Each run is fitted by itself. What its stretches leave, in the directions of its columns, adds up to 0; the noise
+    # is as large as their spread. Correlation within a stretch is in it, since what a stretch leaves is a sum over it.
     names = equations.names
     test = np.array([names.index(name) for name in equations.tests])
     whole = np.zeros((len(names), *sums.shape[1:]))

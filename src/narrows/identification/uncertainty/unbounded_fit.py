@@ -21,53 +21,30 @@ from narrows.identification.uncertainty.linear_estimator import LinearEstimator,
 from narrows.identification.uncertainty.run_errors import RunErrors
 from narrows.identification.uncertainty.second_level import SecondLevel, second_level
 
+# Standard errors beyond a bound at which the data reject it.
 CERTAIN = 2.0
-"""Standard errors beyond a bound at which the data reject it."""
+# Degrees of freedom of a variance that is assumed and not estimated.
 MANY = 1000.0
-"""Degrees of freedom of a variance that is assumed and not estimated."""
+# Of the assumed variance, at least, when estimates are compared by the scatter that the data show.
 LEAST_SCATTER = 0.1
-"""Of the assumed variance, at least, when estimates are compared by the scatter that the data show."""
 
 
 @dataclass(frozen=True)
 class ErrorModel:
-    """The fit on motions and the errors about it, in scaled parameters.
+    """The fit on motions and the errors about it, in scaled parameters."""
 
-    Parameters
-    ----------
-    level : SecondLevel
-        The motions, held parameters taken out.
-    errors : RunErrors
-        Corrected by repeats.
-    repeats : mapping of str to Repeatability
-        By force, what repeats show.
-    fit : tuple of LackOfFit
-        By force.
-    theta : array (p,)
-        The fit without bounds, but for those that the data reject.
-    held : array (p,) of bool
-        Parameters held at a bound.
-    best : LinearEstimator
-        That fit.
-    covariance : array (blocks, q, q)
-        Of the motions' errors, widened by lack of fit.
-    shown : array (blocks, q, q)
-        The same by the scatter that the data show, which may be less than what is assumed.
-    factor, factor_shown : array (forces,)
-        Variance over the assumed one, of each force, in either.
-    """
-
-    level: SecondLevel
-    errors: RunErrors
-    repeats: dict[str, Repeatability]
-    fit: tuple[LackOfFit, ...]
-    theta: np.ndarray
-    held: np.ndarray
-    best: LinearEstimator
-    covariance: np.ndarray
+    level: SecondLevel  # The motions, held parameters taken out
+    errors: RunErrors  # Corrected by repeats
+    repeats: dict[str, Repeatability]  # By force, what repeats show
+    fit: tuple[LackOfFit, ...]  # By force
+    theta: np.ndarray  # (p,) The fit without bounds, but for those that the data reject
+    held: np.ndarray  # (p,) Parameters held at a bound
+    best: LinearEstimator  # That fit
+    covariance: np.ndarray  # (blocks, q, q) Of the motions' errors, widened by lack of fit
+    # (blocks, q, q) The same by the scatter that the data show, which may be less than what is assumed
     shown: np.ndarray
-    factor: np.ndarray
-    factor_shown: np.ndarray
+    factor: np.ndarray  # (forces,) Variance over the assumed one, of each force, in either
+    factor_shown: np.ndarray  # (forces,) Variance over the assumed one, of each force, in either
 
     @cached_property
     def of_theta(self) -> np.ndarray:
@@ -92,17 +69,12 @@ class ErrorModel:
 
     @cached_property
     def jackknife(self) -> tuple[np.ndarray, np.ndarray]:
-        """Standard error of each parameter by leaving out each motion, and its degrees of freedom; each (p,).
-
-        (M - 1)/M times the sum of squares of what each motion moves. Its freedom is that of a sum of squares of numbers
-        with the covariance that the error model gives them; where a motion alone determines a parameter both are the
-        error model's.
-
-        References
-        ----------
-        MacKinnon, Nielsen, Webb (2023), Fast and reliable jackknife and bootstrap methods for cluster-robust inference.
-        Satterthwaite (1946), An approximate distribution of estimates of variance components.
-        """
+        """Standard error of each parameter by leaving out each motion, and its degrees of freedom; each (p,)."""
+        # (M - 1)/M times the sum of squares of what each motion moves. Its freedom is that of a sum of squares of
+        # numbers with the covariance that the error model gives them; where a motion alone determines a parameter both
+        # are the error model's.
+        # MacKinnon, Nielsen, Webb (2023), Fast and reliable jackknife and bootstrap methods for cluster-robust
+        # inference. Satterthwaite (1946), An approximate distribution of estimates of variance components.
         moves, rows = [], []
         size = self.level.d.shape[2]
         root = np.linalg.cholesky(self.covariance)
@@ -124,51 +96,26 @@ class ErrorModel:
 
 @dataclass(frozen=True)
 class UnboundedFit:
-    """Estimates, standard errors and their covariance, a number for each coefficient.
+    """Estimates, standard errors and their covariance, a number for each coefficient."""
 
-    A coefficient's bound says nothing of its error, so intervals start from the fit that does not know the bounds.
-    Where the data put a coefficient beyond its bound for certain, the others are seen with it held there.
+    # A coefficient's bound says nothing of its error, so intervals start from the fit that does not know the bounds.
+    # Where the data put a coefficient beyond its bound for certain, the others are seen with it held there.
 
-    Parameters
-    ----------
-    values : array (n,)
-        Best values without the bounds that the data allow.
-    std : array (n,)
-        Standard errors by the error model, or by what each motion moves where that reaches farther, and over what other
-        fits show; of a held coefficient 0.
-    covariance : array (n, n)
-        By the error model, each force's block times the median of its ``std`` over the error model's, squared: one
-        number for each force, so that what coefficients determine together stays determined. So its diagonal is not
-        the square of ``std`` where only some intervals reach farther; zero for those that are held.
-    held : array (n,) of bool
-        Which are held at a bound that the data reject.
-    counts : array (n,)
-        Degrees of freedom of each standard error, and one.
-    """
-
-    values: np.ndarray
+    values: np.ndarray  # (n,) Best values without the bounds that the data allow
+    # (n,) Standard errors by the error model, or by what each motion moves where that reaches farther, and over what
+    # other fits show; of a held coefficient 0
     std: np.ndarray
+    # (n, n) By the error model, each force's block times the median of its ``std`` over the error model's, squared:
+    # one number for each force, so that what coefficients determine together stays determined
     covariance: np.ndarray
-    held: np.ndarray
-    counts: np.ndarray
+    held: np.ndarray  # (n,) Which are held at a bound that the data reject
+    counts: np.ndarray  # (n,) Degrees of freedom of each standard error, and one
 
 
 def error_model(
     problem: Problem, equations: NormalEquations, motions: DistinctMotions, errors: RunErrors
 ) -> ErrorModel:
-    """Let the bounds go, hold again one by one those that the data reject, and set up the errors about it (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    equations : NormalEquations
-        The sums.
-    motions : DistinctMotions
-        What is taken as independent.
-    errors : RunErrors
-        The prior.
-    """
+    """Let the bounds go, hold again one by one those that the data reject, and set up the errors about it."""
     terms = problem.terms
     repeats = {
         force: repeatability(equations, motions, force, [term.name for term in part])
@@ -216,19 +163,8 @@ def _rejected(problem: Problem, theta: np.ndarray, std: np.ndarray, left: np.nda
 
 
 def unbounded_fit(problem: Problem, model: ErrorModel, std: np.ndarray, counts: np.ndarray) -> UnboundedFit:
-    """Bring the error model's fit to coefficients (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    model : ErrorModel
-        The fit on motions.
-    std : array (n,)
-        Standard error of each coefficient, scaled; at least that of the error model.
-    counts : array (n,)
-        Degrees of freedom of each, and one.
-    """
+    """Bring the error model's fit to coefficients."""
+    # std (n,); counts (n,)
     slots = np.array([problem.slot[name] for name in problem.terms.names])
     scale, held = problem.scale[slots], model.held[slots]
     plain = np.sqrt(np.maximum(np.diag(model.of_theta), 0.0))[slots]
@@ -251,15 +187,7 @@ def _of_forces(problem: Problem, stretch: np.ndarray) -> np.ndarray:
 
 
 def freedoms(problem: Problem, model: ErrorModel) -> np.ndarray:
-    """Return the degrees of freedom of each coefficient's variance, (n,); tied ones have the fewest of theirs (ours).
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint problem.
-    model : ErrorModel
-        The fit on motions.
-    """
+    """Return the degrees of freedom of each coefficient's variance, (n,); tied ones have the fewest of theirs."""
     forces = [part for part in problem.terms.forces.values() if part]
     of_force = np.array([model.freedom[i] for i, part in enumerate(forces) for _ in part])
     slots = np.array([problem.slot[name] for name in problem.terms.names])

@@ -5,37 +5,28 @@ from typing import NamedTuple
 
 import numpy as np
 
+# Windows that must tell of a factor.
 FEWEST = 8
-"""Windows that must tell of a factor."""
+# Standard errors that a number must be away.
 SURE = 4.0
-"""Standard errors that a number must be away."""
+# Windows that share what they cover.
 OVERLAP = 2.0
-"""Windows that share what they cover."""
 
 
 class Factor(NamedTuple):
-    """By which factor one change is another, whichever of them is noisy.
+    """By which factor one change is another, whichever of them is noisy."""
 
-    Parameters
-    ----------
-    low, high : float [1]
-        Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
-        errors.
-    correlation : float [1]
-        Between the two.
-    windows : float
-        That tell independently.
+    # Frisch (1934), Statistical confluence analysis by means of complete regression systems: the slopes of either
+    # regression bound that of the relation.
 
-    References
-    ----------
-    Frisch (1934), Statistical confluence analysis by means of complete regression systems: the slopes of either
-    regression bound that of the relation.
-    """
-
+    # Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
+    # errors [1]
     low: float
+    # Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
+    # errors [1]
     high: float
-    correlation: float
-    windows: float
+    correlation: float  # Between the two [1]
+    windows: float  # That tell independently
 
     @property
     def told(self) -> bool:
@@ -43,15 +34,7 @@ class Factor(NamedTuple):
         return bool(self.windows >= FEWEST and self.low * self.high > 0)
 
     def holds(self, factor: float, slack: float) -> bool:
-        """Return whether it may be a number, or another within a factor of that (ours).
-
-        Parameters
-        ----------
-        factor : float [1]
-            The number.
-        slack : float [1]
-            At least 1.
-        """
+        """Return whether it may be a number, or another within a factor of that."""
         low, high = sorted((factor / slack, factor * slack))
         return bool(self.low <= high and self.high >= low)
 
@@ -62,13 +45,8 @@ class Factor(NamedTuple):
 
 
 def factor_of(change: np.ndarray, expected: np.ndarray) -> Factor:
-    """Return by which factor changes are those that are expected, but for a constant (ours).
-
-    Parameters
-    ----------
-    change, expected : array (windows,)
-        Over windows that overlap by half; NaN where one is not known.
-    """
+    """Return by which factor changes are those that are expected, but for a constant."""
+    # change, expected (windows,)
     known = np.isfinite(change) & np.isfinite(expected)
     windows = float(known.sum() / OVERLAP)
     if windows < FEWEST:
@@ -87,34 +65,17 @@ def factor_of(change: np.ndarray, expected: np.ndarray) -> Factor:
 
 
 class Turned(NamedTuple):
-    """How far motions in a plane are others, turned and stretched.
+    """How far motions in a plane are others, turned and stretched."""
 
-    Parameters
-    ----------
-    stretch : float [1]
-        By which factor.
-    turn : float [rad]
-        By which angle.
-    error : float [1]
-        Standard error of the stretch, and of the turn [rad].
-    apart : float [1]
-        What is left of the motions, over their size.
-    """
-
-    stretch: float
-    turn: float
-    error: float
-    apart: float
+    stretch: float  # By which factor [1]
+    turn: float  # By which angle [rad]
+    error: float  # Standard error of the stretch, and of the turn [rad] [1]
+    apart: float  # What is left of the motions, over their size [1]
 
 
 def turned_of(way: np.ndarray, expected: np.ndarray) -> Turned | None:
-    """Return how far ways are those that are expected, turned and stretched; None where too few are known (ours).
-
-    Parameters
-    ----------
-    way, expected : array (windows,) of complex [m]
-        Over windows that overlap by half; NaN where one is not known.
-    """
+    """Return how far ways are those that are expected, turned and stretched; None where too few are known."""
+    # way, expected (windows,) [m]
     known = np.isfinite(way) & np.isfinite(expected)
     a, b = way[known], expected[known]
     windows, bb, aa = known.sum() / OVERLAP, float((np.abs(b) ** 2).sum()), float((np.abs(a) ** 2).sum())
@@ -127,30 +88,15 @@ def turned_of(way: np.ndarray, expected: np.ndarray) -> Turned | None:
 
 
 class Estimates(NamedTuple):
-    """Numbers by least squares.
+    """Numbers by least squares."""
 
-    Parameters
-    ----------
-    values, errors : array (numbers,)
-        With their standard errors.
-    """
-
-    values: np.ndarray
-    errors: np.ndarray
+    values: np.ndarray  # (numbers,) With their standard errors
+    errors: np.ndarray  # (numbers,) With their standard errors
 
 
 def least_squares(column: np.ndarray, regressors: Sequence[np.ndarray], overlap: float = OVERLAP) -> Estimates | None:
-    """Return the numbers that make a column of others; None where too few rows are known (ours).
-
-    Parameters
-    ----------
-    column : array (rows,)
-        NaN where it is not known.
-    regressors : sequence of arrays (rows,)
-        Likewise.
-    overlap : float [1]
-        Rows that share what they cover.
-    """
+    """Return the numbers that make a column of others; None where too few rows are known."""
+    # column (rows,); regressors (rows,)
     design = np.stack(regressors, axis=1)
     known = np.isfinite(column) & np.isfinite(design).all(axis=1)
     rows = known.sum() / overlap - design.shape[1]
@@ -166,29 +112,16 @@ def least_squares(column: np.ndarray, regressors: Sequence[np.ndarray], overlap:
 
 
 class Pooled(NamedTuple):
-    """A mean of numbers, weighted by their standard errors.
+    """A mean of numbers, weighted by their standard errors."""
 
-    Parameters
-    ----------
-    value, error : float
-        With its standard error.
-    numbers : int
-        How many are in it.
-    """
-
-    value: float
-    error: float
-    numbers: int
+    value: float  # With its standard error
+    error: float  # With its standard error
+    numbers: int  # How many are in it
 
 
 def pooled(effects: Sequence[tuple[float, float]]) -> Pooled | None:
-    """Return the mean of numbers, weighted by their standard errors; None where there is none (ours).
-
-    Parameters
-    ----------
-    effects : sequence of (float, float)
-        Numbers, with their standard errors.
-    """
+    """Return the mean of numbers, weighted by their standard errors; None where there is none."""
+    # effects (float, float)
     known = [(effect, error) for effect, error in effects if error > 0]
     if not known:
         return None
@@ -197,17 +130,7 @@ def pooled(effects: Sequence[tuple[float, float]]) -> Pooled | None:
 
 
 def nearest(factor: float, known: Mapping[str, float], slack: float = 1.1) -> str | None:
-    """Return what is known to make a factor; None where nothing comes near (ours).
-
-    Parameters
-    ----------
-    factor : float [1]
-        Seen.
-    known : mapping of str to float
-        Factors by their causes.
-    slack : float [1]
-        How far off one may be.
-    """
+    """Return what is known to make a factor; None where nothing comes near."""
     if not factor > 0:
         return None
     off = {cause: float(abs(np.log(factor / usual))) for cause, usual in known.items()}

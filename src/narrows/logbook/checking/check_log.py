@@ -24,10 +24,10 @@ from narrows.model.model import Model
 from narrows.waterway import Waterway
 
 ALL = "all records"
+# What rests on nothing else, on sensors that are well, and on a heading that is right.
 STAGES = ((check_units, check_sensors), (check_heading,), (check_rudder_moves, check_velocities, check_place))
-"""What rests on nothing else, on sensors that are well, and on a heading that is right."""
+# Checks whose findings leave nothing for the next stage to go by.
 SPOILING = ("heading", "speed", "stuck", "yaw rate")
-"""Checks whose findings leave nothing for the next stage to go by."""
 
 
 class _Told(NamedTuple):

@@ -8,26 +8,19 @@ from narrows.logbook.checking.even_motion import usual_speed
 from narrows.logbook.checking.finding import Finding
 from narrows.logbook.ship_record import ShipRecord
 
+# Usual steps of a signal, beyond which a step is a gap, and beyond which the clock may have jumped.
 WIDE, JUMPING = 10.0, 2.5
-"""Usual steps of a signal, beyond which a step is a gap, and beyond which the clock may have jumped."""
+# Of the time for a ship length, beyond which a gap matters, and a jump of the clock.
 A_GAP, A_JUMP = 0.25, 0.05
-"""Of the time for a ship length, beyond which a gap matters, and a jump of the clock."""
+# Of the way that a gap takes at the usual speed, below which the clock jumped and the ship did not.
 LITTLE_WAY = 0.5
-"""Of the way that a gap takes at the usual speed, below which the clock jumped and the ship did not."""
+# Positions before and after a gap, by which the ship's speed there is known.
 BESIDE = 5
-"""Positions before and after a gap, by which the ship's speed there is known."""
 
 
 def check_clock(record: ShipRecord, length: float) -> Iterator[Finding]:
-    """Yield what is wrong with the times of a record (ours).
-
-    Parameters
-    ----------
-    record : ShipRecord
-        As it was measured.
-    length : float [m]
-        Of the ship.
-    """
+    """Yield what is wrong with the times of a record."""
+    # length [m]
     backward = list(_backward(record))
     yield from backward
     if not backward:

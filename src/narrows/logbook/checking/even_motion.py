@@ -8,41 +8,28 @@ from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.signals import Signal
 from narrows.waterway import Waterway
 
+# Even times for the way of a ship length.
 A_LENGTH = 40
-"""Even times for the way of a ship length."""
+# Even times of a record.
 FEWEST, MOST = 16, 20_000
-"""Even times of a record."""
+# Of a record, over which its usual speed is measured.
 PIECES = 50
-"""Of a record, over which its usual speed is measured."""
+# Steps of a signal or of even time, over which values are still joined.
 JOINED = 3.0
-"""Steps of a signal or of even time, over which values are still joined."""
 
 Windows = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
 class EvenMotion:
-    """A record at even times.
+    """A record at even times."""
 
-    Parameters
-    ----------
-    t : array (n,) [s]
-        Rising evenly.
-    columns : dict of str to array (n,)
-        By signal; NaN where nothing was measured near by.
-    axis : array (n,) [rad]
-        Direction that headings are measured from: of the waterway's line, from north; 0 in a plane.
-    position : array (n,) of complex [m]
-        On the map, north and i times east; x and i times y in a plane.
-    pace : float [s]
-        For the way of a ship length.
-    """
-
-    t: np.ndarray
-    columns: dict[str, np.ndarray]
+    t: np.ndarray  # (n,) Rising evenly [s]
+    columns: dict[str, np.ndarray]  # (n,) By signal; NaN where nothing was measured near by
+    # (n,) Direction that headings are measured from: of the waterway's line, from north; 0 in a plane [rad]
     axis: np.ndarray
-    position: np.ndarray
-    pace: float
+    position: np.ndarray  # (n,) On the map, north and i times east; x and i times y in a plane [m]
+    pace: float  # For the way of a ship length [s]
 
     @property
     def dt(self) -> float:
@@ -54,13 +41,7 @@ class EvenMotion:
         return name in self.columns
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A signal.
-
-        Parameters
-        ----------
-        name : str
-            Of it.
-        """
+        """A signal."""
         return self.columns[name]
 
     @property
@@ -69,27 +50,14 @@ class EvenMotion:
         return np.asarray(self["psi"] + self.axis)
 
     def windows(self, lengths: float) -> Windows:
-        """Return first and last places of windows, each half over the next (ours).
-
-        Parameters
-        ----------
-        lengths : float [1]
-            Of each, in the time for a ship length.
-        """
+        """Return first and last places of windows, each half over the next."""
         width = max(2, round(lengths * self.pace / self.dt))
         first = np.arange(0, len(self.t) - width, max(1, width // 2))
         return first, first + width
 
     def integrals(self, values: np.ndarray, windows: Windows) -> np.ndarray:
-        """Return the integral of a column over windows, (windows,); NaN over gaps (ours).
-
-        Parameters
-        ----------
-        values : array (n,)
-            The column, of real or complex numbers.
-        windows : pair of arrays of int
-            First and last places.
-        """
+        """Return the integral of a column over windows, (windows,); NaN over gaps."""
+        # values (n,)
         steps = (values[1:] + values[:-1]) * (self.dt / 2)
         unknown = ~np.isfinite(steps)
         way = np.concatenate([[0.0], np.cumsum(np.where(unknown, 0.0, steps))])
@@ -98,31 +66,15 @@ class EvenMotion:
 
 
 def changes(values: np.ndarray, windows: Windows) -> np.ndarray:
-    """Return by how much a column changes over windows, (windows,) (ours).
-
-    Parameters
-    ----------
-    values : array (n,)
-        The column.
-    windows : pair of arrays of int
-        First and last places.
-    """
+    """Return by how much a column changes over windows, (windows,)."""
+    # values (n,)
     first, last = windows
     return np.asarray(values[last] - values[first])
 
 
 def even_motion(record: ShipRecord, length: float, waterway: Waterway | None = None) -> EvenMotion | None:
-    """Return a record at even times; None where it is too short, or nothing tells how fast the ship is (ours).
-
-    Parameters
-    ----------
-    record : ShipRecord
-        Whose clock rises.
-    length : float [m]
-        Of the ship.
-    waterway : Waterway, optional
-        That x and y are told along.
-    """
+    """Return a record at even times; None where it is too short, or nothing tells how fast the ship is."""
+    # length [m]
     speed = usual_speed(record)
     if speed is None or not record.duration > 0:
         return None
@@ -145,13 +97,7 @@ def even_motion(record: ShipRecord, length: float, waterway: Waterway | None = N
 
 
 def usual_speed(record: ShipRecord) -> float | None:
-    """Return how fast the ship is by its positions [m/s], or else by its speeds; None where it has neither (ours).
-
-    Parameters
-    ----------
-    record : ShipRecord
-        Of it.
-    """
+    """Return how fast the ship is by its positions [m/s], or else by its speeds; None where it has neither."""
     if "x" in record and "y" in record and len(record["x"]) > PIECES:
         at = np.linspace(record["x"].t[0], record["x"].t[-1], PIECES + 1)
         steps = np.hypot(*(np.diff(record[name].at(at)) for name in ("x", "y")))

@@ -13,24 +13,12 @@ from narrows.waterway import Waterway
 
 
 class Examined(NamedTuple):
-    """A record that is looked at.
+    """A record that is looked at."""
 
-    Parameters
-    ----------
-    record : ShipRecord
-        As it was measured.
-    motion : EvenMotion
-        The same at even times.
-    model : Model
-        Of the ship.
-    waterway : Waterway, optional
-        That x and y are told along.
-    """
-
-    record: ShipRecord
-    motion: EvenMotion
-    model: Model
-    waterway: Waterway | None
+    record: ShipRecord  # As it was measured
+    motion: EvenMotion  # The same at even times
+    model: Model  # Of the ship
+    waterway: Waterway | None  # That x and y are told along
 
     @property
     def length(self) -> float:
@@ -45,13 +33,7 @@ class Examined(NamedTuple):
     def finding(
         self, check: str, sentence: str, remedy: str, evidence: Mapping[str, float], wrong: bool = True
     ) -> Finding:
-        """Return a finding of this record (ours).
-
-        Parameters
-        ----------
-        check, sentence, remedy, evidence, wrong
-            As of ``Finding``.
-        """
+        """Return a finding of this record."""
         return Finding(
             check, self.record.name, sentence, remedy, {name: float(n) for name, n in evidence.items()}, wrong
         )

@@ -10,37 +10,31 @@ from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 
 FULL_TURN = 2 * np.pi
+# Yaw rate beyond all ships', in radians a ship length.
 SHARPEST = 2.0
-"""Yaw rate beyond all ships', in radians a ship length."""
+# Standard deviations of a sensor's noise that no step reaches.
 NOISE = 8.0
-"""Standard deviations of a sensor's noise that no step reaches."""
+# A step of heading that a quiet compass may show.
 SMALL = np.radians(3.0)
-"""A step of heading that a quiet compass may show."""
+# Windows over which changes are compared, in times for a ship length: the one that tells most is taken.
 LENGTHS = (0.25, 0.5, 1.0, 2.0)
-"""Windows over which changes are compared, in times for a ship length: the one that tells most is taken."""
+# By which factor a yaw rate may be off the heading's change, and the track's turn, which drifts, off the heading's.
 SLACK, LOOSE = 1.25, 2.0
-"""By which factor a yaw rate may be off the heading's change, and the track's turn, which drifts, off the heading's."""
 DEGREES = 180 / np.pi
+# Causes of a factor between the heading's change and the integral of the yaw rate.
 RATES = {
     "r counts degrees a second": 1 / DEGREES, "r counts degrees a minute": 1 / (60 * DEGREES),
     "psi counts degrees": DEGREES, "r is 60 times too small": 60.0,
 }  # fmt: skip
-"""Causes of a factor between the heading's change and the integral of the yaw rate."""
 TURNED = '{} counts to port: turn its sign ([positive] {} = "port")'
+# Times the compass's noise that a change of heading is, where a yaw rate must show it.
 CLEAR = 5.0
-"""Times the compass's noise that a change of heading is, where a yaw rate must show it."""
+# Of such a change that a yaw rate shows at least.
 SHOWN = 0.5
-"""Of such a change that a yaw rate shows at least."""
 
 
 def check_heading(at: Examined) -> Iterator[Finding]:
-    """Yield what is wrong with heading and yaw rate, the first cause alone (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Yield what is wrong with heading and yaw rate, the first cause alone."""
     if "psi" not in at.motion:
         return
     for check in (_wraps, _signs_and_units, _jumps, _no_yaw_rate):
@@ -114,13 +108,7 @@ def _no_yaw_rate(at: Examined) -> Iterator[Finding]:
 
 
 def rate_shown(at: Examined) -> Estimates | None:
-    """Return how much of the heading's changes the yaw rate shows; None where it is not told (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Return how much of the heading's changes the yaw rate shows; None where it is not told."""
     motion = at.motion
     if "r" not in motion or "psi" not in motion:
         return None
@@ -136,15 +124,8 @@ def _shown(motion: EvenMotion, lengths: float) -> Estimates | None:
 
 
 def judge_yaw_rates(shown: list[tuple[float, float]], record: str) -> Iterator[Finding]:
-    """Yield where the yaw rate counts the other way, by what several records show of the heading's changes (ours).
-
-    Parameters
-    ----------
-    shown : list of (float, float)
-        By record, with standard errors.
-    record : str
-        What to call them.
-    """
+    """Yield where the yaw rate counts the other way, by what several records show of the heading's changes."""
+    # shown (float, float)
     if (told := pooled(shown)) is None:
         return
     share, error, records = told

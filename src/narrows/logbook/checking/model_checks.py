@@ -10,24 +10,16 @@ from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 from narrows.logbook.checking.model_rates import ModelRates
 
+# Windows over which the rudder's effect is sought, in times for a ship length.
 LENGTHS = (0.5, 1.0)
-"""Windows over which the rudder's effect is sought, in times for a ship length."""
+# Of a ship length, by which a model's drift in turns may put the antenna wrong.
 AMIDSHIPS = 0.2
-"""Of a ship length, by which a model's drift in turns may put the antenna wrong."""
+# Times what the model says that a rudder's effect is, in which it is one of another sign or unit.
 WEAK, STRONG = 0.25, 5.0
-"""Times what the model says that a rudder's effect is, in which it is one of another sign or unit."""
 
 
 def rudder_effect(at: Examined, rates: ModelRates) -> Estimates | None:
-    """Return how many times the model's the rudder's effect on the yaw rate is; None where it is not told (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    rates : ModelRates
-        What the model says of it.
-    """
+    """Return how many times the model's the rudder's effect on the yaw rate is; None where it is not told."""
     motion, without = at.motion, rates.acceleration(5, rudder=0.0)
     effect, rest = rates.whole(rates.acceleration(5) - without), rates.whole(without)
     turning = rates.whole(rates.state["r"])
@@ -42,15 +34,8 @@ def rudder_effect(at: Examined, rates: ModelRates) -> Estimates | None:
 
 
 def judge_rudder(effects: list[tuple[float, float]], record: str) -> Iterator[Finding]:
-    """Yield what is wrong with the rudder's sign or unit, by its effect in one record or in several (ours).
-
-    Parameters
-    ----------
-    effects : list of (float, float)
-        Times the model's, with standard errors.
-    record : str
-        What to call them.
-    """
+    """Yield what is wrong with the rudder's sign or unit, by its effect in one record or in several."""
+    # effects (float, float)
     if (told := pooled(effects)) is None:
         return
     effect, error, records = told
@@ -64,15 +49,7 @@ def judge_rudder(effects: list[tuple[float, float]], record: str) -> Iterator[Fi
 
 
 def check_antenna(at: Examined, rates: ModelRates) -> Iterator[Finding]:
-    """Yield where the position is measured elsewhere on the ship than is said, by how it swings in turns (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    rates : ModelRates
-        What the model says of it.
-    """
+    """Yield where the position is measured elsewhere on the ship than is said, by how it swings in turns."""
     found = _forward(at, rates)
     if found is None:
         return

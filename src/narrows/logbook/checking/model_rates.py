@@ -8,59 +8,32 @@ from narrows.control.self_propulsion import self_propulsion
 from narrows.logbook.checking.examined import Examined
 from narrows.simulation.derivative import derivative
 
+# Of Newton's method for the sway velocity that stays.
 ROUNDS = 6
-"""Of Newton's method for the sway velocity that stays."""
+# Of the speed: a step of that, at most.
 LARGEST = 0.3
-"""Of the speed: a step of that, at most."""
+# Of the speed, by which the slope of the sway force is measured.
 SMALL = 0.02
-"""Of the speed, by which the slope of the sway force is measured."""
 
 
 class ModelRates(NamedTuple):
-    """Accelerations by the model, in open water, where the record tells enough.
+    """Accelerations by the model, in open water, where the record tells enough."""
 
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    known : array (n,) of bool
-        Where it does.
-    state : dict of str to array
-        u, v, r there; v by the record where it tells it.
-    positions : dict of str to array
-        Of actuators there.
-    """
-
-    at: Examined
-    known: np.ndarray
-    state: dict[str, np.ndarray]
-    positions: dict[str, np.ndarray]
+    at: Examined  # The record
+    known: np.ndarray  # (n,) Where it does
+    state: dict[str, np.ndarray]  # u, v, r there; v by the record where it tells it
+    positions: dict[str, np.ndarray]  # Of actuators there
 
     def acceleration(self, place: int, v: np.ndarray | None = None, rudder: float = 1.0) -> np.ndarray:
-        """Return an acceleration where it is known, of v, [m/s2], or of r, [rad/s2] (ours).
-
-        Parameters
-        ----------
-        place : int
-            4 for v, 5 for r.
-        v : array, optional [m/s]
-            Instead of the sway velocity that was measured.
-        rudder : float [1]
-            How much of the rudder angle counts.
-        """
+        """Return an acceleration where it is known, of v, [m/s2], or of r, [rad/s2]."""
+        # v [m/s]
         positions: dict[str, Any] = {**self.positions, "rudder": rudder * self.positions["rudder"]}
         state = self.state if v is None else {**self.state, "v": v}
         rates: np.ndarray = derivative(self.at.model.in_open_water(), state, **positions)[place]
         return rates
 
     def whole(self, values: np.ndarray) -> np.ndarray:
-        """Return a column at all times, NaN where nothing is known (ours).
-
-        Parameters
-        ----------
-        values : array
-            Where it is known.
-        """
+        """Return a column at all times, NaN where nothing is known."""
         column = np.full(len(self.known), np.nan)
         column[self.known] = values
         return column
@@ -86,13 +59,7 @@ def _lagging(aim: np.ndarray, share: np.ndarray) -> np.ndarray:
 
 
 def model_rates(at: Examined) -> ModelRates | None:
-    """Return what the model says of a record; None where one of them tells too little (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Return what the model says of a record; None where one of them tells too little."""
     motion, turning = at.motion, at.turning
     steered = any(own.name == "rudder" for own in at.model.terms.actuators)
     if turning is None or "rudder" not in motion or not steered or not np.isfinite(motion.position).any():

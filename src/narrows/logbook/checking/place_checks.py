@@ -7,18 +7,12 @@ import numpy as np
 from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 
+# Of the times at which a hull may reach into a bank, by the noise of its position.
 ASHORE = 0.002
-"""Of the times at which a hull may reach into a bank, by the noise of its position."""
 
 
 def check_place(at: Examined) -> Iterator[Finding]:
-    """Yield where the hull would lie in a bank (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Yield where the hull would lie in a bank."""
     motion, ship = at.motion, at.model.configuration.ship
     if not {"x", "y", "psi"} <= motion.columns.keys() or not (at.waterway or at.model.feels_bank):
         return

@@ -9,30 +9,24 @@ from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 from narrows.logbook.signals import Signal
 
+# A change of heading that a quiet compass may fail to show.
 SMALL = np.radians(3.0)
-"""A change of heading that a quiet compass may fail to show."""
+# Steps, and times for a ship length, over which a sensor that is well does not say the same.
 STUCK_STEPS, STUCK_LENGTHS = 8, 0.3
-"""Steps, and times for a ship length, over which a sensor that is well does not say the same."""
+# Of a ship length: a way that any position shows.
 A_MOVE = 0.2
-"""Of a ship length: a way that any position shows."""
+# Of the time for a ship length, between values of a rudder: a helmsman moves it more often.
 SELDOM = 0.2
-"""Of the time for a ship length, between values of a rudder: a helmsman moves it more often."""
+# A rudder that moves less never moves.
 STILL = np.radians(0.2)
-"""A rudder that moves less never moves."""
+# A change of heading over the way of a ship length, and how many to either side a rudder at rest does not explain.
 A_TURN, SWINGS = np.radians(2.0), 2
-"""A change of heading over the way of a ship length, and how many to either side a rudder at rest does not explain."""
+# Times for a ship length that a helmsman may leave the rudder alone, and between banks.
 LONG, CONFINED = 3.0, 10.0
-"""Times for a ship length that a helmsman may leave the rudder alone, and between banks."""
 
 
 def check_sensors(at: Examined) -> Iterator[Finding]:
-    """Yield what is wrong with single sensors (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Yield what is wrong with single sensors."""
     yield from _missing(at)
     yield from _stuck(at)
     yield from _seldom(at)
@@ -109,13 +103,7 @@ def _grain(signal: Signal) -> float:
 
 
 def check_rudder_moves(at: Examined) -> Iterator[Finding]:
-    """Yield where a rudder is not told, while the ship swings to and fro or keeps clear of banks (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record, with a heading that is right.
-    """
+    """Yield where a rudder is not told, while the ship swings to and fro or keeps clear of banks."""
     if "rudder" not in at.record or "psi" not in at.motion:
         return
     rudder = at.record["rudder"]
@@ -144,13 +132,8 @@ def _swings(at: Examined, begin: float, end: float) -> int:
 
 
 def longest_run(values: np.ndarray) -> tuple[int, int]:
-    """Return first and last place of the longest stretch of one value (ours).
-
-    Parameters
-    ----------
-    values : array (n,)
-        Of a signal.
-    """
+    """Return first and last place of the longest stretch of one value."""
+    # values (n,)
     edges = np.flatnonzero(np.concatenate([[True], np.diff(values) != 0, [True]]))
     longest = int(np.argmax(np.diff(edges)))
     return int(edges[longest]), int(edges[longest + 1]) - 1

@@ -8,27 +8,21 @@ from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 from narrows.quantities.constants import GRAVITY
 
+# Of the gear's limit, which no rudder passes.
 BEYOND = 1.3
-"""Of the gear's limit, which no rudder passes."""
 DEGREE = np.pi / 180
+# Advance ratios J = U / (n D) between which a ship under way sails.
 ADVANCE = (0.08, 5.0)
-"""Advance ratios J = U / (n D) between which a ship under way sails."""
+# Of a propeller over the draft, where the model does not say.
 DIAMETER = 0.65
-"""Of a propeller over the draft, where the model does not say."""
+# Radians that no ship turns on the way of its own length.
 SHARPEST = 3.0
-"""Radians that no ship turns on the way of its own length."""
+# Froude number that no displacement ship reaches.
 FASTEST = 0.5
-"""Froude number that no displacement ship reaches."""
 
 
 def check_units(at: Examined) -> Iterator[Finding]:
-    """Yield what no ship of this size does (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Yield what no ship of this size does."""
     yield from _speed(at)
     yield from _rudder(at)
     yield from _revolutions(at)

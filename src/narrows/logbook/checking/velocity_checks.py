@@ -10,34 +10,28 @@ from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 from narrows.quantities.constants import KNOT
 
+# Of the windows, in times for a ship length.
 LENGTHS = 1.0
-"""Of the windows, in times for a ship length."""
+# By which factor another reading of the velocities must leave less over.
 BETTER = 3.0
-"""By which factor another reading of the velocities must leave less over."""
+# By which factor two readings leave as much over.
 ALIKE = 1.2
-"""By which factor two readings leave as much over."""
+# Of the way that must be left over, before another reading is looked for.
 LEAST = 0.015
-"""Of the way that must be left over, before another reading is looked for."""
+# By which factor a speed over ground may be off.
 STRETCH = 1.15
-"""By which factor a speed over ground may be off."""
+# Of the ship's speed: a current beyond is another unit.
 CURRENT = 0.6
-"""Of the ship's speed: a current beyond is another unit."""
+# By which angle velocities may be turned, of a compass or an antenna that is not aligned; and what none is.
 TURN, WRONG_TURN = np.radians(5.0), np.radians(20.0)
-"""By which angle velocities may be turned, of a compass or an antenna that is not aligned; and what none is."""
+# Of the way: what is left over where nothing agrees.
 MUCH = 0.3
-"""Of the way: what is left over where nothing agrees."""
+# The way over what its speed says, where that is in another unit.
 UNITS = {"knots": KNOT, "kilometres an hour": 1 / 3.6, "metres a second read as knots": 1 / KNOT}
-"""The way over what its speed says, where that is in another unit."""
 
 
 def check_velocities(at: Examined) -> Iterator[Finding]:
-    """Yield where speeds disagree with the positions (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Yield where speeds disagree with the positions."""
     if not np.isfinite(at.motion.position).any():
         return
     yield from _over_ground(at)

@@ -8,26 +8,20 @@ from narrows.logbook.checking.agreement import SURE, Estimates, least_squares
 from narrows.logbook.checking.examined import Examined
 from narrows.logbook.checking.finding import Finding
 
+# Of the ship's velocity that a wind over ground must not hold.
 HALF = 0.5
-"""Of the ship's velocity that a wind over ground must not hold."""
+# By which factor a wind must be steadier when it is told from the bow.
 BETTER = 3.0
-"""By which factor a wind must be steadier when it is told from the bow."""
+# Of how many times the ship's velocity it holds.
 CAUSES = {
     1.0: "it is the wind as felt on board: call it apparent_wind_speed and apparent_wind_angle",
     -2.0: "its angle says where the wind goes, not where it comes from: add half a turn",
     -1.0: "the ship's own wind was taken off twice",
 }
-"""Of how many times the ship's velocity it holds."""
 
 
 def check_wind(at: Examined) -> Iterator[Finding]:
-    """Yield where the wind goes with the ship (ours).
-
-    Parameters
-    ----------
-    at : Examined
-        The record.
-    """
+    """Yield where the wind goes with the ship."""
     motion = at.motion
     if not {"wind_speed", "wind_direction", "psi"} <= motion.columns.keys() or not np.isfinite(motion.position).any():
         return

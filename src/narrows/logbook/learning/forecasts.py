@@ -9,51 +9,26 @@ from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.window_equations import Pushes, RecordUnknowns, drifting
 
+# Times of a ship length that a forecast reaches.
 AHEAD = 3.5
-"""Times of a ship length that a forecast reaches."""
+# Of what a forecast is judged by: places among the states.
 STATES_JUDGED = {"y": 1, "psi": 2, "r": 5}
-"""Of what a forecast is judged by: places among the states."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """Pieces of a voyage, each begun anew.
+    """Pieces of a voyage, each begun anew."""
 
-    Parameters
-    ----------
-    t : array (n,) [s]
-        Nodes of all pieces, the end of one and the begin of the next at the same time.
-    states : array (n, 6)
-        x, y, psi, u, v, r as foretold.
-    ends : array (pieces,) of int
-        Where each piece ends.
-    likely : array (pieces, 6)
-        Where the record makes it most likely that the ship was then.
-    rudder : array (n,) [rad]
-        As recorded, and its zero.
-    """
-
-    t: np.ndarray
-    states: np.ndarray
-    ends: np.ndarray
-    likely: np.ndarray
-    rudder: np.ndarray
+    t: np.ndarray  # (n,) Nodes of all pieces, the end of one and the begin of the next at the same time [s]
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r as foretold
+    ends: np.ndarray  # (pieces,) Where each piece ends
+    likely: np.ndarray  # (pieces, 6) Where the record makes it most likely that the ship was then
+    rudder: np.ndarray  # (n,) As recorded, and its zero [rad]
 
 
 def forecast(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns) -> Forecast:
-    """Return forecasts of a record: what is steady of wind and errors is known, gusts are not (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What was solved for.
-    scaled : array (p,) [1]
-        Coefficients, in units of their standard deviations before.
-    grid : RecordGrid
-        The record.
-    own : RecordUnknowns
-        Where the ship most likely was.
-    """
+    """Return forecasts of a record: what is steady of wind and errors is known, gusts are not."""
+    # scaled (p,)
     speed = max(float(np.abs(own.starts[:, 3]).mean()), 1e-3)
     reach = AHEAD * problem.motion.model.configuration.ship.length / speed
     every = max(1, min(round(reach / grid.window), (len(grid) - 1) // 2))
@@ -76,13 +51,7 @@ def forecast(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, own: Rec
 
 
 def missed(foretold: Forecast) -> dict[str, float]:
-    """Return the root mean square of the ends of forecasts less where the ship most likely was, by state (ours).
-
-    Parameters
-    ----------
-    foretold : Forecast
-        Of a record.
-    """
+    """Return the root mean square of the ends of forecasts less where the ship most likely was, by state."""
     with np.errstate(all="ignore"):  # What ran away is far off, and may be so without end.
         off = foretold.states[foretold.ends] - foretold.likely
         root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)

@@ -18,39 +18,21 @@ TOO_COARSE = (
     "what these sensors read leaves a ship of this size anywhere in her canal, and no fit could follow it; give a "
     "grade of sensors that are finer"
 )
+# Of usual gusts, how strong gusts are taken to be at least.
 LEAST = 0.01
-"""Of usual gusts, how strong gusts are taken to be at least."""
 
 
 @dataclass(frozen=True)
 class ForetoldRecords:
-    """Records of a ship that is taken for known, as a fit would look at them where it is done.
+    """Records of a ship that is taken for known, as a fit would look at them where it is done."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    before : array (n, n)
-        Covariance of its coefficients.
-    judge : GustJudge
-        What the records say of gusts, with all else that they say.
-    count : int
-        How many records these are.
-    """
-
-    model: Model
-    before: np.ndarray
-    judge: GustJudge
-    count: int
+    model: Model  # The ship
+    before: np.ndarray  # (n, n) Covariance of its coefficients
+    judge: GustJudge  # What the records say of gusts, with all else that they say
+    count: int  # How many records these are
 
     def after(self, count: int) -> LogPosterior:
-        """Return what will be known after so many records of the kind (ours).
-
-        Parameters
-        ----------
-        count : int
-            How many.
-        """
+        """Return what will be known after so many records of the kind."""
         copies = count / self.count
         doubt = gust_doubt(self.judge, copies)
         found = self.judge.found.repeated(copies)
@@ -58,24 +40,8 @@ class ForetoldRecords:
 
 
 def foretold_records(model: Model, posed: PosedLog, gusts: np.ndarray, memory: float) -> ForetoldRecords:
-    """Look at records where the coefficients and the gusts are known, as a fit does where it is done (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship that made the records.
-    posed : PosedLog
-        The records, with the prior about that ship.
-    gusts : array (2, 2) [N2, N2 m, N2 m2]
-        Covariance of their sway force and yaw moment.
-    memory : float [s]
-        How long a gust stays.
-
-    Raises
-    ------
-    InputError
-        Where the motion goes to infinity from where the sensors read the ship to be.
-    """
+    """Look at records where the coefficients and the gusts are known, as a fit does where it is done."""
+    # gusts (2, 2); memory [s]
     problem, usual = posed.problem, posed.problem.chain
     size = np.sqrt(np.diag(gusts))
     pushes = [usual.names.index(name) for name in (SWAY, YAW)]

@@ -7,17 +7,7 @@ from narrows.logbook.shooting.log_problem import LogProblem
 
 
 def said_granted(problem: LogProblem, free: Sequence[str], answers: Sequence[RecordAnswer]) -> tuple[str, ...]:
-    """Return what is said of what was held, of ship and water as they were taken, and of ships that passed (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What was solved for.
-    free : sequence of str
-        Coefficients that alone might move; all where none is named.
-    answers : sequence of RecordAnswer
-        Of the records.
-    """
+    """Return what is said of what was held, of ship and water as they were taken, and of ships that passed."""
     return (*_held(free), *_ship_and_water(problem), *_met(sum(answer.met for answer in answers)))
 
 

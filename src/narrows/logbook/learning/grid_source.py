@@ -14,36 +14,24 @@ from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.shooting.record_grid import READ, RecordGrid, grid_of
 from narrows.ship.particulars import Configuration
 
+# Of a record that is taken as one [s]: what is the same all through it does not stay so for ever.
 LONGEST = 6 * 3600.0
-"""Of a record that is taken as one [s]: what is the same all through it does not stay so for ever."""
+# Of a way, straight from one place to the next.
 LEGS = 60
-"""Of a way, straight from one place to the next."""
+# Of a draft, by which a record may be of another.
 OTHER_DRAFT = 0.02
-"""Of a draft, by which a record may be of another."""
+# Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.
 HELD_VALUES = 20_000_000
-"""Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes."""
 
 
 @dataclass(frozen=True)
 class GridSource:
-    """The records of a log, laid out on even times.
+    """The records of a log, laid out on even times."""
 
-    Parameters
-    ----------
-    log : iterable of ShipRecord
-        That can be gone through again and again.
-    assumptions : LogAssumptions
-        How long steps and windows are.
-    usual : mapping of str to float
-        Actuators, each with where it is if nothing was recorded of it.
-    configuration : Configuration
-        The ship and the water that the model is of.
-    """
-
-    log: Iterable[ShipRecord]
-    assumptions: LogAssumptions
-    usual: dict[str, float]
-    configuration: Configuration
+    log: Iterable[ShipRecord]  # That can be gone through again and again
+    assumptions: LogAssumptions  # How long steps and windows are
+    usual: dict[str, float]  # Actuators, each with where it is if nothing was recorded of it
+    configuration: Configuration  # The ship and the water that the model is of
 
     def __iter__(self) -> Iterator[RecordGrid]:
         """The records."""
@@ -87,13 +75,7 @@ class GridSource:
 
 
 def parts(record: ShipRecord) -> Iterator[ShipRecord]:
-    """Yield a record, a long one in equal parts (ours).
-
-    Parameters
-    ----------
-    record : ShipRecord
-        The record.
-    """
+    """Yield a record, a long one in equal parts."""
     count = int(np.ceil(record.duration / LONGEST)) if record.duration > LONGEST else 1
     if count == 1:
         yield record
@@ -104,18 +86,7 @@ def parts(record: ShipRecord) -> Iterator[ShipRecord]:
 
 
 def speed_of(record: ShipRecord) -> float:
-    """Return the usual speed of a record [m/s] (ours).
-
-    Parameters
-    ----------
-    record : ShipRecord
-        The record.
-
-    Raises
-    ------
-    InputError
-        Where it holds neither a speed nor a way.
-    """
+    """Return the usual speed of a record [m/s]."""
     for name in ("u", "u_ground", "speed_over_ground"):
         if name in record and len(record[name]):
             return max(float(np.median(np.abs(record[name].values))), 1e-3)

@@ -25,7 +25,7 @@ def learn(
     spread: Spread | None = None, gusts: bool | None = None, waterway: "Waterway | None" = None,
     window: float | None = None, **choices: Any,
 ) -> LogFit:  # fmt: skip
-    """Learn from what a ship did under its own helm: zigzags, turning circles, transits of a canal (ours).
+    """Learn from what a ship did under its own helm: zigzags, turning circles, transits of a canal.
 
     Records are cut into windows, each sailed from a start of its own under the rudder that was recorded; coefficients,
     starts, and what sensors, wind and gusts do to each record are most likely together. Where gusts act, the push of a

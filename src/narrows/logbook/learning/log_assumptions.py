@@ -14,21 +14,22 @@ from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.recorded_helm import RUDDER, RUDDER_OFFSET
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 
+# Of windows that stand alone and of their steps, in times of a ship length.
 WINDOW, STEP = 3.5, 1 / 25
-"""Of windows that stand alone and of their steps, in times of a ship length."""
+# Of windows that hang together.
 LINKED_WINDOW, LINKED_STEP = 1 / 10, 1 / 50
-"""Of windows that hang together."""
+# Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for
+# yaw): of gusts, and of a push that stays.
 GUST, STEADY_PUSH = 0.005, 0.1
-"""Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for
-yaw): of gusts, and of a push that stays."""
+# How much stronger pushes are than gusts usually are while another ship passes.
 IN_MEETINGS = 30.0
-"""How much stronger pushes are than gusts usually are while another ship passes."""
+# Standard deviation of a current that nothing is known of [m/s].
 SPREAD_OF_CURRENT = 0.3
-"""Standard deviation of a current that nothing is known of [m/s]."""
 DEGREE = np.pi / 180
+# What a model leaves of places in a basin, in lengths of the ship, its memory counted; four times as much of angles,
+# five of yaw rates and twice as much of speeds, over those of the ship.
 USUALLY_LEFT = 0.015
-"""What a model leaves of places in a basin, in lengths of the ship, its memory counted; four times as much of angles,
-five of yaw rates and twice as much of speeds, over those of the ship."""
+# The noise that counts is what the model leaves of the records.
 BASIN = SensorGrade(
     "basin",
     "a towing tank: no wind, no current, noise estimated from the records",
@@ -37,46 +38,22 @@ BASIN = SensorGrade(
         RUDDER: SignalGrade(0.1 * DEGREE, zero=0.5 * DEGREE),
     },
 )
-"""The noise that counts is what the model leaves of the records."""
 
 
 @dataclass(frozen=True)
 class LogAssumptions:
-    """What is taken for granted.
+    """What is taken for granted."""
 
-    Parameters
-    ----------
-    grade : SensorGrade
-        Of the sensors.
-    gusts : bool
-        Whether pushes with a memory act.
-    surge : {"held", "free"}
-        Whether the speed is integrated.
-    window : float, optional [s]
-        Of a window.
-    outlier : float [1]
-        Residual over its noise beyond which a reading counts less.
-    choices : mapping of str to object
-        Further ones of the simulation.
-    """
-
-    grade: SensorGrade
-    gusts: bool
-    surge: str
-    window: float | None = None
-    outlier: float = 4.0
-    choices: Mapping[str, Any] = field(default_factory=dict)
+    grade: SensorGrade  # Of the sensors
+    gusts: bool  # Whether pushes with a memory act
+    surge: str  # Whether the speed is integrated
+    window: float | None = None  # Of a window [s]
+    outlier: float = 4.0  # Residual over its noise beyond which a reading counts less [1]
+    choices: Mapping[str, Any] = field(default_factory=dict)  # Further ones of the simulation
 
     def lengths(self, length: float, u: float) -> tuple[float, float]:
-        """Return the lengths of windows and of steps [s].
-
-        Parameters
-        ----------
-        length : float [m]
-            Of the ship.
-        u : float [m/s]
-            Of the record.
-        """
+        """Return the lengths of windows and of steps [s]."""
+        # length [m]; u [m/s]
         usual, step = (LINKED_WINDOW, LINKED_STEP) if self.gusts else (WINDOW, STEP)
         window = self.window or usual * length / u
         return window, float(f"{min(step * length / u, window / 5):.2g}")
@@ -84,21 +61,8 @@ class LogAssumptions:
     def problem(
         self, motion: RecordedMotion, prior: CoefficientPrior, inertia: PushInertia, signals: set[str], u: float
     ) -> LogProblem:
-        """Return what is solved for.
-
-        Parameters
-        ----------
-        motion : RecordedMotion
-            How the ship answers.
-        prior : CoefficientPrior
-            Of the coefficients.
-        inertia : PushInertia
-            What pushes are over.
-        signals : set of str
-            That some record has.
-        u : float [m/s]
-            Usual speed.
-        """
+        """Return what is solved for."""
+        # u [m/s]
         length = motion.model.configuration.ship.length
         noise, sizes = self._noise(signals, length, u), self._sizes(length, u)
         chain = self._chain(signals, sizes, motion) if self.gusts else WindowChain()
@@ -156,9 +120,9 @@ class LogAssumptions:
         return {name: size for name, size in told.items() if size > 0}
 
 
+# Of signals that a grade says nothing of.
 UNGRADED = {
     "x": SignalGrade(1.0), "y": SignalGrade(1.0), "psi": SignalGrade(0.3 * DEGREE), "r": SignalGrade(0.02 * DEGREE),
     "u": SignalGrade(0.1), "v": SignalGrade(0.1), "u_ground": SignalGrade(0.1), "v_ground": SignalGrade(0.1),
     "speed_over_ground": SignalGrade(0.1), "course": SignalGrade(2 * DEGREE), RUDDER: SignalGrade(0.5 * DEGREE),
 }  # fmt: skip
-"""Of signals that a grade says nothing of."""

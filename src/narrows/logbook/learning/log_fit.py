@@ -13,41 +13,27 @@ from narrows.logbook.shooting.noise_left import NoiseLeft
 from narrows.logbook.standing import ON_TWINS
 from narrows.model.model import Model
 
+# What stands beside the label of this room where no bank is felt.
 IN_OPEN_WATER = "Identification in open water is held to measured manoeuvres."
-"""What stands beside the label of this room where no bank is felt."""
+# Probability under which log and prior are said to disagree.
 UNLIKELY = 1e-3
-"""Probability under which log and prior are said to disagree."""
+# Times the usual gusts, from which pushes are said to be none: of twins in gusts alone one in fifty comes so far.
 STRONG = 4.0
-"""Times the usual gusts, from which pushes are said to be none: of twins in gusts alone one in fifty comes so far."""
+# Of readings of the heading [rad], over which more is left than a compass errs.
 HEADING_LEFT = np.radians(0.5)
-"""Of readings of the heading [rad], over which more is left than a compass errs."""
+# Standard deviations before, from which a coefficient is named.
 FAR = 3.0
-"""Standard deviations before, from which a coefficient is named."""
 
 
 @dataclass(frozen=True)
 class Gusts:
-    """Pushes with a memory, as the records make them most likely.
+    """Pushes with a memory, as the records make them most likely."""
 
-    Parameters
-    ----------
-    sway : float [m/s2]
-        Standard deviation of the acceleration.
-    yaw : float [rad/s2]
-        Likewise.
-    memory : float [s]
-        How long they stay.
-    correlation : float [1]
-        Between the two.
-    strength : float [1]
-        Over what gusts are taken to be before a log tells, in sway or in yaw, whichever is more.
-    """
-
-    sway: float
-    yaw: float
-    memory: float
-    correlation: float
-    strength: float
+    sway: float  # Standard deviation of the acceleration [m/s2]
+    yaw: float  # Likewise [rad/s2]
+    memory: float  # How long they stay [s]
+    correlation: float  # Between the two [1]
+    strength: float  # Over what gusts are taken to be before a log tells, in sway or in yaw, whichever is more [1]
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,44 +9,27 @@ from narrows.logbook.shooting.log_problem import CoefficientPrior
 from narrows.logbook.shooting.search_state import Found
 from narrows.model.model import Model
 
+# Of a variance before, by which a log is to move a combination at least where it tells something.
 TOLD = 1e-3
-"""Of a variance before, by which a log is to move a combination at least where it tells something."""
+# Standard deviation of the share of how wide windows are left that moves the coefficients as it should: pilots see
+# more than a poor sensor does, and what they steer tells it. It errs alike in every record.
 OF_WIDTH = 0.5
-"""Standard deviation of the share of how wide windows are left that moves the coefficients as it should: pilots see
-more than a poor sensor does, and what they steer tells it. It errs alike in every record."""
+# Share of a variance.
 MOSTLY = 0.5
-"""Share of a variance."""
 
 
 @dataclass(frozen=True)
 class LogPosterior:
-    """Coefficients after a log.
+    """Coefficients after a log."""
 
-    Parameters
-    ----------
-    values : array (n,)
-        All of them, in the order of the table.
-    covariance : array (n, n)
-        Of them.
-    scaled : array (p, p) [1]
-        Covariance of those that were solved for, in units of their standard deviations before.
-    disagreement : float [1]
-        Square of how far the log moved them, over what was to be expected of it.
-    freedom : int
-        How many combinations of them the log tells.
-    widened : float [1]
-        Factor of standard errors for what the model gets wrong.
-    alike : array (p,) [1]
-        Share of each variance that errs alike in every record.
-    """
-
-    values: np.ndarray
-    covariance: np.ndarray
+    values: np.ndarray  # (n,) All of them, in the order of the table
+    covariance: np.ndarray  # (n, n) Of them
+    # (p, p) Covariance of those that were solved for, in units of their standard deviations before [1]
     scaled: np.ndarray
-    disagreement: float
-    freedom: int
-    widened: float
-    alike: np.ndarray
+    disagreement: float  # Square of how far the log moved them, over what was to be expected of it [1]
+    freedom: int  # How many combinations of them the log tells
+    widened: float  # Factor of standard errors for what the model gets wrong [1]
+    alike: np.ndarray  # (p,) Share of each variance that errs alike in every record [1]
 
     @property
     def probability(self) -> float:
@@ -59,26 +42,10 @@ class LogPosterior:
 def log_posterior(
     model: Model, before: np.ndarray, prior: CoefficientPrior, found: Found, gust_doubt: np.ndarray
 ) -> LogPosterior:
-    """Return what is known after a log (Bayes; of coefficients that were held, that they may be wrong).
-
-    Parameters
-    ----------
-    model : Model
-        Before.
-    before : array (n, n)
-        Covariance of its coefficients.
-    prior : CoefficientPrior
-        Of those that were solved for.
-    found : Found
-        What the records tell.
-    gust_doubt : array (p, k) [1]
-        How far the coefficients go with each independent standard deviation of what gusts may be.
-
-    References
-    ----------
-    Birge (1932), The calculation of errors by the method of least squares, Phys. Rev. 40, for the factor by which
-    errors are wider where a sum of squares is larger than expected.
-    """
+    """Return what is known after a log (Bayes; of coefficients that were held, that they may be wrong)."""
+    # before (n, n); gust_doubt (p, k)
+    # Birge (1932), The calculation of errors by the method of least squares, Phys. Rev. 40, for the factor by which
+    # errors are wider where a sum of squares is larger than expected.
     disagreement, freedom = _disagreement(prior, found.information, found.scaled)
     widened = float(np.sqrt(max(1.0, disagreement / max(freedom, 1))))
     scaled = scaled_covariance(prior, found.information / widened**2) + gust_doubt @ gust_doubt.T
@@ -96,15 +63,7 @@ def log_posterior(
 
 
 def said_alike(names: Iterable[str], shares: Iterable[float]) -> tuple[str, ...]:
-    """Return what is said where more records of the kind would teach little more (ours).
-
-    Parameters
-    ----------
-    names : iterable of str
-        Of coefficients.
-    shares : iterable of float [1]
-        Of their variances, that err alike in every record.
-    """
+    """Return what is said where more records of the kind would teach little more."""
     stuck = [name for name, share in zip(names, shares, strict=True) if share > MOSTLY]
     if not stuck:
         return ()
@@ -115,15 +74,8 @@ def said_alike(names: Iterable[str], shares: Iterable[float]) -> tuple[str, ...]
 
 
 def scaled_covariance(prior: CoefficientPrior, information: np.ndarray) -> np.ndarray:
-    """Return the covariance in units of the standard deviations before, (p, p) (ours).
-
-    Parameters
-    ----------
-    prior : CoefficientPrior
-        Which coefficients move, and what is known of them.
-    information : array (p, p) [1]
-        Of the records.
-    """
+    """Return the covariance in units of the standard deviations before, (p, p)."""
+    # information (p, p)
     moves, held = prior.moves, ~prior.moves
     whole = information + prior.precision
     free = np.linalg.inv(whole[np.ix_(moves, moves)])

@@ -12,11 +12,11 @@ from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.about import TermKind
 
+# Standard deviations of coefficients: over their size, or each in its own unit.
 Spread = float | Mapping[str, float]
-"""Standard deviations of coefficients: over their size, or each in its own unit."""
 ACCELERATIONS = ("udot", "vdot", "rdot")
+# Of the largest eigenvalue of a correlation, under which two coefficients are known as one.
 RANK = 1e-9
-"""Of the largest eigenvalue of a correlation, under which two coefficients are known as one."""
 NO_PRIOR = (
     "this model has no covariance of its coefficients, so nothing says what a log may change; identify it from tests, "
     "or state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
@@ -24,22 +24,8 @@ NO_PRIOR = (
 
 
 def covariance_before(model: Model, spread: Spread | None) -> np.ndarray:
-    """Return the covariance of all coefficients before a log (ours).
-
-    Inertia is held where a spread is stated: motion tells of forces over inertia alone.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    spread : float or mapping of str to float, optional
-        Instead of the model's own covariance.
-
-    Raises
-    ------
-    InputError
-        Where there is neither, or a spread is none.
-    """
+    """Return the covariance of all coefficients before a log."""
+    # Inertia is held where a spread is stated: motion tells of forces over inertia alone.
     if spread is None:
         if model.covariance is None:
             raise InputError(NO_PRIOR)
@@ -66,19 +52,8 @@ def _stated(model: Model, spread: Spread) -> np.ndarray:
 def coefficient_prior(
     model: Model, covariance: np.ndarray, surge: str, free: frozenset[str] | None = None
 ) -> CoefficientPrior:
-    """Return what is known of the coefficients that a motion can move (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    covariance : array (n, n)
-        Of all of them.
-    surge : {"held", "free"}
-        Whether the speed is integrated; the terms of a held one move nothing.
-    free : set of str, optional
-        Coefficients that may move; all unless given.
-    """
+    """Return what is known of the coefficients that a motion can move."""
+    # covariance (n, n)
     felt = [force for force in FORCES if force != "X" or surge == "free"]
     names = [term.name for force in felt for term in model.terms.forces[force]]
     known = {name: covariance[i, i] > 0 for i, name in enumerate(model.terms.names)}
@@ -114,19 +89,8 @@ def _bounds(model: Model, group: Sequence[str]) -> tuple[float, float]:
 
 
 def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> PushInertia:
-    """Return what resists accelerations, by the terms (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    prior : CoefficientPrior
-        Which coefficients move.
-    u : float [m/s]
-        Usual speed.
-    surge_inertia : float [kg], optional
-        In surge, where the terms do not say.
-    """
+    """Return what resists accelerations, by the terms."""
+    # u [m/s]; surge_inertia [kg]
     names = {name: place for place, group in enumerate(prior.groups) for name in group}
     still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
     held, moving = np.zeros(3), np.zeros((3, len(prior.groups)))

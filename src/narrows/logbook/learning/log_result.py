@@ -23,23 +23,8 @@ from narrows.terms.about import TermKind
 def log_result(
     model: Model, before: np.ndarray, refined: Refined, source: GridSource, log: LogSource, free: Sequence[str]
 ) -> LogFit:  # fmt: skip
-    """Return the answer of a search (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Before.
-    before : array (n, n)
-        Covariance of its coefficients.
-    refined : Refined
-        The search.
-    source : GridSource
-        The records.
-    log : LogSource
-        What it is known by.
-    free : sequence of str
-        Coefficients that alone might move; all where none is named.
-    """
+    """Return the answer of a search."""
+    # before (n, n)
     found, prior = refined.found, replace(model, covariance=before)
     after = log_posterior(model, before, refined.problem.prior, found, refined.gust_doubt)
     learned = learned_coefficients(prior, after.values, after.covariance)

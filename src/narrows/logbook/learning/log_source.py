@@ -11,45 +11,25 @@ from narrows.logbook.ship_record import ShipRecord
 from narrows.model.model import Model
 from narrows.model.source import Source
 
+# Digits of a hash in a sentence.
 SHORT = 12
-"""Digits of a hash in a sentence."""
+# From here times count from 1970 [s].
 A_DATE = 1e8
-"""From here times count from 1970 [s]."""
 
 
 @dataclass(frozen=True)
 class LogSource:
-    """What a log is known by.
+    """What a log is known by."""
 
-    Parameters
-    ----------
-    name : str
-        Of the log.
-    sensors : str
-        The grade that it was taken for.
-    sha256 : str
-        Of all names, times and values.
-    start, stop : float [s]
-        From the first value to the last.
-    """
-
-    name: str
-    sensors: str
-    sha256: str
-    start: float
-    stop: float
+    name: str  # Of the log
+    sensors: str  # The grade that it was taken for
+    sha256: str  # Of all names, times and values
+    start: float  # From the first value to the last [s]
+    stop: float  # From the first value to the last [s]
 
     @classmethod
     def of(cls, records: Iterable[ShipRecord], name: str, sensors: str) -> "LogSource":
-        """Return what a log is known by (ours).
-
-        Parameters
-        ----------
-        records : iterable of ShipRecord
-            The log.
-        name, sensors : str
-            Of the log, of the grade.
-        """
+        """Return what a log is known by."""
         hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
         for record in records:
             hashed.update(record.name.encode())
@@ -61,15 +41,7 @@ class LogSource:
         return cls(name, sensors, hashed.hexdigest(), float(start), float(stop))
 
     def after(self, prior: Model, records: int) -> Source:
-        """Return the source of the model that was learned: what was before, and the log (ours).
-
-        Parameters
-        ----------
-        prior : Model
-            Before.
-        records : int
-            How many were used.
-        """
+        """Return the source of the model that was learned: what was before, and the log."""
         several = "1 record" if records == 1 else f"{records} records"
         text = (
             f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "

@@ -23,46 +23,23 @@ from narrows.model.model import Model
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
+# Records by which it is seen what a log holds.
 LOOKED_AT = 50
-"""Records by which it is seen what a log holds."""
 
 
 class PosedLog(NamedTuple):
-    """What is solved for, by which records.
+    """What is solved for, by which records."""
 
-    Parameters
-    ----------
-    problem : LogProblem
-        With the prior.
-    source : GridSource
-        The records, laid out.
-    before : array (n, n)
-        Covariance of all coefficients.
-    """
-
-    problem: LogProblem
-    source: GridSource
-    before: np.ndarray
+    problem: LogProblem  # With the prior
+    source: GridSource  # The records, laid out
+    before: np.ndarray  # (n, n) Covariance of all coefficients
 
 
 def posed_log(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
     gusts: bool | None = None, waterway: "Waterway | None" = None, window: float | None = None, **choices: Any,
 ) -> PosedLog:  # fmt: skip
-    """Return a log as a problem (ours).
-
-    Parameters
-    ----------
-    model, log, sensors, free, spread, gusts, waterway, window
-        As for ``learn``.
-    **choices : Any
-        As for ``learn``.
-
-    Raises
-    ------
-    InputError
-        Where the model has neither covariance nor spread, a name is unknown, or there is no log.
-    """
+    """Return a log as a problem."""
     records = _records(log, waterway)
     if isinstance(sensors, str):
         check_choice("sensors", sensors, (*GRADES, BASIN.name))

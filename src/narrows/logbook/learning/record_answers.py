@@ -11,61 +11,31 @@ from narrows.logbook.learning.refined_search import Refined
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.search_state import RecordTold
 
+# Records whose forecasts are kept to be drawn.
 MOST_DRAWN = 4
-"""Records whose forecasts are kept to be drawn."""
 
 
 @dataclass(frozen=True)
 class RecordAnswer:
-    """A record and the coefficients.
+    """A record and the coefficients."""
 
-    Parameters
-    ----------
-    name : str
-        Of the record.
-    duration : float [s]
-        How long.
-    windows : int
-        Into how many it was cut.
-    met : int
-        In how many of them another ship passed.
-    zeros : mapping of str to float
-        What was the same all through it, in SI; pushes as accelerations.
-    information : mapping of str to float [1]
-        Share of what is known of each coefficient that is gone without the record.
-    moved : mapping of str to float
-        How far the record moves each coefficient.
-    missed : mapping of str to (float, float)
-        Root mean square of what forecasts over 3.5 ship lengths miss of y [m], psi [rad] and r [rad/s]: by the model
-        before, and by one that learned from all other records.
-    forecasts : tuple of Forecast, optional
-        By those two models, where they are kept to be drawn.
-    measured : mapping of str to (array, array)
-        Times [s] and readings of x, y, psi and r, where forecasts are kept.
-    """
-
-    name: str
-    duration: float
-    windows: int
-    met: int
-    zeros: dict[str, float]
-    information: dict[str, float]
-    moved: dict[str, float]
+    name: str  # Of the record
+    duration: float  # How long [s]
+    windows: int  # Into how many it was cut
+    met: int  # In how many of them another ship passed
+    zeros: dict[str, float]  # What was the same all through it, in SI; pushes as accelerations
+    information: dict[str, float]  # Share of what is known of each coefficient that is gone without the record [1]
+    moved: dict[str, float]  # How far the record moves each coefficient
+    # Root mean square of what forecasts over 3.5 ship lengths miss of y [m], psi [rad] and r [rad/s]: by the model
+    # before, and by one that learned from all other records
     missed: dict[str, tuple[float, float]]
-    forecasts: tuple[Forecast, Forecast] | None = None
+    forecasts: tuple[Forecast, Forecast] | None = None  # By those two models, where they are kept to be drawn
+    # (array, array) Times [s] and readings of x, y, psi and r, where forecasts are kept
     measured: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
 def record_answers(refined: Refined, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
-    """Return what each record did (ours).
-
-    Parameters
-    ----------
-    refined : Refined
-        The search.
-    grids : iterable of RecordGrid
-        The records.
-    """
+    """Return what each record did."""
     pairs = zip(grids, refined.found.told, strict=False)
     return tuple(_answer(refined, grid, told, number < MOST_DRAWN) for number, (grid, told) in enumerate(pairs))
 

@@ -21,18 +21,18 @@ from narrows.logbook.shooting.window_links import WindowLinks
 from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage
 
+# Of estimates of noise and gusts, and the change of their logarithms under which they stay.
 ROUNDS, SETTLED = 10, 0.2
-"""Of estimates of noise and gusts, and the change of their logarithms under which they stay."""
+# Of the search before the first estimates: with gusts too weak many records would lead it far away.
 FIRST_STEPS = (0, 2, 4)
-"""Of the search before the first estimates: with gusts too weak many records would lead it far away."""
+# Records beyond which so many of the first are searched alone before: the others then begin near.
 MANY, FEW = 6, 3
-"""Records beyond which so many of the first are searched alone before: the others then begin near."""
+# Rounds in which gusts are estimated.
 OF_GUSTS = 5
-"""Rounds in which gusts are estimated."""
+# Records by which gusts and noise are judged, spread over the log; and where windows stand alone.
 SAMPLES, SAMPLES_ALONE = 24, 64
-"""Records by which gusts and noise are judged, spread over the log; and where windows stand alone."""
+# Over the noise of a grade, from which what is left of a signal counts instead.
 WORSE = 1.2
-"""Over the noise of a grade, from which what is left of a signal counts instead."""
 RUNS_AWAY = (
     "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
 )
@@ -40,66 +40,30 @@ RUNS_AWAY = (
 
 @dataclass(frozen=True)
 class Refined:
-    """A search that is done.
+    """A search that is done."""
 
-    Parameters
-    ----------
-    problem : LogProblem
-        With the noise and the gusts that were found.
-    found : Found
-        Coefficients, and what each record tells.
-    states : tuple of RecordState
-        Where each record stands.
-    left : mapping of str to NoiseLeft
-        What the model leaves of each signal.
-    usual : WindowChain
-        Gusts as they are taken to be before a log tells.
-    gust_doubt : array (p, k) [1]
-        How far the coefficients go with each independent standard deviation of what gusts may be.
-    """
-
-    problem: LogProblem
-    found: Found
-    states: tuple[RecordState, ...]
-    left: dict[str, NoiseLeft]
-    usual: WindowChain
+    problem: LogProblem  # With the noise and the gusts that were found
+    found: Found  # Coefficients, and what each record tells
+    states: tuple[RecordState, ...]  # Where each record stands
+    left: dict[str, NoiseLeft]  # What the model leaves of each signal
+    usual: WindowChain  # Gusts as they are taken to be before a log tells
+    # (p, k) How far the coefficients go with each independent standard deviation of what gusts may be [1]
     gust_doubt: np.ndarray
 
 
+# Of how wide windows are left, as far as it is known.
 Slope = np.ndarray | float | None
-"""Of how wide windows are left, as far as it is known."""
 
 
 class SearchedRecords(NamedTuple):
-    """Records that are searched.
+    """Records that are searched."""
 
-    Parameters
-    ----------
-    grids : iterable of RecordGrid
-        Each laid out when its turn comes, again and again.
-    states : sequence of RecordState
-        Where each stands.
-    """
-
-    grids: Iterable[RecordGrid]
-    states: Sequence[RecordState]
+    grids: Iterable[RecordGrid]  # Each laid out when its turn comes, again and again
+    states: Sequence[RecordState]  # Where each stands
 
 
 def refined_search(problem: LogProblem, source: GridSource) -> Refined:
-    """Search for coefficients, noise and gusts (ours): of a long log by its first records, then by all of them.
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    source : GridSource
-        The records.
-
-    Raises
-    ------
-    InputError
-        Where no record can be used, or the model cannot follow them.
-    """
+    """Search for coefficients, noise and gusts : of a long log by its first records, then by all of them."""
     scaled, least, usual = np.zeros(len(problem.prior.groups)), source.assumptions.least_noise, problem.chain
     states = begun(problem, source, scaled)
     if not states:
@@ -164,17 +128,8 @@ def _searched(
 
 
 def begun(problem: LogProblem, source: GridSource, scaled: np.ndarray) -> list[RecordState]:
-    """Return where records begin: what they say of the states themselves, and links by the motion there (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    source : GridSource
-        The records.
-    scaled : array (p,) [1]
-        The coefficients.
-    """
+    """Return where records begin: what they say of the states themselves, and links by the motion there."""
+    # scaled (p,)
     motion, states = problem.at(scaled), []
     for grid in source:
         own = first_guess(problem, grid)
@@ -184,15 +139,7 @@ def begun(problem: LogProblem, source: GridSource, scaled: np.ndarray) -> list[R
 
 
 def sampled(count: int, linked: bool) -> frozenset[int]:
-    """Return the records by which gusts and noise are judged (ours).
-
-    Parameters
-    ----------
-    count : int
-        Of records.
-    linked : bool
-        Whether windows hang together.
-    """
+    """Return the records by which gusts and noise are judged."""
     most = min(count, SAMPLES if linked else SAMPLES_ALONE)
     return frozenset(np.linspace(0, count - 1, most).round().astype(int).tolist())
 

@@ -9,6 +9,7 @@ from narrows.quantities.constants import KNOT
 from narrows.quantities.names import Quantity
 from narrows.readers.headers import DEGREE, Vocabulary
 
+# What is told by the map, and is brought to the axes of the waterway or of the record.
 ON_EARTH = {
     "longitude": Quantity("deg", "longitude of the antenna, WGS84"),
     "latitude": Quantity("deg", "latitude of the antenna, WGS84"),
@@ -20,7 +21,6 @@ ON_EARTH = {
     "north_rate": Quantity("m/s", "velocity over ground to the north"),
     "wind_from": Quantity("rad", "where the wind comes from, clockwise from true north"),
 }
-"""What is told by the map, and is brought to the axes of the waterway or of the record."""
 IN_FIXED_AXES = {
     "x_rate": Quantity("m/s", "velocity over ground along the axis of x"),
     "y_rate": Quantity("m/s", "velocity over ground along the axis of y"),
@@ -30,31 +30,25 @@ FROM_THE_SHIP = {
     "apparent_wind_angle": Quantity("rad", "where it comes from, clockwise from the bow"),
 }
 QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES, **FROM_THE_SHIP}
+# Columns of words: the manoeuvre or transit; date and time where there is no ``t``.
 LABELS = ("record", "time")
-"""Columns of words: the manoeuvre or transit; date and time where there is no ``t``."""
 VOCABULARY = Vocabulary(QUANTITIES, LABELS, blanks=True)
+# What logs often call a column, in any case of letters; units stand in the header as ever.
 ALIASES = {
     "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time",
     "lat": "latitude", "lon": "longitude", "lng": "longitude", "hdg": "heading", "hdt": "heading",
     "sog": "speed_over_ground", "cog": "course_over_ground", "rot": "r", "stw": "u",
 }  # fmt: skip
-"""What logs often call a column, in any case of letters; units stand in the header as ever."""
+# Numbers by which AIS says that it has none (ITU-R M.1371), as they stand and in SI.
 ABSENT = {
     "longitude": (181.0,), "latitude": (91.0,), "heading": (511.0, 511.0 * DEGREE),
     "course_over_ground": (360.0, 360.0 * DEGREE), "speed_over_ground": (102.3, 102.3 * KNOT),
     "r": (-128.0, -128.0 * DEGREE / 60),
 }  # fmt: skip
-"""Numbers by which AIS says that it has none (ITU-R M.1371), as they stand and in SI."""
 
 
 def renamed(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return a table whose columns of usual other names have the documented ones (ours).
-
-    Parameters
-    ----------
-    frame : DataFrame
-        As read.
-    """
+    """Return a table whose columns of usual other names have the documented ones."""
     headers = [str(header) for header in frame.columns]
     return frame.rename(columns={old: new for old in headers if (new := _documented(old)) and new not in headers})
 

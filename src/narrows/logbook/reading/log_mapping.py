@@ -17,29 +17,13 @@ ANTENNA = ("forward", "starboard")
 
 @dataclass(frozen=True)
 class LogMapping:
-    """How a ship's log is to be understood.
+    """How a ship's log is to be understood."""
 
-    Parameters
-    ----------
-    columns : ColumnMapping
-        Names, units and signs.
-    late : mapping of str to float [s]
-        By how much a column was reported later than it was measured.
-    antenna : pair of float [m]
-        Of the position: forward and to starboard of midship.
-    condition : mapping of str to float
-        Of the loading, as in ``{"draft": 10.2}``.
-
-    Raises
-    ------
-    InputError
-        Where a number is none, or a column is unknown.
-    """
-
-    columns: ColumnMapping = field(default_factory=ColumnMapping)
+    columns: ColumnMapping = field(default_factory=ColumnMapping)  # Names, units and signs
+    # By how much a column was reported later than it was measured [s]
     late: Mapping[str, float] = field(default_factory=dict)
-    antenna: tuple[float, float] = (0.0, 0.0)
-    condition: Mapping[str, float] = field(default_factory=dict)
+    antenna: tuple[float, float] = (0.0, 0.0)  # Of the position: forward and to starboard of midship [m]
+    condition: Mapping[str, float] = field(default_factory=dict)  # Of the loading, as in ``{"draft": 10.2}``
 
     def __post_init__(self) -> None:
         for name in self.late:
@@ -57,27 +41,8 @@ def log_mapping(
     late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
     condition: Mapping[str, float] | None = None,
 ) -> LogMapping:  # fmt: skip
-    """Read how a log is to be understood; what is given beside a file goes before what is in it (ours).
-
-    Parameters
-    ----------
-    mapping : str, Path or mapping, optional
-        TOML with ``[columns]``, ``[units]``, ``[positive]``, ``[late]``, ``[antenna]``, ``[condition]``, or what is in
-        one.
-    units : mapping of str to str, optional
-        Of columns whose headers do not say it.
-    late : mapping of str to float, optional [s]
-        By how much columns are late.
-    antenna : pair of float, optional [m]
-        Forward and to starboard of midship.
-    condition : mapping of str to float, optional
-        Of the loading.
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, is not TOML, or has other sections.
-    """
+    """Read how a log is to be understood; what is given beside a file goes before what is in it."""
+    # mapping [columns]; late [s]; antenna [m]
     tables, name = _tables(mapping)
     parts = {section: tables.get(section, {}) for section in OF_COLUMNS}
     columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)

@@ -12,38 +12,20 @@ from narrows.logbook.reading.log_mapping import LogMapping
 from narrows.readers import cells
 from narrows.readers.headers import recognised_in
 
+# Degrees that a place on earth has at most.
 EARTH = {"latitude": 90.0, "longitude": 360.0}
-"""Degrees that a place on earth has at most."""
 
 
 class LogRows(NamedTuple):
-    """Rows of a log.
+    """Rows of a log."""
 
-    Parameters
-    ----------
-    t : array (rows,) [s]
-        Time, as it came.
-    record : array (rows,) of str
-        Whose each row is; empty where the log does not say.
-    columns : dict of str to array (rows,)
-        In SI.
-    """
-
-    t: np.ndarray
-    record: np.ndarray
-    columns: dict[str, np.ndarray]
+    t: np.ndarray  # (rows,) Time, as it came [s]
+    record: np.ndarray  # (rows,) Whose each row is; empty where the log does not say
+    columns: dict[str, np.ndarray]  # (rows,) In SI
 
 
 class RowReader:
-    """Brings pieces of one table to rows, one after the other.
-
-    Parameters
-    ----------
-    table : str
-        The file, for sentences.
-    mapping : LogMapping
-        What is called how.
-    """
+    """Brings pieces of one table to rows, one after the other."""
 
     def __init__(self, table: str, mapping: LogMapping) -> None:
         self.table, self.mapping = table, mapping
@@ -52,18 +34,7 @@ class RowReader:
         self.absent: Counter[str] = Counter()
 
     def rows(self, raw: pd.DataFrame) -> LogRows:
-        """Return a piece in SI (ours).
-
-        Parameters
-        ----------
-        raw : DataFrame
-            As read; its index counts the rows of the file.
-
-        Raises
-        ------
-        InputError
-            At the first thing that cannot be understood: with row, column and remedy.
-        """
+        """Return a piece in SI."""
         frame, notes = self.mapping.columns.applied(renamed(raw), self.table, VOCABULARY)
         self.notes = notes
         recognised = recognised_in(frame, QUANTITIES, self.table)

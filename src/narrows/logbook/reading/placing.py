@@ -13,54 +13,31 @@ from narrows.logbook.signals import SIGNALS, TURNING, Signal
 from narrows.waterway import Waterway
 from narrows.waterway.projection import projected
 
+# Directions from north, for those from the axes of the record.
 BY_MAP = {"psi": "heading", "course": "course_over_ground", "wind_direction": "wind_from"}
-"""Directions from north, for those from the axes of the record."""
 JUMPING = (*TURNING, *BY_MAP.values())
+# Between two headings [s], over which they are still joined.
 LONGEST = 10.0
-"""Between two headings [s], over which they are still joined."""
 
 Signals = dict[str, Signal]
 
 
 class Fixes(NamedTuple):
-    """Positions by the map.
+    """Positions by the map."""
 
-    Parameters
-    ----------
-    t : array (n,) [s]
-        When.
-    positions : array (n, 2) [m]
-        East and north; in a plane without a waterway x is north.
-    """
-
-    t: np.ndarray
-    positions: np.ndarray
+    t: np.ndarray  # (n,) When [s]
+    positions: np.ndarray  # (n, 2) East and north; in a plane without a waterway x is north [m]
 
 
 class RawSignals(NamedTuple):
-    """What a raw record tells, each column at the times at which it was measured.
+    """What a raw record tells, each column at the times at which it was measured."""
 
-    Parameters
-    ----------
-    raw : RawRecord
-        The record.
-    late : mapping of str to float [s]
-        By how much columns are late.
-    """
-
-    raw: RawRecord
-    late: dict[str, float]
+    raw: RawRecord  # The record
+    late: dict[str, float]  # By how much columns are late [s]
 
     def together(self, *names: str) -> tuple[np.ndarray, ...] | None:
-        """Return times and columns where all of some were measured at once; None where one never was (ours).
-
-        Directions are without jumps; values of one time, which is rounded then, are one by their mean.
-
-        Parameters
-        ----------
-        *names : str
-            Of columns.
-        """
+        """Return times and columns where all of some were measured at once; None where one never was."""
+        # Directions are without jumps; values of one time, which is rounded then, are one by their mean.
         if not set(names) <= self.raw.columns.keys():
             return None
         columns = [self.raw.columns[name] for name in names]
@@ -72,47 +49,21 @@ class RawSignals(NamedTuple):
         return _once(t, [np.unwrap(column) if name in JUMPING else column for name, column in told.items()])
 
     def signal(self, name: str) -> Signal | None:
-        """Return one column (ours).
-
-        Parameters
-        ----------
-        name : str
-            Of it.
-        """
+        """Return one column."""
         return _smoothly(name, Signal(*measured)) if (measured := self.together(name)) else None
 
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """Where records are put, and what is known of their sensors.
+    """Where records are put, and what is known of their sensors."""
 
-    Parameters
-    ----------
-    table : str
-        The file, for sentences.
-    mapping : LogMapping
-        What is late, where the antenna stands, how the ship is loaded.
-    waterway : Waterway, optional
-        Along which to tell where the ship is; a plane where there is none.
-    """
-
-    table: str
+    table: str  # The file, for sentences
+    # What is late, where the antenna stands, how the ship is loaded
     mapping: LogMapping = field(default_factory=LogMapping)
-    waterway: Waterway | None = None
+    waterway: Waterway | None = None  # Along which to tell where the ship is; a plane where there is none
 
     def record(self, raw: RawRecord) -> ShipRecord:
-        """Return a record in the package's axes (ours).
-
-        Parameters
-        ----------
-        raw : RawRecord
-            As the log has it.
-
-        Raises
-        ------
-        InputError
-            Where a direction by the map has no place to be measured from, or velocities no heading.
-        """
+        """Return a record in the package's axes."""
         told, antenna = RawSignals(raw, dict(self.mapping.late)), self.mapping.antenna
         signals = {name: signal for name in SIGNALS if (signal := told.signal(name)) is not None}
         fixes = self._fixes(told, any(antenna))

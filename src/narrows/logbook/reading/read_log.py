@@ -13,8 +13,8 @@ from narrows.logbook.ship_record import ShipRecord
 from narrows.readers.nmea.nmea_recording import is_nmea
 from narrows.waterway import Waterway, read_waterway
 
+# Without a row [s], after which another record begins.
 GAP = 300.0
-"""Without a row [s], after which another record begins."""
 
 
 def read_log(

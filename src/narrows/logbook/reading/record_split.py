@@ -9,40 +9,20 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.logbook.reading.log_rows import LogRows
 
+# Of a record: a longer one goes on in another, so that memory does not grow with the log.
 MOST_ROWS = 500_000
-"""Of a record: a longer one goes on in another, so that memory does not grow with the log."""
 
 
 class RawRecord(NamedTuple):
-    """The rows of one record.
+    """The rows of one record."""
 
-    Parameters
-    ----------
-    name : str
-        Of it.
-    t : array (rows,) [s]
-        Time, as it came.
-    columns : dict of str to array (rows,)
-        In SI; NaN where nothing was measured.
-    """
-
-    name: str
-    t: np.ndarray
-    columns: dict[str, np.ndarray]
+    name: str  # Of it
+    t: np.ndarray  # (rows,) Time, as it came [s]
+    columns: dict[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
 
 
 class RecordSplit:
-    """Cuts rows into records as they come.
-
-    Parameters
-    ----------
-    table : str
-        The file, for sentences.
-    stem : str
-        What records are called that the log does not name.
-    gap : float [s]
-        A time without a row after which another record begins, where the log does not name its records.
-    """
+    """Cuts rows into records as they come."""
 
     def __init__(self, table: str, stem: str, gap: float) -> None:
         self.table, self.stem, self.gap = table, stem, gap
@@ -52,18 +32,7 @@ class RecordSplit:
         self._held: list[LogRows] = []
 
     def records(self, pieces: Iterable[LogRows]) -> Iterator[RawRecord]:
-        """Yield each record when its last row has come (ours).
-
-        Parameters
-        ----------
-        pieces : iterable of LogRows
-            In their order.
-
-        Raises
-        ------
-        InputError
-            Where the rows of a record do not stand together.
-        """
+        """Yield each record when its last row has come."""
         for piece in pieces:
             for part, begins in self._parts(piece):
                 if begins and _label(part) in self.names:

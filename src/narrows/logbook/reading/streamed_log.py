@@ -21,8 +21,8 @@ from narrows.readers.nmea.nmea_recording import is_nmea
 from narrows.readers.nmea.nmea_table import NmeaTable
 from narrows.waterway import Waterway
 
+# Of a piece that is held at once.
 ROWS = 32_000
-"""Of a piece that is held at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,13 +65,7 @@ class StreamedLog:
 
 
 class LogReading:
-    """One pass over a log, and what there is to say of it afterwards.
-
-    Parameters
-    ----------
-    log : StreamedLog
-        What to read.
-    """
+    """One pass over a log, and what there is to say of it afterwards."""
 
     def __init__(self, log: StreamedLog) -> None:
         self.log = log
@@ -82,13 +76,7 @@ class LogReading:
         self.rounded = self.given = 0
 
     def records(self) -> Iterator[ShipRecord]:
-        """Yield the records.
-
-        Raises
-        ------
-        InputError
-            At the first thing that cannot be understood.
-        """
+        """Yield the records."""
         placing = Placing(self.log.name, self.log.mapping, self.log.waterway)
         for raw in self.split.records(map(self.rows.rows, self._frames())):
             self.rounded += _repeated(raw)
@@ -137,11 +125,5 @@ def _repeated(raw: RawRecord) -> int:
 
 
 def as_path(table: Any) -> Any:
-    """Return a name of a file as a path, and a table as it is (ours).
-
-    Parameters
-    ----------
-    table : str, Path or table
-        As a caller gave it.
-    """
+    """Return a name of a file as a path, and a table as it is."""
     return Path(table) if isinstance(table, str | os.PathLike) else table

@@ -14,42 +14,19 @@ from narrows.logbook.shooting import window_loops
 
 @dataclass(frozen=True)
 class BorderedBand:
-    """Normal equations whose windows touch their neighbours and a border.
+    """Normal equations whose windows touch their neighbours and a border."""
 
-    Parameters
-    ----------
-    diagonal : array (windows, m, m)
-        Of each window with itself.
-    below : array (windows - 1, m, m), optional
-        Of each window with the one before; nothing where windows stand alone.
-    border : array (windows, m, b)
-        Of each window with the border.
-    corner : array (b, b)
-        Of the border with itself.
-    right : array (windows, m)
-        Right-hand side of the windows.
-    right_border : array (b,)
-        Of the border.
-    cost : float [1]
-        Twice what is minimised, where the search stands.
-    """
-
-    diagonal: np.ndarray
+    diagonal: np.ndarray  # (windows, m, m) Of each window with itself
+    # (windows - 1, m, m) Of each window with the one before; nothing where windows stand alone
     below: np.ndarray | None
-    border: np.ndarray
-    corner: np.ndarray
-    right: np.ndarray
-    right_border: np.ndarray
-    cost: float
+    border: np.ndarray  # (windows, m, b) Of each window with the border
+    corner: np.ndarray  # (b, b) Of the border with itself
+    right: np.ndarray  # (windows, m) Right-hand side of the windows
+    right_border: np.ndarray  # (b,) Of the border
+    cost: float  # Twice what is minimised, where the search stands [1]
 
     def eliminated(self) -> "Eliminated":
-        """Solve for the windows.
-
-        Raises
-        ------
-        LinAlgError
-            Where the matrix is not positive definite.
-        """
+        """Solve for the windows."""
         count, size, wide = self.border.shape
         linked = self.below is not None
         below = self.below if self.below is not None else np.empty((0, size, size))
@@ -67,22 +44,12 @@ class BorderedBand:
 
 @dataclass(frozen=True)
 class HalfSolved:
-    """Windows on the way to their solution.
+    """Windows on the way to their solution."""
 
-    Parameters
-    ----------
-    factor, across : array (windows, m, m)
-        Cholesky factors of each window with itself and with the one before.
-    linked : bool
-        Whether windows have anything to do with each other.
-    sides : array (windows, m, 1 + b)
-        Right-hand sides, half solved: that of the equations, and the border.
-    """
-
-    factor: np.ndarray
-    across: np.ndarray
-    linked: bool
-    sides: np.ndarray
+    factor: np.ndarray  # (windows, m, m) Cholesky factors of each window with itself and with the one before
+    across: np.ndarray  # (windows, m, m) Cholesky factors of each window with itself and with the one before
+    linked: bool  # Whether windows have anything to do with each other
+    sides: np.ndarray  # (windows, m, 1 + b) Right-hand sides, half solved: that of the equations, and the border
 
     @cached_property
     def solved(self) -> np.ndarray:
@@ -94,27 +61,13 @@ class HalfSolved:
 
 @dataclass(frozen=True)
 class Eliminated:
-    """What is left of the equations without the windows.
+    """What is left of the equations without the windows."""
 
-    Parameters
-    ----------
-    halves : HalfSolved
-        The windows: they are solved for when they are asked for.
-    corner : array (b, b)
-        Of the border, the windows at their best.
-    right : array (b,)
-        Its right-hand side.
-    cost : float [1]
-        With the windows at their best, the border where it is.
-    determinant : float [1]
-        Logarithm of that of the windows.
-    """
-
-    halves: HalfSolved
-    corner: np.ndarray
-    right: np.ndarray
-    cost: float
-    determinant: float
+    halves: HalfSolved  # The windows: they are solved for when they are asked for
+    corner: np.ndarray  # (b, b) Of the border, the windows at their best
+    right: np.ndarray  # (b,) Its right-hand side
+    cost: float  # With the windows at their best, the border where it is [1]
+    determinant: float  # Logarithm of that of the windows [1]
 
     @property
     def by_border(self) -> np.ndarray:
@@ -122,34 +75,17 @@ class Eliminated:
         return np.asarray(self.halves.solved[:, :, 1:])
 
     def windows(self, border: np.ndarray) -> np.ndarray:
-        """Return the step of the windows, (windows, m), for a step of the first of the border.
-
-        Parameters
-        ----------
-        border : array (k,)
-            Step of its first k; the others stay.
-        """
+        """Return the step of the windows, (windows, m), for a step of the first of the border."""
+        # border (k,)
         return np.asarray(self.halves.solved[:, :, 0] - self.by_border[:, :, : len(border)] @ border)
 
     def followed(self, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return how the windows and the first of the border follow the rest of it, (windows, m, b - k) and (k, b - k).
-
-        Parameters
-        ----------
-        count : int
-            How many of the border, k, are at their best as well.
-        """
+        """Return how windows and the first of the border follow the rest of it, (windows, m, b - k) and (k, b - k)."""
         first = -np.linalg.solve(self.corner[:count, :count], self.corner[:count, count:])
         return -(self.by_border[:, :, count:] + self.by_border[:, :, :count] @ first), first
 
     def without(self, count: int) -> "Eliminated":
-        """Solve for the first of the border as well, and return what is left of it.
-
-        Parameters
-        ----------
-        count : int
-            How many.
-        """
+        """Solve for the first of the border as well, and return what is left of it."""
         if not count:
             return self
         inner = np.linalg.cholesky(self.corner[:count, :count])

@@ -14,44 +14,32 @@ from narrows.logbook.shooting.recorded_motion import PUSHES
 from narrows.logbook.shooting.search_state import Found, SampledRecord
 from narrows.logbook.shooting.window_links import link_determinant
 
+# How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm.
 USUAL_MEMORY, SPREAD_OF_MEMORY = 40.0, 1.0
-"""How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm."""
+# Standard deviation of the logarithm of how strong gusts are, about what is usual: none at all would be bold.
 SPREAD_OF_STRENGTH = 1.5
-"""Standard deviation of the logarithm of how strong gusts are, about what is usual: none at all would be bold."""
+# Standard deviation of the inverse hyperbolic tangent of the correlation between sway and yaw: few records tell it.
 SPREAD_OF_CORRELATION = 1.0
-"""Standard deviation of the inverse hyperbolic tangent of the correlation between sway and yaw: few records tell it."""
+# Of logarithms, in the search: at most from where it began, and by which slopes are taken.
 MOST_MOVE, SLOPE_STEP = 1.0, 0.1
-"""Of logarithms, in the search: at most from where it began, and by which slopes are taken."""
+# Where a chain has no likelihood.
 UNLIKELY = 1e12
-"""Where a chain has no likelihood."""
+# How often the likelihood is asked for, at most; its logarithm, which a step is to gain.
 ASKED, ENOUGH = 60, 0.1
-"""How often the likelihood is asked for, at most; its logarithm, which a step is to gain."""
+# Records by which it is seen how the slope of how wide windows are left goes with gusts: it is dear.
 ASKED_OF_WIDTH = 4
-"""Records by which it is seen how the slope of how wide windows are left goes with gusts: it is dear."""
+# Least curvature of the logarithm of the likelihood: of what is known before.
 KNOWN = max(SPREAD_OF_STRENGTH, SPREAD_OF_MEMORY, SPREAD_OF_CORRELATION) ** -2.0
-"""Least curvature of the logarithm of the likelihood: of what is known before."""
 
 
 @dataclass(frozen=True)
 class GustJudge:
-    """What records say of gusts, by the equations where the search stood.
+    """What records say of gusts, by the equations where the search stood."""
 
-    Parameters
-    ----------
-    problem : LogProblem
-        With the chain to begin with.
-    found : Found
-        Where the search stood.
-    samples : sequence of SampledRecord
-        Records that are asked.
-    usual : WindowChain
-        As strong as gusts are before anything is known.
-    """
-
-    problem: LogProblem
-    found: Found
-    samples: Sequence[SampledRecord]
-    usual: WindowChain
+    problem: LogProblem  # With the chain to begin with
+    found: Found  # Where the search stood
+    samples: Sequence[SampledRecord]  # Records that are asked
+    usual: WindowChain  # As strong as gusts are before anything is known
 
     @cached_property
     def pushes(self) -> list[str]:
@@ -85,29 +73,16 @@ class GustJudge:
         return np.append(logarithms, free_correlation(chain.correlation))
 
     def chain(self, numbers: np.ndarray) -> WindowChain:
-        """Return the chain of free numbers.
-
-        Parameters
-        ----------
-        numbers : array (k,)
-            As of ``start``.
-        """
+        """Return the chain of free numbers."""
+        # numbers (k,)
         sizes = dict(zip(self.pushes, np.exp(numbers[: len(self.pushes)]).tolist(), strict=True))
         memory, correlation = float(np.exp(numbers[-2])), bounded_correlation(float(numbers[-1]))
         return self.problem.chain.with_pushes(sizes, memory, correlation)
 
     def unlikely(self, numbers: np.ndarray, copies: float = 1.0) -> float:
-        """Return less the logarithm of the likelihood, to a constant, the coefficients where they are.
-
-        With weaker gusts they would move farther than these equations are straight.
-
-        Parameters
-        ----------
-        numbers : array (k,)
-            As of ``start``.
-        copies : float [1]
-            How many records of the kind there are for each.
-        """
+        """Return less the logarithm of the likelihood, to a constant, the coefficients where they are."""
+        # numbers (k,)
+        # With weaker gusts they would move farther than these equations are straight.
         count = len(self.pushes)
         strong = (numbers[:count] - np.log(self.usual.std[self.places])) / SPREAD_OF_STRENGTH
         stays = (numbers[-2] - np.log(USUAL_MEMORY)) / SPREAD_OF_MEMORY
@@ -122,15 +97,8 @@ class GustJudge:
         return 0.5 * float(known + copies * cost)
 
     def followed(self, numbers: np.ndarray, copies: float = 1.0) -> np.ndarray:
-        """Return how far the best coefficients go, (p,): all records are taken to go as those that are asked.
-
-        Parameters
-        ----------
-        numbers : array (k,)
-            As of ``start``.
-        copies : float [1]
-            How many records of the kind there are for each; what they pull is chance, and adds up as its root.
-        """
+        """Return how far the best coefficients go, (p,): all records are taken to go as those that are asked."""
+        # numbers (k,)
         problem, prior, found = replace(self.problem, chain=self.chain(numbers)), self.problem.prior, self.found
         information, pull = found.information, found.pull - self.turned @ (numbers - self.start)
         for sample in self.samples:
@@ -145,18 +113,9 @@ class GustJudge:
 
 
 def likely_gusts(judge: GustJudge) -> WindowChain:
-    """Return the chain with the pushes that the records make most likely (ours).
-
-    Parameters
-    ----------
-    judge : GustJudge
-        What the records say.
-
-    References
-    ----------
-    Byrd, Lu, Nocedal and Zhu (1995), A limited memory algorithm for bound constrained optimization, SIAM J. Sci.
-    Comput. 16.
-    """
+    """Return the chain with the pushes that the records make most likely."""
+    # Byrd, Lu, Nocedal and Zhu (1995), A limited memory algorithm for bound constrained optimization, SIAM J. Sci.
+    # Comput. 16.
     from scipy.optimize import minimize
 
     start = judge.start
@@ -167,22 +126,8 @@ def likely_gusts(judge: GustJudge) -> WindowChain:
 
 
 def gust_doubt(judge: GustJudge, copies: float = 1.0) -> np.ndarray:
-    """Return how far the coefficients go with each independent standard deviation of what gusts may be, (p, k) (ours).
-
-    What gusts may be is told where the coefficients stay, so that the doubt is the least that there is.
-
-    Parameters
-    ----------
-    judge : GustJudge
-        What the records say, where the search is done.
-    copies : float [1]
-        How many records of the kind there are for each.
-
-    Returns
-    -------
-    array (p, k) [1]
-        None, (p, 0), where gusts are nearly none, or nothing is known of windows.
-    """
+    """Return how far the coefficients go with each independent standard deviation of what gusts may be, (p, k)."""
+    # What gusts may be is told where the coefficients stay, so that the doubt is the least that there is.
     try:
         return _doubt(judge, copies)
     except np.linalg.LinAlgError:

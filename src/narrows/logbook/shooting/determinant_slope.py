@@ -14,36 +14,17 @@ from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.search_state import SampledRecord
 from narrows.logbook.shooting.window_equations import window_equations
 
+# Of a difference, in standard deviations before.
 STEP = 0.02
-"""Of a difference, in standard deviations before."""
 
 
 def determinant_slope(
     problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray, chains: Sequence[WindowChain] = ()
 ) -> np.ndarray:
-    """Return the slope of half the logarithm of the determinant of a window by the coefficients, (chains, p) (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    samples : sequence of SampledRecord
-        Records, at their best.
-    scaled : array (p,) [1]
-        The coefficients there.
-    chains : sequence of WindowChain, optional
-        By each of which windows may be linked; that of the problem alone unless given.
-
-    Returns
-    -------
-    array (chains, p) [1]
-        None where the windows or their motion have no finite one.
-
-    References
-    ----------
-    Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat. Assoc.
-    81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
-    """
+    """Return the slope of half the logarithm of the determinant of a window by the coefficients, (chains, p)."""
+    # scaled (p,)
+    # Tierney and Kadane (1986), Accurate approximations for posterior moments and marginal densities, J. Am. Stat.
+    # Assoc. 81, for the approximation; Neyman and Scott (1948), Econometrica 16, for what comes of leaving it out.
     linked = [replace(problem, chain=chain) for chain in chains] or [problem]
     none = np.zeros((len(linked), len(scaled)))
     try:

@@ -6,22 +6,14 @@ from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import Readings, RecordGrid
 from narrows.logbook.shooting.window_equations import RecordUnknowns
 
+# That are averaged.
 NODES = 9
-"""That are averaged."""
+# Readings among which the middle one is taken.
 SPIKES = 5
-"""Readings among which the middle one is taken."""
 
 
 def first_guess(problem: LogProblem, grid: RecordGrid) -> RecordUnknowns:
-    """Return starts from the record itself, nothing of the chain, no zeros (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    grid : RecordGrid
-        The record.
-    """
+    """Return starts from the record itself, nothing of the chain, no zeros."""
     place = {name: _at_nodes(grid, read) for name, read in grid.readings.items() if len(read.values)}
     x, y = (smoothed(place[name]) if name in place else np.zeros(len(grid.times)) for name in ("x", "y"))
     along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
@@ -55,15 +47,8 @@ def _at_nodes(grid: RecordGrid, read: Readings) -> np.ndarray:
 
 
 def smoothed(column: np.ndarray, nodes: int = NODES) -> np.ndarray:
-    """Return means of a few nodes, straight on at the ends (ours).
-
-    Parameters
-    ----------
-    column : array (n,)
-        At even times.
-    nodes : int
-        An odd number.
-    """
+    """Return means of a few nodes, straight on at the ends."""
+    # column (n,)
     width = min(nodes, len(column) // 2 * 2 - 1)
     if width < 3:
         return column

@@ -9,36 +9,20 @@ import numpy as np
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 
+# What a push that is the same all through a record is called.
 STEADY = "steady_{}".format
-"""What a push that is the same all through a record is called."""
 
 
 @dataclass(frozen=True)
 class CoefficientPrior:
-    """What is known of the coefficients before: normal, in units of their standard deviations.
+    """What is known of the coefficients before: normal, in units of their standard deviations."""
 
-    Parameters
-    ----------
-    groups : tuple of tuple of str
-        Coefficients that are solved for; those of a group are one.
-    mean : array (p,)
-        Of each group, in its own unit.
-    scale : array (p,)
-        Its standard deviation.
-    precision : array (p, p) [1]
-        Inverse of the correlation.
-    bounds : array (p, 2)
-        Lowest and highest value, in its own unit.
-    moves : array (p,) of bool
-        Which may move; that the others may be wrong is allowed for.
-    """
-
-    groups: tuple[tuple[str, ...], ...]
-    mean: np.ndarray
-    scale: np.ndarray
-    precision: np.ndarray
-    bounds: np.ndarray
-    moves: np.ndarray
+    groups: tuple[tuple[str, ...], ...]  # Coefficients that are solved for; those of a group are one
+    mean: np.ndarray  # (p,) Of each group, in its own unit
+    scale: np.ndarray  # (p,) Its standard deviation
+    precision: np.ndarray  # (p, p) Inverse of the correlation [1]
+    bounds: np.ndarray  # (p, 2) Lowest and highest value, in its own unit
+    moves: np.ndarray  # (p,) Which may move; that the others may be wrong is allowed for
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -51,13 +35,8 @@ class CoefficientPrior:
         return tuple(group[0] for group in self.groups)
 
     def values(self, scaled: np.ndarray) -> dict[str, float]:
-        """Return every coefficient by name.
-
-        Parameters
-        ----------
-        scaled : array (p,) [1]
-            How many standard deviations each is off its mean.
-        """
+        """Return every coefficient by name."""
+        # scaled (p,)
         numbers = (self.mean + self.scale * scaled).tolist()
         return {name: value for group, value in zip(self.groups, numbers, strict=True) for name in group}
 
@@ -70,70 +49,38 @@ class CoefficientPrior:
 
 @dataclass(frozen=True)
 class PushInertia:
-    """What resists accelerations of surge, sway and yaw: pushes are unknown as accelerations.
+    """What resists accelerations of surge, sway and yaw: pushes are unknown as accelerations."""
 
-    Motion tells of forces over inertia, so that with a push in newtons the strength of gusts would fix what only mass
-    can.
+    # Motion tells of forces over inertia, so that with a push in newtons the strength of gusts would fix what only
+    # mass can.
 
-    Parameters
-    ----------
-    held : array (3,) [kg, kg, kg m2]
-        The part of it that does not move.
-    by_coefficient : array (3, p)
-        How it moves with the coefficients, each in its own unit.
-    """
-
-    held: np.ndarray
-    by_coefficient: np.ndarray
+    held: np.ndarray  # (3,) The part of it that does not move [kg, kg, kg m2]
+    by_coefficient: np.ndarray  # (3, p) How it moves with the coefficients, each in its own unit
 
     def at(self, values: np.ndarray) -> np.ndarray:
-        """Return it at values of the coefficients, (3,).
-
-        Parameters
-        ----------
-        values : array (p,)
-            Of each group, in its own unit.
-        """
+        """Return it at values of the coefficients, (3,)."""
+        # values (p,)
         return np.asarray(self.held + self.by_coefficient @ values)
 
 
 @dataclass(frozen=True)
 class LogProblem:
-    """What is solved for, with what is known before.
+    """What is solved for, with what is known before."""
 
-    Parameters
-    ----------
-    motion : RecordedMotion
-        How the ship answers.
-    prior : CoefficientPrior
-        Of the coefficients.
-    inertia : PushInertia
-        What pushes are over.
-    chain : WindowChain
-        What changes from window to window: gusts, what the rudder's reading misses, wander of sensors; empty where
-        windows stand alone.
-    in_meetings : WindowChain
-        Instead, while another ship passes: what she does has nothing to do with how strong gusts are.
-    zeros : mapping of str to float
-        Standard deviations of what is the same all through a record: ``rudder_offset``, ``y_error`` ..., ``current_x``,
-        ``steady_Y`` ...
-    noise : mapping of str to float
-        Standard deviation of a reading of each signal.
-    linked : bool
-        Whether a window begins where the one before ends.
-    outlier : float [1]
-        Residual over its noise beyond which a reading counts less (Huber).
-    """
-
-    motion: RecordedMotion
-    prior: CoefficientPrior
-    inertia: PushInertia
+    motion: RecordedMotion  # How the ship answers
+    prior: CoefficientPrior  # Of the coefficients
+    inertia: PushInertia  # What pushes are over
+    # What changes from window to window: gusts, what the rudder's reading misses, wander of sensors; empty where
+    # windows stand alone
     chain: WindowChain = field(default_factory=WindowChain)
+    # Instead, while another ship passes: what she does has nothing to do with how strong gusts are
     in_meetings: WindowChain = field(default_factory=WindowChain)
+    # Standard deviations of what is the same all through a record: ``rudder_offset``, ``y_error``..., ``current_x``,
+    # ``steady_Y``
     zeros: Mapping[str, float] = field(default_factory=dict)
-    noise: Mapping[str, float] = field(default_factory=dict)
-    linked: bool = False
-    outlier: float = 4.0
+    noise: Mapping[str, float] = field(default_factory=dict)  # Standard deviation of a reading of each signal
+    linked: bool = False  # Whether a window begins where the one before ends
+    outlier: float = 4.0  # Residual over its noise beyond which a reading counts less (Huber) [1]
 
     @property
     def local(self) -> int:
@@ -146,21 +93,10 @@ class LogProblem:
         return np.array(list(self.zeros.values()))
 
     def with_noise(self, noise: Mapping[str, float]) -> "LogProblem":
-        """Return the problem with other noise of sensors.
-
-        Parameters
-        ----------
-        noise : mapping of str to float
-            By signal.
-        """
+        """Return the problem with other noise of sensors."""
         return replace(self, noise={**self.noise, **noise})
 
     def at(self, scaled: np.ndarray) -> RecordedMotion:
-        """Return the motion at coefficients.
-
-        Parameters
-        ----------
-        scaled : array (p,) [1]
-            In units of their standard deviations before.
-        """
+        """Return the motion at coefficients."""
+        # scaled (p,)
         return self.motion.with_coefficients(self.prior.values(scaled))

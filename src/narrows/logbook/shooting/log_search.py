@@ -18,40 +18,27 @@ from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 30
+# Of a sum of squares, which a step is to gain; else the search is done, or done for an estimate of noise; and what a
+# step that does not help may have promised for it to be done all the same: sums are not known better.
 ENOUGH, NEARLY_ENOUGH, FAINT = 0.02, 1.0, 0.1
-"""Of a sum of squares, which a step is to gain; else the search is done, or done for an estimate of noise; and what a
-step that does not help may have promised for it to be done all the same: sums are not known better."""
+# Damping over the information of the log: at first, after a step that helped, after one that did not, at least, at
+# least after one that did not, and at most.
 FIRST, GENTLER, HARDER, LEAST, FELT, MOST = 1e-4, 0.1, 10.0, 1e-9, 0.1, 1e3
-"""Damping over the information of the log: at first, after a step that helped, after one that did not, at least, at
-least after one that did not, and at most."""
+# Of a square of a step, which is none.
 TINY = 1e-12
-"""Of a square of a step, which is none."""
+# Windows of a log up to which records keep how they follow the coefficients; those of a longer one begin where they
+# were.
 LED = 50_000
-"""Windows of a log up to which records keep how they follow the coefficients; those of a longer one begin where they
-were."""
 
+# Records, each laid out when its turn comes, again and again.
 Grids = Iterable[RecordGrid]
-"""Records, each laid out when its turn comes, again and again."""
 
 
 def evaluated(
     problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = ()
 ) -> Found | None:
-    """Bring every record to its best for coefficients; None where one goes to infinity (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    scaled : array (p,) [1]
-        The coefficients.
-    grids : iterable of RecordGrid
-        The records.
-    states : sequence of RecordState
-        Where each record begins.
-    kept : container of int
-        Records whose equations are kept.
-    """
+    """Bring every record to its best for coefficients; None where one goes to infinity."""
+    # scaled (p,)
     motion, told, stopped = problem.at(scaled), list[RecordTold](), False
     short = sum(len(state.own.starts) for state in states) <= LED
     with bar(len(states), is_shown(), "records") as done:
@@ -86,13 +73,7 @@ def _sloped(problem: LogProblem, found: Found, grids: Grids, states: Sequence[Re
 def found_at(
     problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = ()
 ) -> Found | None:
-    """Bring every record to its best for coefficients that stay, with the slope of how wide windows are left (ours).
-
-    Parameters
-    ----------
-    problem, scaled, grids, states, kept
-        As for ``evaluated``.
-    """
+    """Bring every record to its best for coefficients that stay, with the slope of how wide windows are left."""
     found = evaluated(problem, scaled, grids, states, kept)
     return found and _sloped(problem, found, grids, states)
 
@@ -101,34 +82,11 @@ def searched(
     problem: LogProblem, scaled: np.ndarray, grids: Grids, states: Sequence[RecordState], kept: Container[int] = (),
     enough: float = ENOUGH, steps: int = MOST_STEPS, slope: np.ndarray | float | None = None,
 ) -> Found | None:  # fmt: skip
-    """Search for the most likely coefficients; None where the motion goes to infinity from the start (ours).
-
-    Interrupted by hand, it gives what the records that were done tell.
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    scaled : array (p,) [1]
-        Where to begin.
-    grids : iterable of RecordGrid
-        The records.
-    states : sequence of RecordState
-        Where each record begins; brought to their best.
-    kept : container of int
-        Records whose equations are kept.
-    enough : float [1]
-        Of a sum of squares, that a step is to gain at least.
-    steps : int
-        At most.
-    slope : array (p,) [1], optional
-        Of how wide windows are left, as far as it is known; looked at anew before the search is done.
-
-    References
-    ----------
-    Bock (1987), Randwertproblemmethoden zur Parameteridentifizierung, for multiple shooting; Levenberg (1944), Quart.
-    Appl. Math. 2, for the damping; Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, for the elimination.
-    """
+    """Search for the most likely coefficients; None where the motion goes to infinity from the start."""
+    # scaled (p,); slope (p,)
+    # Interrupted by hand, it gives what the records that were done tell.
+    # Bock (1987), Randwertproblemmethoden zur Parameteridentifizierung, for multiple shooting; Levenberg (1944),
+    # Quart. Appl. Math. 2, for the damping; Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, for the elimination.
     found = evaluated(problem, scaled, grids, states, kept)
     if found is None:
         return None

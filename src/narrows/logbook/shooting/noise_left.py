@@ -8,28 +8,20 @@ import numpy as np
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.search_state import Found
 
+# Correlation under which residuals are taken to have nothing to do with each other.
 FORGOTTEN = 0.05
-"""Correlation under which residuals are taken to have nothing to do with each other."""
 MOST_LAGS = 2000
 
 
 @dataclass(frozen=True)
 class NoiseLeft:
-    """What is left of a signal.
+    """What is left of a signal."""
 
-    Parameters
-    ----------
-    size : float [unit of the signal]
-        Standard deviation of a reading: 1.4826 times the median of sizes, which outliers do not move.
-    memory : float [1]
-        Readings for each independent one.
-    beyond : float [1]
-        Share of readings beyond four of these standard deviations.
-    """
-
+    # Standard deviation of a reading: 1.4826 times the median of sizes, which outliers do not move [unit of the
+    # signal]
     size: float
-    memory: float
-    beyond: float
+    memory: float  # Readings for each independent one [1]
+    beyond: float  # Share of readings beyond four of these standard deviations [1]
 
     @property
     def counted(self) -> float:
@@ -38,15 +30,7 @@ class NoiseLeft:
 
 
 def noise_left(grids: Iterable[RecordGrid], found: Found) -> dict[str, NoiseLeft]:
-    """Return what is left of each signal over all records (ours).
-
-    Parameters
-    ----------
-    grids : iterable of RecordGrid
-        The records.
-    found : Found
-        With residuals of records whose equations were kept.
-    """
+    """Return what is left of each signal over all records."""
     left: dict[str, list[np.ndarray]] = {}
     for grid, told in zip(grids, found.told, strict=False):  # Fewer were looked at where it was interrupted.
         for name, residual in (told.residuals or {}).items():
@@ -63,19 +47,11 @@ def _left(parts: Sequence[np.ndarray]) -> NoiseLeft:
 
 
 def memory_of(parts: Sequence[np.ndarray]) -> float:
-    """Return how many readings there are for each independent one [1] (ours).
-
-    One and twice the sum of the autocorrelation, to where it is first forgotten.
-
-    Parameters
-    ----------
-    parts : sequence of array (n,)
-        Residuals of each record, at even times.
-
-    References
-    ----------
-    Bayley and Hammersley (1946), The "effective" number of independent observations in an autocorrelated time series.
-    """
+    """Return how many readings there are for each independent one [1]."""
+    # parts (n,)
+    # One and twice the sum of the autocorrelation, to where it is first forgotten.
+    # Bayley and Hammersley (1946), The "effective" number of independent observations in an autocorrelated time
+    # series.
     power = sum(float(part @ part) for part in parts)
     memory = 1.0
     for lag in range(1, MOST_LAGS):

@@ -6,59 +6,33 @@ from typing import NamedTuple
 
 import numpy as np
 
+# The current along the axes [m/s], which enters what is told over ground.
 CURRENT_X, CURRENT_Y = "current_x", "current_y"
-"""The current along the axes [m/s], which enters what is told over ground."""
+# What the constant error of a signal is called.
 ERROR = "{}_error".format
-"""What the constant error of a signal is called."""
 
 
 class PredictedSignal(NamedTuple):
-    """A signal as the state predicts it.
+    """A signal as the state predicts it."""
 
-    Parameters
-    ----------
-    value : array (n,)
-        In the unit of the signal.
-    by_state : mapping of int to array (n,)
-        Slopes by those of x, y, psi, u, v, r that it depends on.
-    by_error : mapping of str to array (n,)
-        Slopes by errors of the sensors and by the current.
-    """
-
-    value: np.ndarray
-    by_state: Mapping[int, np.ndarray]
-    by_error: Mapping[str, np.ndarray]
+    value: np.ndarray  # (n,) In the unit of the signal
+    by_state: Mapping[int, np.ndarray]  # (n,) Slopes by those of x, y, psi, u, v, r that it depends on
+    by_error: Mapping[str, np.ndarray]  # (n,) Slopes by errors of the sensors and by the current
 
 
 @dataclass(frozen=True)
 class SeenStates:
-    """States at the times of the readings of a signal.
+    """States at the times of the readings of a signal."""
 
-    Parameters
-    ----------
-    states : array (n, 6)
-        x, y, psi, u, v, r.
-    drifted : array (n,) [s]
-        How long the current has carried the ship off these since the window began; 0 where the motion knows it.
-    errors : mapping of str to array (n,) or float
-        Errors of the sensors, and the current; 0 where nothing is said.
-    antenna : pair of float [m]
-        Forward and to starboard of midship.
-    """
-
-    states: np.ndarray
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r
+    # (n,) How long the current has carried the ship off these since the window began; 0 where the motion knows it
+    # [s]
     drifted: np.ndarray
-    errors: Mapping[str, np.ndarray | float]
-    antenna: tuple[float, float]
+    errors: Mapping[str, np.ndarray | float]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
+    antenna: tuple[float, float]  # Forward and to starboard of midship [m]
 
     def error(self, name: str) -> np.ndarray | float:
-        """Return an error, 0 where nothing is said of it.
-
-        Parameters
-        ----------
-        name : str
-            Of it.
-        """
+        """Return an error, 0 where nothing is said of it."""
         return self.errors.get(name, 0.0)
 
 
@@ -138,9 +112,9 @@ def _combined(
     return PredictedSignal(value, state, error)
 
 
+# How each signal that the motion is held to is predicted.
 PREDICTED: Mapping[str, Predicting] = {
     "x": _x, "y": _y, "psi": _state("psi", 2), "r": _state("r", 5), "u": _state("u", 3), "v": _state("v", 4),
     "u_ground": _of_velocity(0, "u_ground"), "v_ground": _of_velocity(1, "v_ground"),
     "speed_over_ground": _speed, "course": _course,
 }  # fmt: skip
-"""How each signal that the motion is held to is predicted."""

@@ -15,24 +15,14 @@ SWAY, YAW = "Y", "N"
 
 @dataclass(frozen=True, eq=False)
 class WindowChain:
-    """First-order processes, constant in each window.
+    """First-order processes, constant in each window."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        X, Y or N, as accelerations; ``rudder_offset``; ``y_error`` ...
-    std : array (n,)
-        Standard deviation of each, in the unit of what it adds to.
-    memory : array (n,) [s]
-        How long each stays; 0 where windows have nothing to do with each other.
-    correlation : float [1]
-        Between the pushes in sway and in yaw.
-    """
-
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()  # X, Y or N, as accelerations; ``rudder_offset``; ``y_error``
+    # (n,) Standard deviation of each, in the unit of what it adds to
     std: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    # (n,) How long each stays; 0 where windows have nothing to do with each other [s]
     memory: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    correlation: float = 0.0
+    correlation: float = 0.0  # Between the pushes in sway and in yaw [1]
 
     @property
     def covariance(self) -> np.ndarray:
@@ -44,64 +34,30 @@ class WindowChain:
         return matrix
 
     def kept(self, window: float) -> np.ndarray:
-        """Return what of each stays from one window to the next, (n,) [1].
-
-        Parameters
-        ----------
-        window : float [s]
-            From one to the next.
-        """
+        """Return what of each stays from one window to the next, (n,) [1]."""
+        # window [s]
         with np.errstate(divide="ignore"):
             return np.asarray(np.exp(-window / self.memory))
 
     def innovations(self, window: float) -> np.ndarray:
-        """Return the covariance of what is new in a window, (n, n).
-
-        Parameters
-        ----------
-        window : float [s]
-            From one to the next.
-        """
+        """Return the covariance of what is new in a window, (n, n)."""
+        # window [s]
         kept = self.kept(window)
         return np.asarray(self.covariance * (1 - np.outer(kept, kept)))
 
     def within(self, place: int, steps: int, step: float) -> np.ndarray:
-        """Return how a process of unit size strays within a window from its mean there, (steps, steps).
-
-        Parameters
-        ----------
-        place : int
-            Of the process.
-        steps : int
-            In a window.
-        step : float [s]
-            Its length.
-        """
+        """Return how a process of unit size strays within a window from its mean there, (steps, steps)."""
+        # step [s]
         return _strays(float(self.memory[place]), steps, step)
 
     def stronger(self, factor: float) -> "WindowChain":
-        """Return the chain with stronger pushes.
-
-        Parameters
-        ----------
-        factor : float [1]
-            Over those that it has.
-        """
+        """Return the chain with stronger pushes."""
         factors = [factor if name in ("X", SWAY, YAW) else 1.0 for name in self.names]
         return WindowChain(self.names, np.array(factors) * self.std, self.memory, self.correlation)
 
     def with_pushes(self, std: dict[str, float], memory: float, correlation: float) -> "WindowChain":
-        """Return the chain with other pushes.
-
-        Parameters
-        ----------
-        std : dict of str to float
-            Of X, Y, N, as accelerations.
-        memory : float [s]
-            Of all of them.
-        correlation : float [1]
-            Between sway and yaw.
-        """
+        """Return the chain with other pushes."""
+        # memory [s]
         sizes = np.array([std.get(name, size) for name, size in zip(self.names, self.std, strict=True)])
         stays = np.array([memory if name in std else own for name, own in zip(self.names, self.memory, strict=True)])
         return WindowChain(self.names, sizes, stays, correlation)
@@ -121,22 +77,10 @@ MOST_CORRELATION = 0.995
 
 
 def bounded_correlation(free: float) -> float:
-    """Return a correlation of a free number, short of one (ours).
-
-    Parameters
-    ----------
-    free : float [1]
-        Any.
-    """
+    """Return a correlation of a free number, short of one."""
     return MOST_CORRELATION * math.tanh(free)
 
 
 def free_correlation(correlation: float) -> float:
-    """Return the free number of a correlation (ours).
-
-    Parameters
-    ----------
-    correlation : float [1]
-        Short of one.
-    """
+    """Return the free number of a correlation."""
     return math.atanh(correlation / MOST_CORRELATION)

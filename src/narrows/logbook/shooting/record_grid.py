@@ -10,69 +10,36 @@ from narrows.errors import InputError
 from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.signals import MEETING, TURNING, Signal
 
+# Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
-"""Signals that the motion is held to."""
+# Usual times between two values, over which nothing is drawn straight from one to the next.
 GAP = 3.0
-"""Usual times between two values, over which nothing is drawn straight from one to the next."""
 
 
 @dataclass(frozen=True)
 class Readings:
-    """What one signal says, by the step that each value lies in.
+    """What one signal says, by the step that each value lies in."""
 
-    Parameters
-    ----------
-    values : array (n,)
-        In the unit of the signal.
-    window : array (n,) of int
-        In which each lies.
-    row : array (n,) of int
-        The node before each, where the nodes of all windows stand one after the other, their ends included.
-    share : array (n,) [1]
-        Of the step that is over.
-    elapsed : array (n,) [s]
-        Since the window began.
-    counted : array (n,)
-        How many values each is the mean of.
-    """
-
-    values: np.ndarray
-    window: np.ndarray
+    values: np.ndarray  # (n,) In the unit of the signal
+    window: np.ndarray  # (n,) In which each lies
+    # (n,) The node before each, where the nodes of all windows stand one after the other, their ends included
     row: np.ndarray
-    share: np.ndarray
-    elapsed: np.ndarray
-    counted: np.ndarray
+    share: np.ndarray  # (n,) Of the step that is over [1]
+    elapsed: np.ndarray  # (n,) Since the window began [s]
+    counted: np.ndarray  # (n,) How many values each is the mean of
 
 
 @dataclass(frozen=True)
 class RecordGrid:
-    """A record, cut into steps and windows.
+    """A record, cut into steps and windows."""
 
-    Parameters
-    ----------
-    record : ShipRecord
-        What was recorded.
-    times : array (nodes,) [s]
-        Ends of the steps.
-    first : array (windows + 1,) of int
-        The node at which each window begins, and the last one ends.
-    whole : array (windows,) of bool
-        Whether the actuators are known all through it.
-    positions : mapping of str to array (nodes,)
-        Of the actuators at the nodes.
-    readings : mapping of str to Readings
-        By signal; of whole windows alone.
-    meetings : array (windows,) of bool
-        Whether another ship passes.
-    """
-
-    record: ShipRecord
-    times: np.ndarray
-    first: np.ndarray
-    whole: np.ndarray
-    positions: Mapping[str, np.ndarray]
-    readings: Mapping[str, Readings]
-    meetings: np.ndarray
+    record: ShipRecord  # What was recorded
+    times: np.ndarray  # (nodes,) Ends of the steps [s]
+    first: np.ndarray  # (windows + 1,) The node at which each window begins, and the last one ends
+    whole: np.ndarray  # (windows,) Whether the actuators are known all through it
+    positions: Mapping[str, np.ndarray]  # (nodes,) Of the actuators at the nodes
+    readings: Mapping[str, Readings]  # By signal; of whole windows alone
+    meetings: np.ndarray  # (windows,) Whether another ship passes
 
     def __len__(self) -> int:
         """How many windows."""
@@ -95,26 +62,9 @@ class RecordGrid:
 
 
 def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
-    """Return a record on even times (ours).
-
-    Values finer than a step are averaged over it, what is coarser stays where it is.
-
-    Parameters
-    ----------
-    record : ShipRecord
-        What was recorded.
-    step : float [s]
-        Between nodes.
-    window : float [s]
-        Of a window.
-    usual : mapping of str to float
-        The actuators, each with where it is if nothing was recorded of it.
-
-    Raises
-    ------
-    InputError
-        Where the record is shorter than two windows.
-    """
+    """Return a record on even times."""
+    # step [s]; window [s]
+    # Values finer than a step are averaged over it, what is coarser stays where it is.
     read = {name: record[name] for name in READ if name in record and len(record[name])}
     moved = {name: record[name] for name in usual if name in record and len(record[name])}
     if not read:
@@ -138,10 +88,9 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
-    """Positions at the nodes: straight between values where these are coarser, else weighed by a hat.
-
-    A hat is 1 at its node and 0 at the next ones, so that every value counts and what the rudder did all in all stays.
-    """
+    """Positions at the nodes: straight between values where these are coarser, else weighed by a hat."""
+    # A hat is 1 at its node and 0 at the next ones, so that every value counts and what the rudder did all in all
+    # stays.
     from scipy.interpolate import make_interp_spline
 
     step = times[1] - times[0]

@@ -13,62 +13,35 @@ from narrows.logbook.shooting.recorded_motion import RecordedMotion
 from narrows.logbook.shooting.window_equations import RecordUnknowns, WindowEquations, window_equations
 from narrows.logbook.shooting.window_links import WindowLinks, banded
 
+# Steps of the search, and shares of a step that are tried.
 STEPS, SHRINKS = 8, 6
-"""Steps of the search, and shares of a step that are tried."""
+# By which a share that does not help is made smaller.
 LEAST_SHRUNK, MOST_SHRUNK = 0.1, 0.6
-"""By which a share that does not help is made smaller."""
+# Of a sum of squares, less than which a step need not gain.
 SETTLED = 0.005
-"""Of a sum of squares, less than which a step need not gain."""
 
 
 @dataclass(frozen=True)
 class FollowingUnknowns:
-    """How what a record has of its own follows the coefficients, at its best.
+    """How what a record has of its own follows the coefficients, at its best."""
 
-    Parameters
-    ----------
-    windows : array (windows, m, p)
-        Of the windows.
-    zeros : array (q, p)
-        Of what is the same all through.
-    """
-
-    windows: np.ndarray
-    zeros: np.ndarray
+    windows: np.ndarray  # (windows, m, p) Of the windows
+    zeros: np.ndarray  # (q, p) Of what is the same all through
 
     def moved(self, own: RecordUnknowns, step: np.ndarray) -> RecordUnknowns:
-        """Return what a record has of its own where the coefficients are a step on.
-
-        Parameters
-        ----------
-        own : RecordUnknowns
-            Before.
-        step : array (p,) [1]
-            Of the coefficients.
-        """
+        """Return what a record has of its own where the coefficients are a step on."""
+        # step (p,)
         return own.moved(self.windows @ step, self.zeros @ step)
 
 
 @dataclass(frozen=True)
 class RecordPlace:
-    """A record where the search for its best stands, or at its best.
+    """A record where the search for its best stands, or at its best."""
 
-    Parameters
-    ----------
-    own : RecordUnknowns
-        What it has of its own.
-    found : WindowEquations
-        Of its readings, there.
-    band : BorderedBand
-        The normal equations, there.
-    coefficients : bool
-        Whether the coefficients are among their unknowns: they are dear.
-    """
-
-    own: RecordUnknowns
-    found: WindowEquations
-    band: BorderedBand
-    coefficients: bool
+    own: RecordUnknowns  # What it has of its own
+    found: WindowEquations  # Of its readings, there
+    band: BorderedBand  # The normal equations, there
+    coefficients: bool  # Whether the coefficients are among their unknowns: they are dear
 
     @cached_property
     def eliminated(self) -> Eliminated:
@@ -90,25 +63,8 @@ def record_best(
     problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns,
     links: WindowLinks | None, near: bool = False,
 ) -> RecordPlace | None:  # fmt: skip
-    """Return a record at its best for coefficients, None where the motion goes to infinity (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    motion : RecordedMotion
-        At the coefficients.
-    scaled : array (p,) [1]
-        The coefficients.
-    grid : RecordGrid
-        The record.
-    own : RecordUnknowns
-        Where to begin.
-    links : WindowLinks, optional
-        Between its windows.
-    near : bool
-        Whether it is likely to begin where it is best: then slopes by the coefficients are asked for at once.
-    """
+    """Return a record at its best for coefficients, None where the motion goes to infinity."""
+    # scaled (p,)
 
     def at(there: RecordUnknowns, coefficients: bool = False) -> RecordPlace:
         with np.errstate(all="ignore"):  # A motion that runs away is noticed by its cost, or by its equations.

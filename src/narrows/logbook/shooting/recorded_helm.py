@@ -7,25 +7,19 @@ from typing import Any
 from narrows.results.described import Described
 from narrows.simulation.controllers import Named
 
+# What the law calls the position that an actuator has at the end of the step.
 RECORDED = "recorded_{}".format
-"""What the law calls the position that an actuator has at the end of the step."""
+# The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad].
 RUDDER, RUDDER_OFFSET = "rudder", "rudder_offset"
-"""The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad]."""
+# Limit and rate of what was recorded: it went where it went.
 BEYOND = 1e9
-"""Limit and rate of what was recorded: it went where it went."""
 
 
 @dataclass(frozen=True, repr=False)
 class RecordedHelm(Described):
-    """A control law that follows recorded positions, straight between the ends of the steps (ours).
+    """A control law that follows recorded positions, straight between the ends of the steps."""
 
-    Parameters
-    ----------
-    positions : mapping of str to float
-        Of the actuators that were recorded, at the start.
-    """
-
-    positions: Mapping[str, float]
+    positions: Mapping[str, float]  # Of the actuators that were recorded, at the start
 
     def summary(self) -> str:
         """Say what was recorded."""
@@ -37,23 +31,11 @@ class RecordedHelm(Described):
         return {RECORDED(name): position for name, position in self.positions.items()} | offset
 
     def memory(self, start: Named) -> Named:
-        """Return nothing: all that it follows is told.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return nothing: all that it follows is told."""
         return {}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return where the actuators are at the end of the step.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return where the actuators are at the end of the step."""
         orders = {name: getattr(at, RECORDED(name)) for name in self.positions}
         if RUDDER in orders:
             orders[RUDDER] = orders[RUDDER] + at.rudder_offset
@@ -61,11 +43,5 @@ class RecordedHelm(Described):
 
 
 def unlimited(names: tuple[str, ...]) -> dict[str, float]:
-    """Return limits and rates that no record meets, by the names of the lines (ours).
-
-    Parameters
-    ----------
-    names : tuple of str
-        Of the actuators.
-    """
+    """Return limits and rates that no record meets, by the names of the lines."""
     return {f"{name}_{end}": BEYOND for name in names for end in ("limit", "rate")}

@@ -16,30 +16,19 @@ from narrows.simulation.tangent_march import TangentMarch
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 PUSHES = ("X", "Y", "N")
+# Of a waterway, along its line.
 CURRENT = "current"
-"""Of a waterway, along its line."""
 
 
 @dataclass(frozen=True)
 class RecordedMotion:
-    """A model that is sailed as ships were steered.
+    """A model that is sailed as ships were steered."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    positions : mapping of str to float
-        Actuators that follow a record, each with a position that is usual.
-    coefficients : tuple of str
-        What the motion is differentiated by, beside the starts of the windows, the pushes and the rudder's zero.
-    choices : mapping of str to object
-        As for ``simulate``: surge, contact, waterway, u.
-    """
-
-    model: Model
-    positions: Mapping[str, float]
+    model: Model  # The ship
+    positions: Mapping[str, float]  # Actuators that follow a record, each with a position that is usual
+    # What the motion is differentiated by, beside the starts of the windows, the pushes and the rudder's zero
     coefficients: tuple[str, ...]
-    choices: Mapping[str, Any]
+    choices: Mapping[str, Any]  # As for ``simulate``: surge, contact, waterway, u
 
     @cached_property
     def directions(self) -> tuple[str, ...]:
@@ -60,13 +49,7 @@ class RecordedMotion:
         return replace(self, coefficients=())
 
     def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
-        """Return the motion with other coefficients.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            By name.
-        """
+        """Return the motion with other coefficients."""
         model = self.model.with_coefficients(**values)
         return replace(self, model=model)
 
@@ -74,30 +57,9 @@ class RecordedMotion:
         self, starts: np.ndarray, pushes: np.ndarray, first: np.ndarray, times: np.ndarray,
         positions: Mapping[str, np.ndarray], offset: np.ndarray, current: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Sail every window of a record from its own start.
-
-        Parameters
-        ----------
-        starts : array (windows, 6)
-            x, y [m], psi [rad], u, v [m/s], r [rad/s].
-        pushes : array (windows, 3) [N, N, N m]
-            X, Y and N from elsewhere, through the window.
-        first : array (windows + 1,)
-            The node at which each window begins, and the last one ends.
-        times : array (nodes,) [s]
-            Of the nodes.
-        positions : mapping of str to array (nodes,)
-            Of the actuators.
-        offset : array (windows,) [rad]
-            How much farther to starboard the rudder is than recorded.
-        current : float [m/s]
-            Along the waterway, beside that of the waterway itself.
-
-        Returns
-        -------
-        pair of array (nodes + windows - 1, 6) and (nodes + windows - 1, 6, directions)
-            The states at the nodes of each window, its end included, and their slopes.
-        """
+        """Sail every window of a record from its own start."""
+        # starts (windows, 6) [m]; pushes (windows, 3) [N, N, N m]; first (windows + 1,); times (nodes,) [s]; offset
+        # (windows,) [rad]; current [m/s]
         march = self.march
         kept, count = march.march.choices.kept, np.diff(first)
         begun = first[:-1]

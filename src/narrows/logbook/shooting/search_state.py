@@ -16,96 +16,45 @@ from narrows.logbook.shooting.window_links import WindowLinks, banded
 
 @dataclass
 class RecordState:
-    """A record in the search.
+    """A record in the search."""
 
-    Parameters
-    ----------
-    own : RecordUnknowns
-        Where it stands.
-    links : WindowLinks, optional
-        Between its windows.
-    near : bool
-        Whether it is likely to be at its best.
-    """
-
-    own: RecordUnknowns
-    links: WindowLinks | None
-    near: bool = False
+    own: RecordUnknowns  # Where it stands
+    links: WindowLinks | None  # Between its windows
+    near: bool = False  # Whether it is likely to be at its best
 
 
 @dataclass(frozen=True)
 class RecordTold:
-    """What one record tells of the coefficients, where the search stands.
+    """What one record tells of the coefficients, where the search stands."""
 
-    Parameters
-    ----------
-    information : array (p, p) [1]
-        In units of the standard deviations before.
-    pull : array (p,) [1]
-        Half the slope of its sum of squares, downhill.
-    cost : float [1]
-        Its sum of squares, all of its own at its best, and how wide its windows are left.
-    own : RecordUnknowns
-        What it has of its own.
-    wide : float [1]
-        Of the cost, the logarithm of the determinant of its windows.
-    residuals : mapping of str to array, optional
-        Read less predicted, where the equations are kept.
-    best : RecordPlace, optional
-        All of it, where it was asked to be kept.
-    follows : FollowingUnknowns, optional
-        How what it has of its own follows the coefficients, where that is kept.
-    """
-
-    information: np.ndarray
-    pull: np.ndarray
-    cost: float
-    own: RecordUnknowns
-    wide: float = 0.0
-    residuals: Mapping[str, np.ndarray] | None = None
-    best: RecordPlace | None = None
-    follows: FollowingUnknowns | None = None
+    information: np.ndarray  # (p, p) In units of the standard deviations before [1]
+    pull: np.ndarray  # (p,) Half the slope of its sum of squares, downhill [1]
+    cost: float  # Its sum of squares, all of its own at its best, and how wide its windows are left [1]
+    own: RecordUnknowns  # What it has of its own
+    wide: float = 0.0  # Of the cost, the logarithm of the determinant of its windows [1]
+    residuals: Mapping[str, np.ndarray] | None = None  # Read less predicted, where the equations are kept
+    best: RecordPlace | None = None  # All of it, where it was asked to be kept
+    follows: FollowingUnknowns | None = None  # How what it has of its own follows the coefficients, where that is kept
 
     def own_after(self, step: np.ndarray) -> RecordUnknowns:
-        """Return what it has of its own where the coefficients are a step on, to the first order.
-
-        Parameters
-        ----------
-        step : array (p,) [1]
-            Of the coefficients.
-        """
+        """Return what it has of its own where the coefficients are a step on, to the first order."""
+        # step (p,)
         return self.own if self.follows is None else self.follows.moved(self.own, step)
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where a search stands.
+    """Where a search stands."""
 
-    Parameters
-    ----------
-    scaled : array (p,) [1]
-        Coefficients in units of their standard deviations before.
-    told : tuple of RecordTold
-        By record.
-    cost : float [1]
-        Sum of squares with the prior, and how wide windows are left.
-    slope : array (p,) or float [1]
-        How half the logarithm of the determinant of windows goes with the coefficients; 0 where these stand alone.
-    rounds : int
-        Steps that it took.
-    settled : bool
-        Whether a further step would gain nothing.
-    interrupted : bool
-        Whether it was stopped by hand, perhaps before all records were looked at.
-    """
-
-    scaled: np.ndarray
-    told: tuple[RecordTold, ...]
-    cost: float
+    scaled: np.ndarray  # (p,) Coefficients in units of their standard deviations before [1]
+    told: tuple[RecordTold, ...]  # By record
+    cost: float  # Sum of squares with the prior, and how wide windows are left [1]
+    # (p,) How half the logarithm of the determinant of windows goes with the coefficients; 0 where these stand alone
+    # [1]
     slope: np.ndarray | float = 0.0
-    rounds: int = 0
-    settled: bool = False
-    interrupted: bool = False
+    rounds: int = 0  # Steps that it took
+    settled: bool = False  # Whether a further step would gain nothing
+    interrupted: bool = False  # Whether it was stopped by hand, perhaps before all records were looked at
 
     @property
     def information(self) -> np.ndarray:
@@ -123,53 +72,25 @@ class Found:
         return sum(len(told.own.starts) for told in self.told)
 
     def slope_of(self, states: Sequence[RecordState]) -> np.ndarray | float:
-        """Return the slope of other records, were their windows left as wide, (p,) [1].
-
-        Parameters
-        ----------
-        states : sequence of RecordState
-            Of those records.
-        """
+        """Return the slope of other records, were their windows left as wide, (p,) [1]."""
         return sum(len(state.own.starts) for state in states) / self.windows * self.slope
 
     def repeated(self, copies: float) -> "Found":
-        """Return what so many records of the kind would tell for each, but for what they pull by chance.
-
-        Parameters
-        ----------
-        copies : float [1]
-            How many.
-        """
+        """Return what so many records of the kind would tell for each, but for what they pull by chance."""
         told = tuple(replace(told, information=copies * told.information) for told in self.told)
         return replace(self, told=told, slope=copies * self.slope)
 
     def pull_of(self, told: RecordTold) -> np.ndarray:
-        """Return that of one record, (p,) [1].
-
-        Parameters
-        ----------
-        told : RecordTold
-            Of these.
-        """
+        """Return that of one record, (p,) [1]."""
         return np.asarray(told.pull - len(told.own.starts) / self.windows * self.slope)
 
 
 class SampledRecord(NamedTuple):
-    """A record by which gusts, and how wide windows are left, are judged.
+    """A record by which gusts, and how wide windows are left, are judged."""
 
-    Parameters
-    ----------
-    grid : RecordGrid
-        The record.
-    told : RecordTold
-        With its equations.
-    links : WindowLinks
-        Between its windows.
-    """
-
-    grid: RecordGrid
-    told: RecordTold
-    links: WindowLinks
+    grid: RecordGrid  # The record
+    told: RecordTold  # With its equations
+    links: WindowLinks  # Between its windows
 
     @property
     def found(self) -> WindowEquations:
@@ -178,31 +99,13 @@ class SampledRecord(NamedTuple):
         return self.told.best.found
 
     def left(self, problem: LogProblem, found: WindowEquations) -> Eliminated:
-        """Return what is left of its equations without all that it has of its own.
-
-        Parameters
-        ----------
-        problem : LogProblem
-            With the chain that links its windows.
-        found : WindowEquations
-            Its equations, or others of where it stands.
-        """
+        """Return what is left of its equations without all that it has of its own."""
         own = self.told.own
         return banded(problem, self.grid, own, found, self.links).eliminated().without(len(own.zeros))
 
 
 def samples_of(grids: Iterable[RecordGrid], found: Found, states: Sequence[RecordState]) -> list[SampledRecord]:
-    """Return the records whose equations are kept (ours).
-
-    Parameters
-    ----------
-    grids : iterable of RecordGrid
-        All of them.
-    found : Found
-        Where the search stands.
-    states : sequence of RecordState
-        Of the records.
-    """
+    """Return the records whose equations are kept."""
     return [
         SampledRecord(grid, told, state.links)
         for grid, told, state in zip(grids, found.told, states, strict=False)

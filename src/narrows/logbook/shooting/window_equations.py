@@ -17,79 +17,38 @@ from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_helm import RUDDER_OFFSET
 from narrows.logbook.shooting.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
+# Standard deviations of a start where nothing was read of it [m, m, rad, m/s, m/s, rad/s]: none to speak of.
 START_SPREAD = np.array([1e4, 1e4, 10.0, 30.0, 30.0, 1.0])
-"""Standard deviations of a start where nothing was read of it [m, m, rad, m/s, m/s, rad/s]: none to speak of."""
 
 
 @dataclass(frozen=True)
 class RecordUnknowns:
-    """What a record has of its own.
+    """What a record has of its own."""
 
-    Parameters
-    ----------
-    starts : array (windows, 6)
-        x, y, psi, u, v, r at the start of each window.
-    chain : array (windows, n)
-        Numbers of the chain.
-    zeros : array (q,)
-        What is the same all through.
-    """
-
-    starts: np.ndarray
-    chain: np.ndarray
-    zeros: np.ndarray
+    starts: np.ndarray  # (windows, 6) x, y, psi, u, v, r at the start of each window
+    chain: np.ndarray  # (windows, n) Numbers of the chain
+    zeros: np.ndarray  # (q,) What is the same all through
 
     def moved(self, windows: np.ndarray, zeros: np.ndarray, share: float = 1.0) -> "RecordUnknowns":
-        """Return them after a step.
-
-        Parameters
-        ----------
-        windows : array (windows, 6 + n)
-            Step of the windows.
-        zeros : array (q,)
-            Step of the zeros.
-        share : float [1]
-            Of the step that is taken.
-        """
+        """Return them after a step."""
+        # windows (windows, 6 + n); zeros (q,)
         starts, chain = self.starts + share * windows[:, :6], self.chain + share * windows[:, 6:]
         return replace(self, starts=starts, chain=chain, zeros=self.zeros + share * zeros)
 
 
 @dataclass(frozen=True)
 class WindowEquations:
-    """Readings of a record, linear in its unknowns.
+    """Readings of a record, linear in its unknowns."""
 
-    Parameters
-    ----------
-    hessian : array (windows, d, d)
-        Squares of slopes over noise, summed over the readings of each window.
-    gradient : array (windows, d)
-        Slopes times residuals over noise squared.
-    cost : float [1]
-        Sum of squares of residuals over noise, by Huber beyond the outlier's limit.
-    residuals : mapping of str to array
-        Read less predicted, by signal.
-    ends : array (windows, 6)
-        Where each window ends, carried on by the current.
-    end_slopes : array (windows, 6, d)
-        Slopes of that.
-    """
-
-    hessian: np.ndarray
-    gradient: np.ndarray
-    cost: float
-    residuals: Mapping[str, np.ndarray]
-    ends: np.ndarray
-    end_slopes: np.ndarray
+    hessian: np.ndarray  # (windows, d, d) Squares of slopes over noise, summed over the readings of each window
+    gradient: np.ndarray  # (windows, d) Slopes times residuals over noise squared
+    cost: float  # Sum of squares of residuals over noise, by Huber beyond the outlier's limit [1]
+    residuals: Mapping[str, np.ndarray]  # Read less predicted, by signal
+    ends: np.ndarray  # (windows, 6) Where each window ends, carried on by the current
+    end_slopes: np.ndarray  # (windows, 6, d) Slopes of that
 
     def without_coefficients(self, problem: LogProblem) -> "WindowEquations":
-        """Return them where the coefficients stay.
-
-        Parameters
-        ----------
-        problem : LogProblem
-            What is solved for.
-        """
+        """Return them where the coefficients stay."""
         own = slice(problem.local + len(problem.zeros))
         return replace(
             self, hessian=self.hessian[:, own, own], gradient=self.gradient[:, own],
@@ -100,21 +59,8 @@ class WindowEquations:
 def window_equations(
     problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns
 ) -> WindowEquations:
-    """Return the equations of a record about its unknowns (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    motion : RecordedMotion
-        At the coefficients; these are among the unknowns where it is differentiated by them.
-    scaled : array (p,) [1]
-        The coefficients in units of their standard deviations before.
-    grid : RecordGrid
-        The record.
-    own : RecordUnknowns
-        Where the search stands.
-    """
+    """Return the equations of a record about its unknowns."""
+    # scaled (p,)
     pushes, errors = Pushes.of(problem, scaled, own), _errors(problem, own)
     states, slopes = motion.sailed(
         own.starts, pushes.forces, grid.first, grid.times, grid.positions, pushes.rudder, pushes.current
@@ -149,15 +95,8 @@ def _ends(
 
 
 def drifting(problem: LogProblem) -> tuple[tuple[int, int], ...]:
-    """Return the states that a current carries on, each with the place of its speed among the zeros (ours).
-
-    There are none where the motion itself knows the current.
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    """
+    """Return the states that a current carries on, each with the place of its speed among the zeros."""
+    # There are none where the motion itself knows the current.
     if CURRENT in problem.motion.directions:
         return ()
     zeros = list(problem.zeros)
@@ -166,41 +105,18 @@ def drifting(problem: LogProblem) -> tuple[tuple[int, int], ...]:
 
 @dataclass(frozen=True)
 class Pushes:
-    """What pushes a ship in each window, and how that moves with the unknowns.
+    """What pushes a ship in each window, and how that moves with the unknowns."""
 
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    inertia : array (3,) [kg, kg, kg m2]
-        At the coefficients.
-    rates : array (windows, 3)
-        Accelerations.
-    rudder : array (windows,) [rad]
-        How much farther to starboard the rudder is than read.
-    current : float [m/s]
-        Along the axis of x.
-    """
-
-    problem: LogProblem
-    inertia: np.ndarray
-    rates: np.ndarray
-    rudder: np.ndarray
-    current: float
+    problem: LogProblem  # What is solved for
+    inertia: np.ndarray  # (3,) At the coefficients [kg, kg, kg m2]
+    rates: np.ndarray  # (windows, 3) Accelerations
+    rudder: np.ndarray  # (windows,) How much farther to starboard the rudder is than read [rad]
+    current: float  # Along the axis of x [m/s]
 
     @classmethod
     def of(cls, problem: LogProblem, scaled: np.ndarray, own: RecordUnknowns) -> "Pushes":
-        """Return the pushes of where the search stands.
-
-        Parameters
-        ----------
-        problem : LogProblem
-            What is solved for.
-        scaled : array (p,) [1]
-            The coefficients.
-        own : RecordUnknowns
-            Of the record.
-        """
+        """Return the pushes of where the search stands."""
+        # scaled (p,)
         chain = dict(zip(problem.chain.names, own.chain.T, strict=True))
         zeros = dict(zip(problem.zeros, own.zeros.tolist(), strict=True))
         none = np.zeros(len(own.starts))
@@ -215,13 +131,7 @@ class Pushes:
         return np.asarray(self.rates * self.inertia)
 
     def columns(self, motion: RecordedMotion) -> np.ndarray:
-        """Return what of each direction of the motion goes into each unknown, (directions, d).
-
-        Parameters
-        ----------
-        motion : RecordedMotion
-            The coefficients are among the unknowns where it is differentiated by them.
-        """
+        """Return what of each direction of the motion goes into each unknown, (directions, d)."""
         directions = motion.directions
         size = dict(zip(PUSHES, self.inertia.tolist(), strict=True))
         size |= {STEADY(name): value for name, value in size.items()}
@@ -242,17 +152,8 @@ class Pushes:
         return matrix
 
     def by_inertia(self, motion: RecordedMotion, slopes: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Return how a push of a fixed acceleration moves with coefficients of inertia, (rows, 6, p).
-
-        Parameters
-        ----------
-        motion : RecordedMotion
-            At the coefficients.
-        slopes : array (rows, 6, directions)
-            Of the states.
-        rows : array (rows,) of int
-            The window of each.
-        """
+        """Return how a push of a fixed acceleration moves with coefficients of inertia, (rows, 6, p)."""
+        # slopes (rows, 6, directions); rows (rows,)
         first = motion.directions.index(PUSHES[0])
         by_push = slopes[:, :, first : first + len(PUSHES)] * self.rates[rows][:, None, :]
         return np.asarray(by_push @ (self.problem.inertia.by_coefficient * self.problem.prior.scale))

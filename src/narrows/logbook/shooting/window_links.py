@@ -18,57 +18,34 @@ from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 from narrows.logbook.shooting.window_equations import START_SPREAD, Pushes, RecordUnknowns, WindowEquations
 
+# By which a window may miss the end of the one before at least, in lengths, radians and speeds of the ship: for the
+# numbers' sake alone.
 LEAST = 1e-5 * np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
-"""By which a window may miss the end of the one before at least, in lengths, radians and speeds of the ship: for the
-numbers' sake alone."""
+# How far a held speed walks in a second, over itself.
 SPEED_WALK = 2e-3
-"""How far a held speed walks in a second, over itself."""
+# Weight of a link out of a window in which the actuators are not known.
 LOOSE = 1e-8
-"""Weight of a link out of a window in which the actuators are not known."""
+# Whose slopes are averaged.
 MOST_WINDOWS = 64
-"""Whose slopes are averaged."""
+# Weights of links that are kept, so that memory does not grow with records.
 KEPT = 64
-"""Weights of links that are kept, so that memory does not grow with records."""
 
 
 @dataclass(frozen=True, eq=False)
 class WindowLinks:
-    """What a window may miss the end of the one before by.
+    """What a window may miss the end of the one before by."""
 
-    Parameters
-    ----------
-    responses : array (n, steps, 6)
-        What one of the chain, put on in one step of a window, does to its end.
-    least : array (6,)
-        Least standard deviations.
-    step, window : float [s]
-        Lengths.
-    """
-
-    responses: np.ndarray
-    least: np.ndarray
-    step: float
-    window: float
+    responses: np.ndarray  # (n, steps, 6) What one of the chain, put on in one step of a window, does to its end
+    least: np.ndarray  # (6,) Least standard deviations
+    step: float  # Lengths [s]
+    window: float  # Lengths [s]
 
     @classmethod
     def of(
         cls, problem: LogProblem, motion: RecordedMotion, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns
     ) -> "WindowLinks":
-        """Return the links of a record, by the motion where the search begins.
-
-        Parameters
-        ----------
-        problem : LogProblem
-            What is solved for.
-        motion : RecordedMotion
-            At the coefficients.
-        scaled : array (p,) [1]
-            The coefficients.
-        grid : RecordGrid
-            The record.
-        own : RecordUnknowns
-            Where the search begins.
-        """
+        """Return the links of a record, by the motion where the search begins."""
+        # scaled (p,)
         steps = int(grid.first[1] - grid.first[0])
         count = min(MOST_WINDOWS, max(len(grid) - 1, 1))
         part = slice(0, count)
@@ -84,13 +61,7 @@ class WindowLinks:
         return cls(responses, _least(problem, grid, own), grid.step, grid.window)
 
     def covariance(self, chain: WindowChain) -> np.ndarray:
-        """Return the covariance of what a window's start and chain miss, (6 + n, 6 + n).
-
-        Parameters
-        ----------
-        chain : WindowChain
-            As strong as it is taken to be.
-        """
+        """Return the covariance of what a window's start and chain miss, (6 + n, 6 + n)."""
         count, steps, _ = self.responses.shape
         matrix = np.zeros((6 + count, 6 + count))
         matrix[6:, 6:] = chain.innovations(self.window)
@@ -114,21 +85,7 @@ def _least(problem: LogProblem, grid: RecordGrid, own: RecordUnknowns) -> np.nda
 def banded(
     problem: LogProblem, grid: RecordGrid, own: RecordUnknowns, found: WindowEquations, links: WindowLinks | None
 ) -> BorderedBand:
-    """Return the normal equations of a record with all that is known of it before (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    grid : RecordGrid
-        The record.
-    own : RecordUnknowns
-        Where the search stands.
-    found : WindowEquations
-        Of its readings.
-    links : WindowLinks, optional
-        Between its windows.
-    """
+    """Return the normal equations of a record with all that is known of it before."""
     m = problem.local
     diagonal, border = found.hessian[:, :m, :m].copy(), found.hessian[:, :m, m:].copy()
     corner, right = found.hessian[:, m:, m:].sum(axis=0), found.gradient[:, :m].copy()
@@ -199,17 +156,7 @@ def _weight(links: WindowLinks, chain: WindowChain) -> np.ndarray:
 
 
 def link_determinant(problem: LogProblem, grid: RecordGrid, links: WindowLinks) -> float:
-    """Return the logarithm of the determinant of what links windows: what a strong chain costs (ours).
-
-    Parameters
-    ----------
-    problem : LogProblem
-        With its chain.
-    grid : RecordGrid
-        The record.
-    links : WindowLinks
-        Between its windows.
-    """
+    """Return the logarithm of the determinant of what links windows: what a strong chain costs."""
     chain, met = problem.chain, int(_met(grid).sum())
     cost = (len(grid) - 1 - met) * _log_determinant(links.covariance(chain))
     if met:

@@ -10,35 +10,9 @@ def add_readings(
     window: np.ndarray, states: np.ndarray, by_state: np.ndarray, places: np.ndarray, by_error: np.ndarray,
     weight: np.ndarray, residual: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add a signal's readings to the squares and products of their windows (ours).
-
-    Parameters
-    ----------
-    hessian : array (windows, d, d)
-        Squares of slopes, added to.
-    gradient : array (windows, d)
-        Products of slopes and residuals, added to.
-    along : array (rows, 6, d)
-        Slopes of the states at the nodes.
-    row : array (n,) of int
-        The node before each reading.
-    share : array (n,) [1]
-        Of the step that is over.
-    window : array (n,) of int
-        In which each lies.
-    states : array (s,) of int
-        That the signal depends on.
-    by_state : array (s, n)
-        Its slopes by these.
-    places : array (e,) of int
-        Of unknowns that it depends on as they are.
-    by_error : array (e, n)
-        Its slopes by these.
-    weight : array (n,)
-        Over which noise.
-    residual : array (n,)
-        Read less predicted.
-    """
+    """Add a signal's readings to the squares and products of their windows."""
+    # hessian (windows, d, d); gradient (windows, d); along (rows, 6, d); row (n,); share (n,); window (n,); states
+    # (s,); by_state (s, n); places (e,); by_error (e, n); weight (n,); residual (n,)
     line = np.empty(along.shape[2])
     for i in range(len(row)):
         line[:] = 0.0
@@ -64,30 +38,11 @@ def weigh_links(
     weight: np.ndarray, ends: np.ndarray, kept: np.ndarray, gap: np.ndarray, weighed: np.ndarray, squares: np.ndarray,
     pull: np.ndarray, pulled: np.ndarray,
 ) -> None:  # fmt: skip
-    """Weigh what windows miss the ends of those before them by (ours).
-
-    What a window should begin with goes with the unknowns before it by S, its first six rows by ``ends``, the others
-    each by what is kept of the same number of the chain.
-
-    Parameters
-    ----------
-    weight : array (links, m, m)
-        Of each link, W.
-    ends : array (links, 6, d)
-        Slopes of the ends.
-    kept : array (m - 6,) [1]
-        Of the chain.
-    gap : array (links, m)
-        What is missed.
-    weighed : array (links, m, d)
-        Filled with W S.
-    squares : array (links, d, d)
-        Filled with S' W S.
-    pull : array (links, m)
-        Filled with W times what is missed.
-    pulled : array (links, d)
-        Filled with S' of that.
-    """
+    """Weigh what windows miss the ends of those before them by."""
+    # weight (links, m, m); ends (links, 6, d); kept (m - 6,); gap (links, m); weighed (links, m, d); squares (links,
+    # d, d); pull (links, m); pulled (links, d)
+    # What a window should begin with goes with the unknowns before it by S, its first six rows by ``ends``, the others
+    # each by what is kept of the same number of the chain.
     count, size, wide = weighed.shape
     for k in range(count):
         for i in range(size):
@@ -120,26 +75,9 @@ def weigh_links(
 def eliminate(
     diagonal: np.ndarray, below: np.ndarray, factor: np.ndarray, across: np.ndarray, sides: np.ndarray
 ) -> float:
-    """Solve half of a chain of windows, by blocks (Cholesky), and return the logarithm of its determinant.
-
-    Parameters
-    ----------
-    diagonal : array (windows, m, m)
-        Of each window with itself.
-    below : array (windows - 1, m, m)
-        Of each window with the one before; (0, m, m) where windows stand alone.
-    factor : array (windows, m, m)
-        Filled with the lower factors.
-    across : array (windows, m, m)
-        Filled with the factors of each window with the one before.
-    sides : array (windows, m, s)
-        Right-hand sides, half solved in place.
-
-    Returns
-    -------
-    float
-        Not a number where the matrix is not positive definite.
-    """
+    """Solve half of a chain of windows, by blocks (Cholesky), and return the logarithm of its determinant."""
+    # diagonal (windows, m, m); below (windows - 1, m, m); factor (windows, m, m); across (windows, m, m); sides
+    # (windows, m, s)
     determinant = 0.0
     for k in range(len(diagonal)):
         factor[k] = diagonal[k]
@@ -154,19 +92,8 @@ def eliminate(
 
 
 def link(below: np.ndarray, before: np.ndarray, across: np.ndarray, here: np.ndarray) -> None:
-    """Take out of a window what is the one before it (ours).
-
-    Parameters
-    ----------
-    below : array (m, m)
-        Of the window with the one before.
-    before : array (m, m)
-        Lower factor of the one before.
-    across : array (m, m)
-        Filled with the factor of both.
-    here : array (m, m)
-        Of the window with itself, changed on and below its diagonal.
-    """
+    """Take out of a window what is the one before it."""
+    # below (m, m); before (m, m); across (m, m); here (m, m)
     size = len(here)
     for i in range(size):
         for j in range(size):
@@ -183,17 +110,8 @@ def link(below: np.ndarray, before: np.ndarray, across: np.ndarray, here: np.nda
 
 
 def take(matrix: np.ndarray, source: np.ndarray, target: np.ndarray) -> None:
-    """Take a matrix times some sides from others (ours).
-
-    Parameters
-    ----------
-    matrix : array (m, m)
-        The matrix.
-    source : array (m, s)
-        Sides.
-    target : array (m, s)
-        Changed.
-    """
+    """Take a matrix times some sides from others."""
+    # matrix (m, m); source (m, s); target (m, s)
     for i in range(len(matrix)):
         for p in range(len(matrix)):
             for j in range(source.shape[1]):
@@ -201,20 +119,8 @@ def take(matrix: np.ndarray, source: np.ndarray, target: np.ndarray) -> None:
 
 
 def lower(matrix: np.ndarray, sides: np.ndarray) -> float:
-    """Put the lower Cholesky factor of a matrix in its place, solve sides by it, and return log of its determinant.
-
-    Parameters
-    ----------
-    matrix : array (m, m)
-        Changed on and below the diagonal.
-    sides : array (m, s)
-        Solved in place.
-
-    Returns
-    -------
-    float
-        Infinite where the matrix is not positive definite.
-    """
+    """Put the lower Cholesky factor of a matrix in its place, solve sides by it, and return log of its determinant."""
+    # matrix (m, m); sides (m, s)
     determinant = 0.0
     for i in range(len(matrix)):
         for j in range(i):
@@ -239,17 +145,8 @@ def lower(matrix: np.ndarray, sides: np.ndarray) -> float:
 
 
 def substitute_back(factor: np.ndarray, across: np.ndarray, linked: bool, sides: np.ndarray) -> None:
-    """Solve the other half of a chain of windows (ours).
-
-    Parameters
-    ----------
-    factor, across : array (windows, m, m)
-        As ``eliminate`` left them.
-    linked : bool
-        Whether windows have anything to do with each other.
-    sides : array (windows, m, s)
-        Half solved; solved in place.
-    """
+    """Solve the other half of a chain of windows."""
+    # factor, across (windows, m, m); sides (windows, m, s)
     count, size, width = sides.shape
     for k in range(count - 1, -1, -1):
         if linked and k < count - 1:

@@ -11,30 +11,18 @@ import numpy as np
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.window_equations import START_SPREAD, WindowEquations
 
+# Information of a combination of coefficients, over that of the prior, from which windows are asked about it.
 TELLS = 1.0
-"""Information of a combination of coefficients, over that of the prior, from which windows are asked about it."""
+# Windows at least for each combination that they are asked about.
 EACH = 4
-"""Windows at least for each combination that they are asked about."""
 
 
 def overdispersion(problem: LogProblem, windows: Iterable[WindowEquations]) -> float:
-    """Return how much larger the squares of windows' pulls are than their noise alone would make them [1] (ours).
-
-    At the best coefficients the pulls of windows on them add up to that of the prior; how they scatter is the part of
-    the noise that does not average within a window. One where there are too few windows to say.
-
-    Parameters
-    ----------
-    problem : LogProblem
-        What is solved for.
-    windows : iterable of WindowEquations
-        Of records, where the search stands.
-
-    References
-    ----------
-    White (1982), Maximum likelihood estimation of misspecified models, Econometrica 50, for the two matrices;
-    McCullagh and Nelder (1989), Generalized Linear Models, section 9.2, for one factor.
-    """
+    """Return how much larger the squares of windows' pulls are than their noise alone would make them [1]."""
+    # At the best coefficients the pulls of windows on them add up to that of the prior; how they scatter is the part
+    # of the noise that does not average within a window. One where there are too few windows to say.
+    # White (1982), Maximum likelihood estimation of misspecified models, Econometrica 50, for the two matrices;
+    # McCullagh and Nelder (1989), Generalized Linear Models, section 9.2, for one factor.
     parts = [_of_record(problem, found) for found in windows]
     if not parts:
         return 1.0

@@ -22,7 +22,7 @@ NO_COVARIANCE = (
 def learn_steady(
     model: Model, observations: Any, *, errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None
 ) -> SteadyFit:  # fmt: skip
-    """Learn from a ship that was held off the middle: the steady rudder and drift, to both sides (ours).
+    """Learn from a ship that was held off the middle: the steady rudder and drift, to both sides.
 
     The covariance of the model's coefficients is the prior, all of it, and the balance of sway and yaw on each leg
     updates it: exactly, for it is linear in the coefficients, and anew until nothing moves where errors of offset,
@@ -71,18 +71,7 @@ def learn_steady(
 
 
 def check_covariance(model: Model) -> None:
-    """Raise where nothing says how far a model's coefficients are known (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-
-    Raises
-    ------
-    InputError
-        Where it has no covariance.
-    """
+    """Raise where nothing says how far a model's coefficients are known."""
     if model.covariance is None:
         raise InputError(NO_COVARIANCE)
 

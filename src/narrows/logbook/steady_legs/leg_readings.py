@@ -9,35 +9,21 @@ from narrows.logbook.steady_legs.steady_balance import BALANCED, LATENT, SteadyB
 from narrows.logbook.steady_legs.steady_conditions import UNKNOWN
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 
+# Which of ``UNKNOWN`` adds to a reading.
 ZEROS = {"rudder": 2, "drift": 3, "heading": 4, "y": 5}
-"""Which of ``UNKNOWN`` adds to a reading."""
 
 
 @dataclass(frozen=True)
 class LegReadings:
-    """Readings as columns: y, u, rudder, direction, and a second direction or none.
+    """Readings as columns: y, u, rudder, direction, and a second direction or none."""
 
-    Parameters
-    ----------
-    value, size : array (legs, 4 or 5)
-        Read, and standard deviations.
-    zeros : tuple of int or None
-        Which of ``UNKNOWN`` adds to each column.
-    """
-
-    value: np.ndarray
-    size: np.ndarray
-    zeros: tuple[int | None, ...]
+    value: np.ndarray  # (legs, 4 or 5) Read, and standard deviations
+    size: np.ndarray  # (legs, 4 or 5) Read, and standard deviations
+    zeros: tuple[int | None, ...]  # Which of ``UNKNOWN`` adds to each column
 
     @classmethod
     def of(cls, readings: SteadyReadings) -> "LegReadings":
-        """Return the columns of readings.
-
-        Parameters
-        ----------
-        readings : SteadyReadings
-            By name.
-        """
+        """Return the columns of readings."""
         names = ("y", "u", "rudder", *readings.directions)
         value, size = (np.stack([part[name] for name in names], axis=1) for part in (readings.values, readings.errors))
         return cls(value, size, tuple(ZEROS.get(name) for name in names))
@@ -54,19 +40,8 @@ class LegReadings:
     def blocks(
         self, balance: SteadyBalance, latent: np.ndarray, unknowns: np.ndarray, left_over: np.ndarray
     ) -> tuple[Blocks, np.ndarray]:
-        """Return the balances written out about places, and their slopes by what was read.
-
-        Parameters
-        ----------
-        balance : SteadyBalance
-            Of the model.
-        latent : array (legs, 4)
-            The places.
-        unknowns : array (n,)
-            Coefficients, then ``UNKNOWN``, that slopes are taken at.
-        left_over : array (5,)
-            Of ``SteadyConditions.left_over``.
-        """
+        """Return the balances written out about places, and their slopes by what was read."""
+        # latent (legs, 4); unknowns (n,); left_over (5,)
         count, forces = len(unknowns) - len(UNKNOWN), slice(len(BALANCED))
         slopes, by_turning, mass = balance.slopes(latent, unknowns[:count])
         through = np.zeros((len(self.value), self.balances, self.value.shape[1]))
@@ -85,17 +60,8 @@ class LegReadings:
         return Blocks(value, design, covariance), through
 
     def corrected(self, blocks: Blocks, through: np.ndarray, unknowns: np.ndarray) -> np.ndarray:
-        """Return where the ship was most likely: the readings less zeros and their share of what is out of balance.
-
-        Parameters
-        ----------
-        blocks : Blocks
-            As ``blocks`` gives them, with ``through``.
-        through : array (legs, balances, columns)
-            Slopes by what was read.
-        unknowns : array (n,)
-            Most likely.
-        """
+        """Return where the ship was most likely: the readings less zeros and their share of what is out of balance."""
+        # through (legs, balances, columns); unknowns (n,)
         rest = blocks.value - blocks.design @ unknowns
         errors = -(self.size**2) * np.einsum(
             "lqi,lq->li", through, np.linalg.solve(blocks.covariance, rest[..., None])[..., 0]

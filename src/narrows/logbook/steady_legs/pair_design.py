@@ -15,29 +15,13 @@ from narrows.model.model import Model
 
 @dataclass(frozen=True)
 class PairDesign:
-    """Legs as readings with independent errors of size one, of independent unknowns of size one.
+    """Legs as readings with independent errors of size one, of independent unknowns of size one."""
 
-    Parameters
-    ----------
-    root : array (n, rank)
-        Of the covariance of the unknowns before: ``root`` times the independent ones.
-    rows : array (pairs, 2, 2, rank)
-        Of sway and yaw on the leg to starboard and on that to port.
-    """
-
-    root: np.ndarray
-    rows: np.ndarray
+    root: np.ndarray  # (n, rank) Of the covariance of the unknowns before: ``root`` times the independent ones
+    rows: np.ndarray  # (pairs, 2, 2, rank) Of sway and yaw on the leg to starboard and on that to port
 
     def chosen(self, wanted: list[int], pairs: int) -> list[int]:
-        """Return pairs that leave least of wanted variances over those before: the best next one, then each exchanged.
-
-        Parameters
-        ----------
-        wanted : list of int
-            Which unknowns count.
-        pairs : int
-            How many; one may be held again.
-        """
+        """Return pairs that leave least of wanted variances: greedily the best next one, then each exchanged."""
         best: list[int] = []
         for _ in range(pairs if len(self.rows) else 0):
             best.append(self._next(best, wanted))
@@ -46,13 +30,7 @@ class PairDesign:
         return best
 
     def roots_after(self, order: list[int]) -> np.ndarray:
-        """Return roots of the covariance before the first leg and after each, (legs + 1, n, rank).
-
-        Parameters
-        ----------
-        order : list of int
-            Pairs.
-        """
+        """Return roots of the covariance before the first leg and after each, (legs + 1, n, rank)."""
         legs = self.rows[order].reshape(-1, 2, self.rows.shape[-1])
         inners = [self._inner(legs[:count]) for count in range(len(legs) + 1)]
         return np.array([np.linalg.solve(inner, self.root.T).T for inner in inners])
@@ -76,21 +54,8 @@ class PairDesign:
 def pair_design(
     model: Model, found: Candidates, allowed: np.ndarray, errors: ReadingErrors, conditions: SteadyConditions
 ) -> PairDesign:
-    """Return what pairs of legs would tell (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Before.
-    found : Candidates
-        Offsets and speeds.
-    allowed : array (pairs,) of int
-        Which of them.
-    errors : ReadingErrors
-        Of what will be read.
-    conditions : SteadyConditions
-        Wind, zeros and what is left of motion.
-    """
+    """Return what pairs of legs would tell."""
+    # allowed (pairs,)
     prior = steady_prior(model, conditions)
     if not allowed.size:
         return PairDesign(prior.root, np.zeros((0, 2, 2, prior.root.shape[1])))

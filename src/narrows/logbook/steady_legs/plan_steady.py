@@ -19,8 +19,8 @@ from narrows.safety.answer import SURE_SHARE
 from narrows.safety.envelope import RESERVE
 from narrows.ship.checks import is_finite
 
+# Of coefficients, that must leave the rudder its reserve.
 SAMPLES = 400
-"""Of coefficients, that must leave the rudder its reserve."""
 MOST_LEGS, MOST_SAMPLES = 1000, 100_000
 WHO_HOLDS = (
     "The plan looks at the steady rudder, the side and the keel; whether a pilot holds the ship there is what the safe "
@@ -34,7 +34,7 @@ def plan_steady(
     targets: Sequence[str] = (), errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None,
     reserve: float = RESERVE, clearance: float | None = None, samples: int = SAMPLES, seed: int = 0,
 ) -> SteadyPlan:  # fmt: skip
-    """Choose the steady legs that make some coefficients best known, among those that are safe to hold (ours).
+    """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
 
     Legs come in pairs to either side, for opposite sides cancel wind and zeros. A leg is allowed where in 19 of 20
     samples of the coefficients the steady rudder leaves its reserve, and side and keel their clearance. Whether a pilot

@@ -14,26 +14,18 @@ from narrows.safety.underkeel import keel_at
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
 
+# What a leg is, truly: what its readings are readings of.
 LATENT = ("y", "u", "rudder", "psi")
-"""What a leg is, truly: what its readings are readings of."""
+# Forces that a steady leg has in balance, and the velocity whose rate each makes.
 BALANCED = {"Y": "v", "N": "r"}
-"""Forces that a steady leg has in balance, and the velocity whose rate each makes."""
 
 
 @dataclass(frozen=True)
 class SteadyBalance:
-    """Sway force and yaw moment of a model on legs, and their slopes.
+    """Sway force and yaw moment of a model on legs, and their slopes."""
 
-    Parameters
-    ----------
-    model : Model
-        With terms of a rudder.
-    felt : mapping of str to array (legs,)
-        Heave [m], and revolutions [1/s] where the terms ask for them.
-    """
-
-    model: Model
-    felt: Mapping[str, np.ndarray]
+    model: Model  # With terms of a rudder
+    felt: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] where the terms ask for them
 
     @cached_property
     def _ship(self) -> SimulatedShip:
@@ -44,13 +36,8 @@ class SteadyBalance:
         return {**self._ship.values(), **self.felt}
 
     def columns(self, latent: np.ndarray) -> np.ndarray:
-        """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients).
-
-        Parameters
-        ----------
-        latent : array (legs, 4)
-            ``LATENT`` of each leg.
-        """
+        """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients)."""
+        # latent (legs, 4)
         names = self.model.terms.names
         values, columns = self._values(latent), np.zeros((len(latent), len(BALANCED), len(names)))
         for row, force in enumerate(BALANCED):
@@ -59,17 +46,9 @@ class SteadyBalance:
         return columns
 
     def slopes(self, latent: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return slopes by ``LATENT`` (legs, 2, 4) and by the yaw rate (legs, 2), and the mass (legs, 2, 2).
-
-        Along a straight course: the sway velocity goes with heading and speed.
-
-        Parameters
-        ----------
-        latent : array (legs, 4)
-            ``LATENT`` of each leg.
-        coefficients : array (coefficients,)
-            In the order of the table.
-        """
+        """Return slopes by ``LATENT`` (legs, 2, 4) and by the yaw rate (legs, 2), and the mass (legs, 2, 2)."""
+        # latent (legs, 4); coefficients (coefficients,)
+        # Along a straight course: the sway velocity goes with heading and speed.
         named = dict(zip(self.model.terms.names, coefficients.tolist(), strict=True))
         linear = self._ship.linearisation({**self._particulars, **named})
         y, u, rudder, psi = latent.T
@@ -93,17 +72,8 @@ class SteadyBalance:
 
 
 def felt_on(model: Model, speeds: np.ndarray, told: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return what goes with the speed of legs: heave [m], and revolutions [1/s] where the terms ask for them (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-    speeds : array (legs,) [m/s]
-        Through the water.
-    told : mapping of str to array (legs,)
-        What was read of them.
-    """
+    """Return what goes with the speed of legs: heave [m], and revolutions [1/s] where the terms ask for them."""
+    # speeds (legs,) [m/s]
     each, place = np.unique(speeds, return_inverse=True)
     felt = {"heave": told["heave"] if "heave" in told else keel_at(model, each).midship[place]}
     if model.terms.propelled:

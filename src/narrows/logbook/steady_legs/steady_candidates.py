@@ -13,69 +13,37 @@ from narrows.quantities.constants import KNOT
 from narrows.safety.question import KEEL_SHARE
 from narrows.safety.underkeel import keel_at
 
+# Of offsets to either side about, and what one is a power of ten times.
 STEPS, NICE = 20, (1.0, 2.0, 2.5, 5.0, 10.0)
-"""Of offsets to either side about, and what one is a power of ten times."""
+# Of the speed that chokes the canal, between which speeds are looked at where none are given, and how many.
 SLOW, FAST, SPEEDS = 0.35, 0.7, 3
-"""Of the speed that chokes the canal, between which speeds are looked at where none are given, and how many."""
+# Shares of the samples, below which angles are told.
 TOLD = (0.05, 0.5, 0.95)
-"""Shares of the samples, below which angles are told."""
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """Steady courses at offsets and speeds.
+    """Steady courses at offsets and speeds."""
 
-    Parameters
-    ----------
-    offsets : array (places,) [m]
-        To starboard or in the middle.
-    speeds : array (places,) [m/s]
-        Through the water.
-    rudder, psi : array (places,) [rad]
-        Of the most likely coefficients.
-    rudder_told, psi_told : array (places, 3) [rad]
-        Of the samples: what 5 %, half and 95 % are below, infinite where there is no course.
-    within : array (places,) [1]
-        Share of the samples that leave the rudder its reserve.
-    clear : array (places,) of bool
-        Whether side and keel have their clearance.
-    """
-
-    offsets: np.ndarray
-    speeds: np.ndarray
-    rudder: np.ndarray
-    psi: np.ndarray
+    offsets: np.ndarray  # (places,) To starboard or in the middle [m]
+    speeds: np.ndarray  # (places,) Through the water [m/s]
+    rudder: np.ndarray  # (places,) Of the most likely coefficients [rad]
+    psi: np.ndarray  # (places,) Of the most likely coefficients [rad]
+    # (places, 3) Of the samples: what 5 %, half and 95 % are below, infinite where there is no course [rad]
     rudder_told: np.ndarray
+    # (places, 3) Of the samples: what 5 %, half and 95 % are below, infinite where there is no course [rad]
     psi_told: np.ndarray
-    within: np.ndarray
-    clear: np.ndarray
+    within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
+    clear: np.ndarray  # (places,) Whether side and keel have their clearance
 
     def allowed(self, share: float) -> np.ndarray:
-        """Return at which places a ship may be held, (places,) of bool.
-
-        Parameters
-        ----------
-        share : float [1]
-            Of the samples, that leave the rudder its reserve.
-        """
+        """Return at which places a ship may be held, (places,) of bool."""
         return np.asarray(self.clear & (self.within >= share) & np.isfinite(self.rudder))
 
 
 def usual_offsets(model: Model, clearance: float) -> np.ndarray:
-    """Return offsets to starboard that leave a clearance, in round steps, (n,) [m] (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-    clearance : float [m]
-        From its side to a bank.
-
-    Raises
-    ------
-    InputError
-        Where it leaves none.
-    """
+    """Return offsets to starboard that leave a clearance, in round steps, (n,) [m]."""
+    # clearance [m]
     room = (model.configuration.canal.width - model.configuration.ship.beam) / 2 - clearance
     if room <= 0:
         raise InputError(f"a clearance of {clearance:g} m leaves no offset in this canal; give less")
@@ -85,18 +53,7 @@ def usual_offsets(model: Model, clearance: float) -> np.ndarray:
 
 
 def usual_speeds(model: Model) -> np.ndarray:
-    """Return speeds that a canal lets a ship go, within those of its tests, (n,) [m/s] (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship in its canal.
-
-    Raises
-    ------
-    InputError
-        Where nothing says how fast.
-    """
+    """Return speeds that a canal lets a ship go, within those of its tests, (n,) [m/s]."""
     choke, covered = keel_at(model, np.empty(0)).choke, model.data_range.speed
     if math.isinf(choke) and covered is None:
         raise InputError("neither a depth nor the tests bound the speed; give the speeds to look at")
@@ -112,7 +69,7 @@ def usual_speeds(model: Model) -> np.ndarray:
 def candidates(
     model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float, samples: int, seed: int
 ) -> Candidates:
-    """Find the steady courses at offsets and speeds, and whether a ship may be held there (ours).
+    """Find the steady courses at offsets and speeds, and whether a ship may be held there.
 
     Parameters
     ----------

@@ -10,12 +10,12 @@ from narrows.logbook.steady_legs.steady_update import SteadyUpdate
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 
+# Probability of as large a sum of squares, under which legs contradict the model or each other.
 CONTRADICTION = 0.01
-"""Probability of as large a sum of squares, under which legs contradict the model or each other."""
+# Of a sum of squares: the right sign loses so much to the wrong one in fewer than one case of a hundred.
 UNLIKELY = 2 * np.log(100)
-"""Of a sum of squares: the right sign loses so much to the wrong one in fewer than one case of a hundred."""
+# Readings that are often written with the other sign.
 TURNED = ("rudder", "drift", "heading")
-"""Readings that are often written with the other sign."""
 ONE_SIDE = (
     "All legs are on one side of the middle: wind and the zeros of rudder and drift do not cancel, and what was "
     "learned rests on how large they were taken to be; hold the other side too."
@@ -25,27 +25,13 @@ SCALE = "A steady balance tells ratios of forces: their common size is that of t
 
 @dataclass(frozen=True)
 class SteadyChecks:
-    """How legs and model agree.
+    """How legs and model agree."""
 
-    Parameters
-    ----------
-    chi_square : float [1]
-        Sum of squares of what was read over what was to be expected of it.
-    freedom : int
-        What it would be on average.
-    probability : float [1]
-        Of one as large, were model, prior and errors right.
-    leg_probabilities : mapping of str to float [1]
-        The same of each leg, beside all others.
-    findings : tuple of str
-        What is wrong or cannot be told, a sentence each.
-    """
-
-    chi_square: float
-    freedom: int
-    probability: float
-    leg_probabilities: dict[str, float]
-    findings: tuple[str, ...]
+    chi_square: float  # Sum of squares of what was read over what was to be expected of it [1]
+    freedom: int  # What it would be on average
+    probability: float  # Of one as large, were model, prior and errors right [1]
+    leg_probabilities: dict[str, float]  # The same of each leg, beside all others [1]
+    findings: tuple[str, ...]  # What is wrong or cannot be told, a sentence each
 
     @property
     def contradicted(self) -> bool:
@@ -56,19 +42,7 @@ class SteadyChecks:
 def steady_checks(
     model: Model, readings: SteadyReadings, update: SteadyUpdate, again: Callable[[SteadyReadings], SteadyUpdate]
 ) -> SteadyChecks:  # fmt: skip
-    """Check legs against a model and against each other (ours).
-
-    Parameters
-    ----------
-    model : Model
-        Before the legs.
-    readings : SteadyReadings
-        The legs.
-    update : SteadyUpdate
-        What they told.
-    again : callable
-        The same of other readings, to see whether a sign explains what does not fit.
-    """
+    """Check legs against a model and against each other."""
     posterior = update.posterior
     each = _probability(posterior.beside, update.counted // len(readings))
     legs = dict(zip(readings.legs, each.tolist(), strict=True))

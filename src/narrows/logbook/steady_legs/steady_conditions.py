@@ -11,15 +11,15 @@ from narrows.model.model import Model
 from narrows.results import Described
 from narrows.ship.checks import is_finite
 
+# What is estimated beside the coefficients: force [N] and moment [N m] of the wind, zeros of angles [rad], y [m].
 UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_zero")
-"""What is estimated beside the coefficients: force [N] and moment [N m] of the wind, zeros of angles [rad], y [m]."""
+# Of the beam, that banks are from where they are thought to be: used where nothing is given.
 MISPLACED = 1 / 30
-"""Of the beam, that banks are from where they are thought to be: used where nothing is given (ours)."""
 
 
 @dataclass(frozen=True, repr=False)
 class SteadyConditions(Described):
-    """How much what all legs share may be, as standard deviations, and what changes from leg to leg (ours).
+    """How much what all legs share may be, as standard deviations, and what changes from leg to leg.
 
     Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so
     are the zeros. Opposite sides cancel all of them. What still moves on a leg is a force of its own.

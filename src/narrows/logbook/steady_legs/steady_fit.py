@@ -14,18 +14,18 @@ from narrows.logbook.steady_legs.steady_conditions import UNKNOWN, SteadyConditi
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 from narrows.model.model import Model
 
+# What legs share: words, unit to print it in, how many of it one in SI is.
 SHARED = {
     "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
     "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
     "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
 }  # fmt: skip
-"""What legs share: words, unit to print it in, how many of it one in SI is."""
 
+# What a balance with so much unknown cannot tell.
 WHOSE = (
     "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer agree, "
     "and a rudder of the wrong sign may; see to ship, draft and signs."
 )
-"""What a balance with so much unknown cannot tell."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -135,15 +135,8 @@ class SteadyFit(LearnedAnswer):
 
 
 def shared_of(mean: np.ndarray, covariance: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return what all legs share, with its standard errors (ours).
-
-    Parameters
-    ----------
-    mean : array (n,)
-        Unknowns, those of ``UNKNOWN`` last.
-    covariance : array (n, n)
-        Of them.
-    """
+    """Return what all legs share, with its standard errors."""
+    # mean (n,); covariance (n, n)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     last = zip(mean[-len(UNKNOWN) :].tolist(), std[-len(UNKNOWN) :].tolist(), strict=True)
     return dict(zip(UNKNOWN, last, strict=True))

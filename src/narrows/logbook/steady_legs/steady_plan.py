@@ -16,8 +16,8 @@ from narrows.results import Shown
 if TYPE_CHECKING:
     import pandas as pd
 
+# Ship lengths that a ship is given to come to rest on a leg before it is read.
 SETTLING = 4.0
-"""Ship lengths that a ship is given to come to rest on a leg before it is read (ours)."""
 
 
 @dataclass(frozen=True)

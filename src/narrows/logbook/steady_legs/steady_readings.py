@@ -16,6 +16,7 @@ from narrows.ship.checks import is_finite
 if TYPE_CHECKING:
     import pandas as pd
 
+# What is read on a leg.
 READ = {
     "y": Quantity("m", "midship to starboard of the middle of the canal"),
     "u": Quantity("m/s", "surge velocity through the water"),
@@ -23,22 +24,21 @@ READ = {
     "drift": Quantity("rad", "heading less course over ground, positive where the bow is to starboard of the course"),
     "heading": Quantity("rad", "heading to the canal's direction, clockwise seen from above"),
 }
-"""What is read on a leg."""
+# What a leg may say beside it.
 FELT = {
     "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
     "revolutions": Quantity("1/s", "of the propeller, for terms that ask for it"),
 }
-"""What a leg may say beside it."""
 LABEL = "leg"
 ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
 COLUMNS = {**READ, **FELT, **ERRORS}
+# Of a rudder, a drift or a heading [rad] that can be meant.
 MOST_ANGLE = 1.2
-"""Of a rudder, a drift or a heading [rad] that can be meant."""
 
 
 @dataclass(frozen=True, repr=False)
 class ReadingErrors(Described):
-    """Standard deviations of what is read on a leg, the same to both sides or not, where a table does not say (ours).
+    """Standard deviations of what is read on a leg, the same to both sides or not, where a table does not say.
 
     They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
 
@@ -149,7 +149,7 @@ class SteadyReadings(Described):
 
 
 def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
-    """Read the legs of a ship that was held (ours).
+    """Read the legs of a ship that was held.
 
     Parameters
     ----------

@@ -17,42 +17,22 @@ from narrows.logbook.steady_legs.steady_conditions import UNKNOWN, SteadyConditi
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings
 from narrows.model.model import Model
 
+# Of standard deviations, by which the last round may still move anything.
 ROUNDS, SETTLED = 50, 1e-6
-"""Of standard deviations, by which the last round may still move anything."""
 
 
 @dataclass(frozen=True)
 class SteadyUpdate:
-    """What the legs tell.
+    """What the legs tell."""
 
-    Parameters
-    ----------
-    posterior : Posterior
-        Of the coefficients, then of ``UNKNOWN``.
-    latent : array (legs, 4)
-        Where the ship truly was, most likely: ``LATENT``.
-    settled : bool
-        Whether the rounds came to rest.
-    counted : int
-        Of independent balances and readings: degrees of freedom of the sum of squares.
-    """
-
-    posterior: Posterior
-    latent: np.ndarray
-    settled: bool
-    counted: int
+    posterior: Posterior  # Of the coefficients, then of ``UNKNOWN``
+    latent: np.ndarray  # (legs, 4) Where the ship truly was, most likely: ``LATENT``
+    settled: bool  # Whether the rounds came to rest
+    counted: int  # Of independent balances and readings: degrees of freedom of the sum of squares
 
 
 def steady_prior(model: Model, conditions: SteadyConditions) -> NormalPrior:
-    """Return what is known before: the model's coefficients with all of their covariance, and what legs share (ours).
-
-    Parameters
-    ----------
-    model : Model
-        With a covariance.
-    conditions : SteadyConditions
-        What legs share.
-    """
+    """Return what is known before: the model's coefficients with all of their covariance, and what legs share."""
     coefficients = np.array([model.coefficients[name] for name in model.terms.names])
     tests, shared = NormalPrior.of(coefficients, np.asarray(model.covariance)), conditions.shared(model)
     root = np.zeros((len(coefficients) + len(UNKNOWN), tests.root.shape[1] + len(UNKNOWN)))
@@ -63,50 +43,22 @@ def steady_prior(model: Model, conditions: SteadyConditions) -> NormalPrior:
 
 @dataclass(frozen=True)
 class SteadyProblem:
-    """What legs are to update.
+    """What legs are to update."""
 
-    Parameters
-    ----------
-    prior : NormalPrior
-        Of the coefficients and ``UNKNOWN``.
-    balance : SteadyBalance
-        Of the model on the legs.
-    bounds : array (n, 2)
-        Of the unknowns.
-    left_over : array (5,)
-        What is left on each leg, of ``SteadyConditions.left_over``.
-    """
-
-    prior: NormalPrior
-    balance: SteadyBalance
-    bounds: np.ndarray
-    left_over: np.ndarray
+    prior: NormalPrior  # Of the coefficients and ``UNKNOWN``
+    balance: SteadyBalance  # Of the model on the legs
+    bounds: np.ndarray  # (n, 2) Of the unknowns
+    left_over: np.ndarray  # (5,) What is left on each leg, of ``SteadyConditions.left_over``
 
     @classmethod
     def of(cls, model: Model, readings: SteadyReadings, conditions: SteadyConditions) -> "SteadyProblem":
-        """Return the problem of a model and legs.
-
-        Parameters
-        ----------
-        model : Model
-            With terms of a rudder and a covariance.
-        readings : SteadyReadings
-            The legs.
-        conditions : SteadyConditions
-            What they share, and what is left on each.
-        """
+        """Return the problem of a model and legs."""
         balance = SteadyBalance(model, felt_on(model, readings.values["u"], readings.values))
         bounds = np.array([*(term.bound for term in model.terms.terms), *[(-np.inf, np.inf)] * len(UNKNOWN)])
         return cls(steady_prior(model, conditions), balance, bounds, conditions.left_over(model))
 
     def update(self, readings: SteadyReadings) -> SteadyUpdate:
-        """Return what readings on these legs tell (ours).
-
-        Parameters
-        ----------
-        readings : SteadyReadings
-            At the speeds that the problem was made for.
-        """
+        """Return what readings on these legs tell."""
         read, size, rounds, settled = LegReadings.of(readings), np.linalg.norm(self.prior.root, axis=1), 0, False
         latent, unknowns = read.first(), self.prior.mean
         while not settled and rounds < ROUNDS:

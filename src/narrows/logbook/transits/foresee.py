@@ -29,16 +29,16 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 TRANSITS = (1, 5, 20)
+# Of a transit [s]: where no waterway says how long, and at most.
 ROUTINE, LONGEST = 2400.0, 3600.0
-"""Of a transit [s]: where no waterway says how long, and at most."""
+# Seconds of a transit.
 MOST = 86_400.0
-"""Seconds of a transit."""
+# Transits of each kind, over whose gusts and wander standard errors are the median.
 SAILED = 7
-"""Transits of each kind, over whose gusts and wander standard errors are the median."""
+# Of the safe offset, that excursions go to.
 SHARES = (0.5, 1.0)
-"""Of the safe offset, that excursions go to."""
+# How long an excursion stays aside and how long it takes to get there, in times of a ship length.
 STAY, TURN = 5.0, 0.6
-"""How long an excursion stays aside and how long it takes to get there, in times of a ship length."""
 MINUTE = 60.0
 ENVELOPE_SAMPLES = 200
 NO_RUDDER = (
@@ -57,7 +57,7 @@ def foresee(
     targets: Sequence[str] = (), within: float | None = None, conditions: TransitConditions | None = None,
     seed: int = 0,
 ) -> Foresight:  # fmt: skip
-    """Foretell how well transits will tell the bank's coefficients, before any is sailed (ours).
+    """Foretell how well transits will tell the bank's coefficients, before any is sailed.
 
     The ship of the most likely coefficients is sailed by a pilot whose aim wanders, in gusts, and recorded by the
     sensors. What these records tell is what a fit to them would find where it is done: by the same equations, with the
@@ -165,17 +165,8 @@ def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tup
 
 
 def safe_offset(model: Model, u: float, seed: int = 0) -> float:
-    """Return how far off the middle a quick safe envelope lets a ship, tested there or not [m] (ours).
-
-    Parameters
-    ----------
-    model : Model
-        With the terms of a rudder.
-    u : float [m/s]
-        Through the water.
-    seed : int
-        Of the samples.
-    """
+    """Return how far off the middle a quick safe envelope lets a ship, tested there or not [m]."""
+    # u [m/s]
     offsets = np.append(0.0, usual_offsets(model, model.configuration.ship.beam / 2))
     found = safe_envelope(model, offsets, np.array([u]), samples=ENVELOPE_SAMPLES, seed=seed)
     safe = found.by_model().to_numpy()[:, 0]
@@ -183,15 +174,8 @@ def safe_offset(model: Model, u: float, seed: int = 0) -> float:
 
 
 def excursions(safe: float, time: float) -> list[Excursion]:
-    """Return small excursions within an offset that is safe (ours).
-
-    Parameters
-    ----------
-    safe : float [m]
-        Off the middle; 0 for no excursion.
-    time : float [s]
-        Of a ship length.
-    """
+    """Return small excursions within an offset that is safe."""
+    # safe [m]; time [s]
     ways = (("aside to one side", (1,)), ("aside to either side, as in meetings", (1, -1)))
     minutes = f"for {STAY * time / 60:.1g} minutes" if STAY * time >= MINUTE else f"for {STAY * time:.2g} s"
     return [

@@ -11,55 +11,30 @@ from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.constants import KNOT
 
+# Of the ship and the canal [m], as in the case of the Suez section.
 LENGTH, WIDTH = 399.94, 205.0
-"""Of the ship and the canal [m], as in the case of the Suez section."""
+# Of a transit, and of one for a demonstration that is soon over.
 SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
-"""Of a transit, and of one for a demonstration that is soon over."""
+# That may be drawn until one comes through.
 SHIPS = 100
-"""That may be drawn until one comes through."""
 
 
 @dataclass(frozen=True)
 class DemonstratedLog:
-    """Transits of a ship whose truth is known.
+    """Transits of a ship whose truth is known."""
 
-    Parameters
-    ----------
-    prior : Model
-        The ship as its captive tests tell.
-    truth : Model
-        What it is.
-    log : ShipLog
-        What its sensors recorded.
-    """
-
-    prior: Model
-    truth: Model
-    log: ShipLog
+    prior: Model  # The ship as its captive tests tell
+    truth: Model  # What it is
+    log: ShipLog  # What its sensors recorded
 
 
 def large_container_ship() -> Model:
-    """Return the KCS as identified from the bundled tests, at 400 m in a canal of 205 m (ours)."""
+    """Return the KCS as identified from the bundled tests, at 400 m in a canal of 205 m."""
     return bundled_ship(LENGTH, WIDTH)
 
 
 def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> DemonstratedLog:
-    """Return twins of transits of a ship that its tests leave possible (ours).
-
-    Parameters
-    ----------
-    sensors : SensorGrade
-        What records it.
-    transits : int
-        How many.
-    seed : int
-        Of all that is drawn.
-
-    Raises
-    ------
-    InputError
-        Where no ship that is drawn comes through the canal.
-    """
+    """Return twins of transits of a ship that its tests leave possible."""
     prior = large_container_ship()
     for ship in range(SHIPS):
         truth = drawn_truth(prior, SHIPS * seed + ship)
@@ -74,26 +49,7 @@ def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) ->
 def transits_of(
     truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
 ) -> ShipLog:
-    """Return transits of a ship as its sensors record them (ours).
-
-    Parameters
-    ----------
-    truth : Model
-        What the ship is.
-    sensors : SensorGrade
-        What records it.
-    transits : int
-        How many.
-    seed : int
-        Of wind, gusts, aims and sensors.
-    twin : TransitTwin, optional
-        Under what conditions; the usual ones at 8 knots unless given.
-
-    Raises
-    ------
-    InputError
-        Where the ship does not come through.
-    """
+    """Return transits of a ship as its sensors record them."""
     usual = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
     records = []
     with bar(transits, is_shown(), "transits") as done:

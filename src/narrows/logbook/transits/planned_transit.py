@@ -15,12 +15,12 @@ from narrows.simulation.voyage import Voyage, simulate
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Of the time of a ship length, that one piece of an aim is long.
 AIMED = 0.2
-"""Of the time of a ship length, that one piece of an aim is long."""
+# Of a schedule of gusts, in the time that a gust stays.
 PIECES = 5
-"""Of a schedule of gusts, in the time that a gust stays."""
+# Of the voyage, in the time of a ship length; and how long one is at most [s].
 STEPS, LONGEST_STEP = 100, 2.0
-"""Of the voyage, in the time of a ship length; and how long one is at most [s]."""
 
 
 @dataclass(frozen=True)
@@ -67,43 +67,16 @@ class Excursion:
 
 @dataclass(frozen=True)
 class PlannedTransit:
-    """A transit to look at.
+    """A transit to look at."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship, of its most likely coefficients.
-    u : float [m/s]
-        Through the water.
-    duration : float [s]
-        How long.
-    conditions : TransitConditions
-        Wind, gusts, wander.
-    waterway : Waterway, optional
-        Instead of the model's own canal.
-    """
-
-    model: Model
-    u: float
-    duration: float
-    conditions: TransitConditions
-    waterway: "Waterway | None" = None
+    model: Model  # The ship, of its most likely coefficients
+    u: float  # Through the water [m/s]
+    duration: float  # How long [s]
+    conditions: TransitConditions  # Wind, gusts, wander
+    waterway: "Waterway | None" = None  # Instead of the model's own canal
 
     def sailed(self, excursion: Excursion, seed: int) -> Voyage:
-        """Return the voyage of a pilot who knows the ship.
-
-        Parameters
-        ----------
-        excursion : Excursion
-            From the middle.
-        seed : int
-            Of gusts and wander.
-
-        Raises
-        ------
-        InputError
-            Where it does not come through.
-        """
+        """Return the voyage of a pilot who knows the ship."""
         draw, told = np.random.default_rng((seed, 7)), self.conditions
         piece = AIMED * self.model.configuration.ship.length / self.u
         times = np.append(np.arange(0.0, self.duration, piece), self.duration)

@@ -14,7 +14,7 @@ from narrows.ship.checks import is_finite
 
 @dataclass(frozen=True, repr=False)
 class TransitConditions(Described):
-    """Wind and aim of transits, as standard deviations (ours).
+    """Wind and aim of transits, as standard deviations.
 
     Parameters
     ----------
@@ -94,23 +94,8 @@ class TransitConditions(Described):
 def wandering(
     size: float, memory: float, step: float, count: int, draw: np.random.Generator, width: int = 1
 ) -> np.ndarray:
-    """Draw first-order processes at even times, (count, width) (ours).
-
-    Parameters
-    ----------
-    size : float
-        Standard deviation.
-    memory : float [s]
-        How long a value stays.
-    step : float [s]
-        Between times.
-    count : int
-        Of times.
-    draw : Generator
-        Of random numbers.
-    width : int
-        How many processes.
-    """
+    """Draw first-order processes at even times, (count, width)."""
+    # memory [s]; step [s]
     kept, normal = math.exp(-step / memory), draw.standard_normal((count, width))
     values = np.empty((count, width))
     values[0] = normal[0]

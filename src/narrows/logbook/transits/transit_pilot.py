@@ -16,60 +16,28 @@ from narrows.simulation.controllers import Order, VoyageState
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# Offsets at which steady courses are known, straight between them.
 COURSES = 21
-"""Offsets at which steady courses are known, straight between them."""
 
 
 @dataclass(frozen=True)
 class TransitPilot:
-    """A pilot of one voyage.
+    """A pilot of one voyage."""
 
-    Parameters
-    ----------
-    line : HeldLine
-        Gains, made for the farthest aim.
-    lead : float [s]
-        How far ahead bends are looked at.
-    courses : array (offsets, 4)
-        y [m], rudder, psi [rad], v [m/s] of steady courses.
-    limit : float [rad]
-        Of the rudder.
-    times, aims : array (n,) [s], [m]
-        Where it wants to be, straight between.
-    waterway : Waterway, optional
-        Whose bends it follows.
-    """
-
-    line: HeldLine
-    lead: float
-    courses: np.ndarray
-    limit: float
-    times: np.ndarray
-    aims: np.ndarray
-    waterway: "Waterway | None" = None
+    line: HeldLine  # Gains, made for the farthest aim
+    lead: float  # How far ahead bends are looked at [s]
+    courses: np.ndarray  # (offsets, 4) y [m], rudder, psi [rad], v [m/s] of steady courses
+    limit: float  # Of the rudder [rad]
+    times: np.ndarray  # (n,) Where it wants to be, straight between [s]
+    aims: np.ndarray  # (n,) Where it wants to be, straight between [s]
+    waterway: "Waterway | None" = None  # Whose bends it follows
 
     @classmethod
     def of(
         cls, model: Model, u: float, times: np.ndarray, aims: np.ndarray, waterway: "Waterway | None" = None
     ) -> "TransitPilot":
-        """Return the pilot of a ship at a speed.
-
-        Parameters
-        ----------
-        model : Model
-            The ship of the most likely coefficients.
-        u : float [m/s]
-            Through the water.
-        times, aims : array (n,) [s], [m]
-            Where it wants to be.
-        waterway : Waterway, optional
-            Whose bends it follows.
-
-        Raises
-        ------
-        InputError
-            Where no rudder holds the ship at an aim.
-        """
+        """Return the pilot of a ship at a speed."""
+        # u [m/s]; times, aims (n,) [s]
         far = max(float(np.abs(aims).max()), 1e-6)
         y = np.linspace(-far, far, COURSES)
         held = steady_course(model, y=xr.DataArray(y, dims="place"), u=u)

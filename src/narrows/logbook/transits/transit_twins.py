@@ -20,29 +20,23 @@ from narrows.simulation.voyage import Voyage, simulate
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# From an order to the next [s]; an order is in whole degrees.
 LOOK, DEGREE = 4.0, math.pi / 180
-"""From an order to the next [s]; an order is in whole degrees."""
+# Of pushes that change, and of the voyage's steps [s].
 PIECE = 1.0
-"""Of pushes that change, and of the voyage's steps [s]."""
+# Of an aim that wanders [s].
 AIM_PIECE = 10.0
-"""Of an aim that wanders [s]."""
+# Standard deviation of the current along the canal [m/s].
 CURRENT = 0.3
-"""Standard deviation of the current along the canal [m/s]."""
+# Of coefficients, until one is within the bounds.
 DRAWS = 200
-"""Of coefficients, until one is within the bounds."""
 
 
 @dataclass(frozen=True)
 class WholeDegrees:
-    """A pilot at the wheel: an order every few seconds, in whole degrees.
+    """A pilot at the wheel: an order every few seconds, in whole degrees."""
 
-    Parameters
-    ----------
-    pilot : TransitPilot
-        Whose orders they are.
-    """
-
-    pilot: TransitPilot
+    pilot: TransitPilot  # Whose orders they are
 
     def begin(self) -> Order:
         """Return what gives the orders of one voyage."""
@@ -59,44 +53,17 @@ class WholeDegrees:
 
 @dataclass(frozen=True)
 class TransitTwin:
-    """A ship on a transit.
+    """A ship on a transit."""
 
-    Parameters
-    ----------
-    truth : Model
-        What the ship is.
-    u : float [m/s]
-        Through the water.
-    duration : float [s]
-        How long.
-    conditions : TransitConditions
-        Wind, gusts, and how an aim wanders.
-    passes : sequence of float [s]
-        When another ship passes, pushed off and drawn on as in a meeting.
-    waterway : Waterway, optional
-        That it sails along from where it begins, instead of the model's own canal.
-    """
-
-    truth: Model
-    u: float
-    duration: float = 2400.0
-    conditions: TransitConditions = field(default_factory=TransitConditions)
-    passes: Sequence[float] = ()
-    waterway: "Waterway | None" = None
+    truth: Model  # What the ship is
+    u: float  # Through the water [m/s]
+    duration: float = 2400.0  # How long [s]
+    conditions: TransitConditions = field(default_factory=TransitConditions)  # Wind, gusts, and how an aim wanders
+    passes: Sequence[float] = ()  # When another ship passes, pushed off and drawn on as in a meeting [s]
+    waterway: "Waterway | None" = None  # That it sails along from where it begins, instead of the model's own canal
 
     def sailed(self, seed: int) -> Voyage:
-        """Return the voyage of a pilot who knows the ship.
-
-        Parameters
-        ----------
-        seed : int
-            Of wind, gusts and aim.
-
-        Raises
-        ------
-        InputError
-            Where it does not come through.
-        """
+        """Return the voyage of a pilot who knows the ship."""
         draw, told = np.random.default_rng((seed, 11)), self.conditions
         count = math.ceil(self.duration / AIM_PIECE) + 1
         aims = wandering(told.wander, told.wander_time, AIM_PIECE, count, draw)[:, 0]
@@ -122,11 +89,9 @@ class TransitTwin:
 
 
 def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
-    """What a ship that passes does [N, N m]: off, on, off again in sway, out and back in yaw.
-
-    No measured passing force is behind it: its size is that of a bank's suction and its time that of two lengths at
-    twice the speed.
-    """
+    """What a ship that passes does [N, N m]: off, on, off again in sway, out and back in yaw."""
+    # No measured passing force is behind it: its size is that of a bank's suction and its time that of two lengths at
+    # twice the speed.
     ship = model.configuration.ship
     size = 0.02 * model.configuration.water.density * u * u * ship.length * ship.draft
     phase = np.clip(since * u / ship.length, -1.0, 1.0)
@@ -137,21 +102,8 @@ def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
 
 
 def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
-    """Return a voyage as sensors record it: noise, what wanders, what is wrong all through, and a current (ours).
-
-    Parameters
-    ----------
-    name : str
-        Of the record.
-    voyage : Voyage
-        What was sailed.
-    grade : SensorGrade
-        What is measured, and how well.
-    seed : int
-        Of the sensors.
-    current : float [m/s]
-        Standard deviation of that along the canal, straight ahead.
-    """
+    """Return a voyage as sensors record it: noise, what wanders, what is wrong all through, and a current."""
+    # current [m/s]
     draw = np.random.default_rng((seed, 13))
     drift = current * float(draw.standard_normal())
     told = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
@@ -171,22 +123,7 @@ def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.
 
 
 def drawn_truth(model: Model, seed: int, **held: float) -> Model:
-    """Return a ship that the tests of a model leave possible, within the bounds of its terms (ours).
-
-    Parameters
-    ----------
-    model : Model
-        With a covariance.
-    seed : int
-        Of the draw.
-    **held : float
-        Coefficients that are so.
-
-    Raises
-    ------
-    InputError
-        Where no draw is within the bounds.
-    """
+    """Return a ship that the tests of a model leave possible, within the bounds of its terms."""
     from narrows.logbook.gaussian_update import NormalPrior
 
     draw, names = np.random.default_rng((seed, 17)), model.terms.names

@@ -3,55 +3,34 @@
 from collections import Counter, OrderedDict
 from typing import NamedTuple
 
+# For the next part of a message [s].
 WAITS = 2.0
-"""For the next part of a message [s]."""
+# Messages that wait at once; then the oldest is given up.
 MOST_OPEN = 256
-"""Messages that wait at once; then the oldest is given up."""
 GIVEN_UP = "of AIS messages whose parts did not come together"
 Key = tuple[bytes, bytes, bytes, bytes]
 
 
 class Waiting(NamedTuple):
-    """A message whose parts are not all there.
+    """A message whose parts are not all there."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When the last part came.
-    parts : tuple of bytes
-        So far; empty where two ships used one number at once, so that neither's can be told.
-    """
-
-    t: float
-    parts: tuple[bytes, ...]
+    t: float  # When the last part came [s]
+    parts: tuple[bytes, ...]  # So far; empty where two ships used one number at once, so that neither's can be told
 
 
 class AisFragments:
-    """Joins the parts of AIS messages, in the order in which they come (ours).
+    """Joins the parts of AIS messages, in the order in which they come."""
 
-    Parts carry no name of their ship, but a number from 0 to 9 that ships share. Parts that come out of order, too
-    late, or while another message of that number and channel is open, are given up, all of them.
-
-    Parameters
-    ----------
-    faults : Counter
-        Counts sentences that were given up.
-    """
+    # Parts carry no name of their ship, but a number from 0 to 9 that ships share. Parts that come out of order, too
+    # late, or while another message of that number and channel is open, are given up, all of them.
 
     def __init__(self, faults: Counter[str]) -> None:
         self.faults = faults
         self._open: OrderedDict[Key, Waiting] = OrderedDict()
 
     def whole(self, text: bytes, t: float = 0.0) -> tuple[bytes, ...] | None:
-        """Return the sentences of a message that a sentence completes; None where it does not.
-
-        Parameters
-        ----------
-        text : bytes
-            A sentence whose checksum is right.
-        t : float [s]
-            When it came.
-        """
+        """Return the sentences of a message that a sentence completes; None where it does not."""
+        # t [s]
         fields = text.split(b",", 5)
         if len(fields) < 6:
             return None

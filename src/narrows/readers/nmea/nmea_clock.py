@@ -12,30 +12,14 @@ EPOCH = date(1970, 1, 1)
 
 
 class Entry(NamedTuple):
-    """What a sentence tells, and when.
+    """What a sentence tells, and when."""
 
-    Parameters
-    ----------
-    t : float [s]
-        Since the recording began.
-    told : Telling
-        What.
-    """
-
-    t: float
-    told: Telling
+    t: float  # Since the recording began [s]
+    told: Telling  # What
 
 
 class Clock:
-    """Puts sentences in time.
-
-    Parameters
-    ----------
-    logged : bool
-        Whether to go by what the logger wrote before sentences, and not by the clocks inside them.
-    day : date, optional
-        Of the first sentence.
-    """
+    """Puts sentences in time."""
 
     def __init__(self, logged: bool, day: date | None = None) -> None:
         self.logged, self.day = logged, day
@@ -45,13 +29,8 @@ class Clock:
         self._last = -DAY
 
     def entries(self, told: Iterable[tuple[Sentence, Telling]]) -> Iterator[Entry]:
-        """Yield sentences with their times; those before the first time that is told are lost (ours).
-
-        Parameters
-        ----------
-        told : iterable of (Sentence, Telling)
-            In the order in which they came.
-        """
+        """Yield sentences with their times; those before the first time that is told are lost."""
+        # told (Sentence, Telling)
         waiting: list[Telling] = []
         before: float | None = None
         for sentence, one in told:

@@ -7,23 +7,12 @@ from narrows.readers.nmea.ais_fragments import AisFragments
 from narrows.readers.nmea.nmea_lines import Sentence
 from narrows.readers.nmea.nmea_sentences import Telling, told_by
 
+# Whose reports are counted; then the half of them that were heard least is forgotten.
 MOST_SHIPS = 2000
-"""Whose reports are counted; then the half of them that were heard least is forgotten."""
 
 
 class Hearing:
-    """Understands sentences.
-
-    Parameters
-    ----------
-    mmsi : int, optional
-        Whose AIS reports to read; what the ship reports of itself unless given.
-
-    Raises
-    ------
-    InputError
-        Where the parsers are not installed.
-    """
+    """Understands sentences."""
 
     def __init__(self, mmsi: int | None = None) -> None:
         with needs("nmea", "NMEA 0183"):
@@ -39,15 +28,8 @@ class Hearing:
         self._fragments = AisFragments(self.faults)
 
     def told(self, sentence: Sentence, t: float = 0.0) -> Telling | None:
-        """Return what a sentence tells; None where it tells nothing here, or cannot be understood.
-
-        Parameters
-        ----------
-        sentence : Sentence
-            Its checksum is right.
-        t : float [s]
-            When it came.
-        """
+        """Return what a sentence tells; None where it tells nothing here, or cannot be understood."""
+        # t [s]
         ais = sentence.kind.endswith(("VDO", "VDM"))
         parts = self._fragments.whole(sentence.text, t) if ais else (sentence.text,)
         if parts is None:

@@ -9,43 +9,25 @@ from operator import xor
 from typing import NamedTuple
 
 SENTENCE = re.compile(rb"[$!]([A-Z][A-Z0-9]{4,}),([^*$!\r\n]*)(\*[0-9A-Fa-f]{2})?")
+# A block before the sentence, with the time of the logger [s] or [ms] since 1970.
 TAG = re.compile(rb"\\(?:[^\\]*,)?c:(\d{10,13})(?:[,*][^\\]*)?\\")
-"""A block before the sentence, with the time of the logger [s] or [ms] since 1970."""
 ISO = re.compile(rb"(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)(Z|[+-]\d\d:?\d\d)?")
 EPOCH = re.compile(rb"(?<![\d.])(1\d{9}(?:\.\d+)?)(?![\d.])")
 REMARK = b"#"
+# Beyond this a time since 1970 is in milliseconds.
 MILLISECONDS = 1e11
-"""Beyond this a time since 1970 is in milliseconds."""
 
 
 class Sentence(NamedTuple):
-    """One sentence whose checksum is right.
+    """One sentence whose checksum is right."""
 
-    Parameters
-    ----------
-    text : bytes
-        From ``$`` or ``!`` to the checksum.
-    kind : str
-        Talker and type, as in ``GPGGA``.
-    logged : float, optional [s]
-        Since 1970 when the logger wrote it down, where it says so.
-    """
-
-    text: bytes
-    kind: str
-    logged: float | None
+    text: bytes  # From ``$`` or ``!`` to the checksum
+    kind: str  # Talker and type, as in ``GPGGA``
+    logged: float | None  # Since 1970 when the logger wrote it down, where it says so [s]
 
 
 def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence]:
-    """Yield the sentences of a recording (ours).
-
-    Parameters
-    ----------
-    lines : iterable of bytes
-        Of the file.
-    faults : Counter
-        Counts, by what is wrong, sentences that were left out.
-    """
+    """Yield the sentences of a recording."""
     for line in lines:
         if line.startswith(REMARK):
             continue
@@ -63,24 +45,12 @@ def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence
 
 
 def checksum(body: bytes) -> int:
-    """Return the checksum of what stands between ``$`` and ``*`` (IEC 61162-1) (ours).
-
-    Parameters
-    ----------
-    body : bytes
-        Of a sentence.
-    """
+    """Return the checksum of what stands between ``$`` and ``*`` (IEC 61162-1)."""
     return reduce(xor, body, 0)
 
 
 def with_checksum(body: str) -> str:
-    """Return a sentence, whole (ours).
-
-    Parameters
-    ----------
-    body : str
-        Without ``$``.
-    """
+    """Return a sentence, whole."""
     return f"${body}*{checksum(body.encode('ascii')):02X}\r\n"
 
 

@@ -12,21 +12,15 @@ from narrows.readers.nmea.nmea_lines import SENTENCE, Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import Telling
 from narrows.readers.nmea.nmea_sources import Sources
 
+# Bytes of a file by which a recording is recognised.
 SNIFFED = 1 << 16
-"""Bytes of a file by which a recording is recognised."""
+# Sentences that are looked at to choose who tells what.
 SAMPLE = 20_000
-"""Sentences that are looked at to choose who tells what."""
 MOSTLY = 0.5
 
 
 def is_nmea(path: Path) -> bool:
-    """Say whether a file is a recording of NMEA 0183 (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    """
+    """Say whether a file is a recording of NMEA 0183."""
     with path.open("rb") as file:
         lines = [line for line in file.read(SNIFFED).splitlines() if line.strip()]
     found = sum(bool((match := SENTENCE.search(line)) and match[3]) for line in lines)
@@ -34,20 +28,7 @@ def is_nmea(path: Path) -> bool:
 
 
 class Recording:
-    """What a recording tells, sentence by sentence.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    mmsi : int, optional
-        Whose AIS reports to read; what the ship reports of itself unless given.
-
-    Raises
-    ------
-    InputError
-        Where the parsers are not installed.
-    """
+    """What a recording tells, sentence by sentence."""
 
     def __init__(self, path: Path, mmsi: int | None = None) -> None:
         self.path, self.hearing = path, Hearing(mmsi)
@@ -59,7 +40,7 @@ class Recording:
         return self.hearing.faults
 
     def entries(self) -> Iterator[Entry]:
-        """Yield what the sentences tell, and when; who is believed is chosen by the first of them (ours)."""
+        """Yield what the sentences tell, and when; who is believed is chosen by the first of them."""
         self._begin()
         with opened(self.path) as file:
             yield from self.clock.entries(self._told(file))

@@ -9,45 +9,34 @@ from typing import Any, NamedTuple
 from narrows.quantities.constants import KNOT
 from narrows.readers.headers import DEGREE
 
+# Of the wind, by the letter of its unit.
 SPEEDS = {"N": KNOT, "K": 1 / 3.6, "M": 1.0, "S": 1609.344 / 3600}
-"""Of the wind, by the letter of its unit."""
+# Types of AIS messages that say where a ship is and how it moves, and how it is loaded (ITU-R M.1371).
 AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
-"""Types of AIS messages that say where a ship is and how it moves, and how it is loaded (ITU-R M.1371)."""
+# By which AIS says that it has none; its other such numbers lie beyond ``LARGEST``.
 NO_SPEED, NO_COURSE = 102.3, 360.0
-"""By which AIS says that it has none; its other such numbers lie beyond ``LARGEST``."""
+# Of numbers as sentences write them: what is larger, or is no number, is not told.
 LARGEST = {
     "longitude": 180.0, "latitude": 90.0, "heading": 360.0, "course_over_ground": 360.0, "speed_over_ground": 102.3,
     "r": 720.0, "rudder": 90.0, "revolutions": 6000.0, "u": 102.3, "v": 102.3, "u_ground": 102.3, "v_ground": 102.3,
     "apparent_wind_angle": 360.0, "wind_from": 360.0, "draft": 25.5, "depth": 1000.0,
 }  # fmt: skip
-"""Of numbers as sentences write them: what is larger, or is no number, is not told."""
 
 Values = dict[str, float]
+# By what it is about (``SOURCES``): columns in SI.
 Tellings = Mapping[str, Values]
-"""By what it is about (``SOURCES``): columns in SI."""
 
 
 class Telling(NamedTuple):
-    """What one sentence tells.
+    """What one sentence tells."""
 
-    Parameters
-    ----------
-    values : dict of str to dict of str to float
-        By what it is about: columns, none where it has nothing to tell.
-    source : str
-        Who tells it, as in ``GPGGA``.
-    clock : time, optional
-        Of the day, UTC.
-    day : date, optional
-        Of that.
-    """
-
-    values: Tellings
-    source: str
-    clock: time | None = None
-    day: date | None = None
+    values: Tellings  # By what it is about: columns, none where it has nothing to tell
+    source: str  # Who tells it, as in ``GPGGA``
+    clock: time | None = None  # Of the day, UTC
+    day: date | None = None  # Of that
 
 
+# What is measured, and by which types of sentences, the best first.
 SOURCES = {
     "position": ("GGA", "GNS", "RMC", "GLL", "VDO", "VDM"),
     "speed over ground": ("VTG", "RMC", "VDO", "VDM"),
@@ -60,23 +49,12 @@ SOURCES = {
     "wind as felt on board": ("MWV",),
     "wind": ("MWD",),
 }
-"""What is measured, and by which types of sentences, the best first."""
+# What is told of the ship and not measured: its draft; and what its echo sounder tells.
 PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
-"""What is told of the ship and not measured: its draft; and what its echo sounder tells."""
 
 
 def told_by(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> Telling | None:
-    """Return what a sentence tells; None where it is of a type that tells nothing here (ours).
-
-    Parameters
-    ----------
-    parts : sequence of bytes
-        The sentence; of an AIS message all of its sentences.
-    kind : str
-        Its talker and type.
-    mmsi : int, optional
-        Whose AIS reports to read; those of the ship itself unless given.
-    """
+    """Return what a sentence tells; None where it is of a type that tells nothing here."""
     if kind.endswith(("VDO", "VDM")):
         return _ais(parts, kind, mmsi)
     read = READ.get(kind[2:])
@@ -216,12 +194,12 @@ def _mwd(message: Any) -> Tellings:
     return {"wind": speed | _scaled(_only(wind_from=message.dirT), DEGREE)}
 
 
+# By type.
 READ: Mapping[str, Reader] = {
     "GGA": _gga, "GNS": _gns, "GLL": _gll, "RMC": _rmc, "VTG": _vtg, "HDT": _hdt, "THS": _ths, "HDG": _hdg,
     "ROT": _rot, "RSA": _rsa, "RPM": _rpm, "VHW": _vhw, "VBW": _vbw, "DPT": _dpt, "MWV": _mwv, "MWD": _mwd,
     "ZDA": lambda message: {},
 }  # fmt: skip
-"""By type."""
 
 
 def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> Telling | None:

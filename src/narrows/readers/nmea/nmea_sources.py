@@ -5,18 +5,12 @@ from collections.abc import Iterable
 
 from narrows.readers.nmea.nmea_sentences import SOURCES, Telling
 
+# Without a word [s], after which another talker of the same sentence is listened to: receivers change their names.
 SILENT = 5.0
-"""Without a word [s], after which another talker of the same sentence is listened to: receivers change their names."""
 
 
 class Sources:
-    """Chooses whom to believe.
-
-    Parameters
-    ----------
-    sample : iterable of Telling
-        Of the beginning, by which those are chosen that tell best and most.
-    """
+    """Chooses whom to believe."""
 
     def __init__(self, sample: Iterable[Telling] = ()) -> None:
         counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
@@ -29,17 +23,8 @@ class Sources:
         self._heard: dict[str, float] = {}
 
     def tells(self, about: str, source: str, t: float) -> bool:
-        """Say whether a source is the one to listen to (ours).
-
-        Parameters
-        ----------
-        about : str
-            What it tells of.
-        source : str
-            Talker and type.
-        t : float [s]
-            When.
-        """
+        """Say whether a source is the one to listen to."""
+        # t [s]
         chosen = self.chosen.setdefault(about, source)
         if source != chosen:
             if _type(source) != _type(chosen) or t - self._heard.get(about, 0.0) < SILENT:

@@ -17,18 +17,7 @@ class NmeaTable(Recording):
     """A recording, read as a table."""
 
     def frames(self, rows: int) -> Iterator[pd.DataFrame]:
-        """Yield the recording in the documented columns, SI, piece by piece (ours).
-
-        Parameters
-        ----------
-        rows : int
-            Of a piece, at most.
-
-        Raises
-        ------
-        InputError
-            Where no sentence tells anything.
-        """
+        """Yield the recording in the documented columns, SI, piece by piece."""
         entries, first = self.entries(), 0
         while piece := list(islice(entries, rows)):
             frame = _frame(piece, self.sources, first)

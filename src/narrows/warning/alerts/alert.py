@@ -8,10 +8,10 @@ IEC 62923-1:2018, Bridge alert management, for priorities, states and the 30 s o
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 
+# For which an alert is silenced [s]; then it sounds again.
 SILENCE = 30.0
-"""For which an alert is silenced [s]; then it sounds again."""
+# Without an acknowledgement [s], after which an alert sounds anew, and how often that is counted.
 PATIENCE, MOST_REPEATS = 60.0, 9
-"""Without an acknowledgement [s], after which an alert sounds anew, and how often that is counted."""
 MOST_REVISIONS = 99
 
 
@@ -55,44 +55,24 @@ class Command(Enum):
 
 
 SOUNDING = (AlertState.UNACKNOWLEDGED,)
+# States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED)
-"""States in which the condition holds."""
+# States in which an acknowledgement is waited for.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
-"""States in which an acknowledgement is waited for."""
 
 
 @dataclass(frozen=True)
 class Alert:
-    """One situation at a time, and what was said of it.
+    """One situation at a time, and what was said of it."""
 
-    Parameters
-    ----------
-    identifier : int
-        Of the situation.
-    priority : Priority
-        How urgent; of what is rectified, how urgent it was.
-    state : AlertState
-        Who has heard it.
-    text : str
-        A sentence.
-    changed : float [s]
-        When priority, state or the number of repeats last changed.
-    instance : int
-        How often the situation came up.
-    revision : int
-        How often it changed, from 1 to 99 and over again; 0 before.
-    repeats : int
-        How often it sounded anew.
-    """
-
-    identifier: int
-    priority: Priority = Priority.NONE
-    state: AlertState = AlertState.NORMAL
-    text: str = ""
-    changed: float = 0.0
-    instance: int = 0
-    revision: int = 0
-    repeats: int = 0
+    identifier: int  # Of the situation
+    priority: Priority = Priority.NONE  # How urgent; of what is rectified, how urgent it was
+    state: AlertState = AlertState.NORMAL  # Who has heard it
+    text: str = ""  # A sentence
+    changed: float = 0.0  # When priority, state or the number of repeats last changed [s]
+    instance: int = 0  # How often the situation came up
+    revision: int = 0  # How often it changed, from 1 to 99 and over again; 0 before
+    repeats: int = 0  # How often it sounded anew
 
     @property
     def sounds(self) -> bool:
@@ -100,17 +80,8 @@ class Alert:
         return self.state in SOUNDING and self.priority > Priority.CAUTION
 
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
-        """Return the alert where its situation is as urgent as it is now.
-
-        Parameters
-        ----------
-        priority : Priority
-            None where the condition does not hold.
-        text : str
-            A sentence.
-        t : float [s]
-            When.
-        """
+        """Return the alert where its situation is as urgent as it is now."""
+        # t [s]
         if priority is Priority.NONE:
             return self._rectified(t)
         if self.state in HOLDS and priority == self.priority:
@@ -129,15 +100,8 @@ class Alert:
         return self._changed(t, AlertState.NORMAL if gone else AlertState.RECTIFIED)
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
-        """Return the alert after a command of the bridge; None where that command is refused.
-
-        Parameters
-        ----------
-        command : Command
-            What is asked for.
-        t : float [s]
-            When.
-        """
+        """Return the alert after a command of the bridge; None where that command is refused."""
+        # t [s]
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:
             return self
         if command is Command.ACKNOWLEDGE and self.state in WAITING:
@@ -148,13 +112,8 @@ class Alert:
         return None
 
     def timed(self, t: float) -> "Alert":
-        """Return the alert where time has passed: a silence ends, what nobody acknowledges sounds anew.
-
-        Parameters
-        ----------
-        t : float [s]
-            When.
-        """
+        """Return the alert where time has passed: a silence ends, what nobody acknowledges sounds anew."""
+        # t [s]
         if self.state is AlertState.SILENCED and t - self.changed >= SILENCE:
             return self._changed(t, AlertState.UNACKNOWLEDGED)
         if self.sounds and t - self.changed >= PATIENCE and self.repeats < MOST_REPEATS:

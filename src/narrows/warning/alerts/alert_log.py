@@ -19,12 +19,12 @@ from typing import Any, NamedTuple
 from narrows.errors import InputError, reason
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
 
+# That an alert waits for the disk [s].
 DEADLINE = 0.5
-"""That an alert waits for the disk [s]."""
+# After which a disk that failed is tried again [s].
 AGAIN = 1.0
-"""After which a disk that failed is tried again [s]."""
+# Rows that wait for a disk; then the oldest are lost, which breaks the chain and can be seen.
 MOST_WAITING = 100_000
-"""Rows that wait for a disk; then the oldest are lost, which breaks the chain and can be seen."""
 TABLE = """
 CREATE TABLE IF NOT EXISTS rows (
     number INTEGER PRIMARY KEY, written REAL NOT NULL, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL
@@ -35,46 +35,17 @@ Connect = Callable[[], sqlite3.Connection]
 
 
 class LogRow(NamedTuple):
-    """A row of the log.
+    """A row of the log."""
 
-    Parameters
-    ----------
-    number : int
-        From 1 on.
-    written : float [s]
-        Since 1970.
-    kind : str
-        What it tells of: ``alert``, ``command``, ``status``.
-    content : str
-        JSON.
-    hash : str
-        SHA-256 of the hash before it and of all else.
-    """
-
-    number: int
-    written: float
-    kind: str
-    content: str
-    hash: str
+    number: int  # From 1 on
+    written: float  # Since 1970 [s]
+    kind: str  # What it tells of: ``alert``, ``command``, ``status``
+    content: str  # JSON
+    hash: str  # SHA-256 of the hash before it and of all else
 
 
 class AlertLog:
-    """A log that is written to.
-
-    Parameters
-    ----------
-    path : Path
-        The file; made where there is none.
-    deadline : float [s]
-        That is waited for the disk.
-    connect : callable, optional
-        Opens the file; the package's own way unless given.
-
-    Raises
-    ------
-    InputError
-        Where the file is no log, or cannot be opened.
-    """
+    """A log that is written to."""
 
     def __init__(self, path: Path, deadline: float = DEADLINE, connect: Connect | None = None) -> None:
         self.path, self.deadline, self.trouble = path, deadline, ""
@@ -98,25 +69,11 @@ class AlertLog:
         self._thread.join(self.deadline + AGAIN)
 
     def alert(self, alert: Alert) -> bool:
-        """Write an alert; return whether it is on disk.
-
-        Parameters
-        ----------
-        alert : Alert
-            That is to be published.
-        """
+        """Write an alert; return whether it is on disk."""
         return self.write("alert", {**vars(alert), "priority": alert.priority.name, "state": alert.state.name})
 
     def write(self, kind: str, content: Mapping[str, Any]) -> bool:
-        """Write a row; return whether it is on disk before the deadline (ours).
-
-        Parameters
-        ----------
-        kind : str
-            What it tells of.
-        content : mapping of str to Any
-            As JSON has it.
-        """
+        """Write a row; return whether it is on disk before the deadline."""
         with self._signal:
             row = _row(self._last, kind, json.dumps(content, sort_keys=True))
             self._last = row
@@ -160,18 +117,7 @@ class AlertLog:
 
 
 def logged(path: Path) -> Iterator[LogRow]:
-    """Yield the rows of a log, each held to the one before (ours).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        Where it is no log, or a row was changed, left out or added.
-    """
+    """Yield the rows of a log, each held to the one before."""
     before = LogRow(0, 0.0, "", "", NO_ROW)
     try:
         with closing(_opened(path)) as connection:

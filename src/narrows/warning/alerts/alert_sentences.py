@@ -15,53 +15,34 @@ from narrows.readers.nmea.nmea_lines import with_checksum
 from narrows.warning.alerts.alert import Alert, AlertState, Command
 from narrows.warning.alerts.situations import SITUATIONS
 
+# Integrated instrumentation; whose alerts they are; that they may be acknowledged at another place.
 TALKER, MAKER, CATEGORY = "II", "NRW", "B"
-"""Integrated instrumentation; whose alerts they are; that they may be acknowledged at another place."""
+# Letters of the second sentence of an alert.
 LONGEST_TEXT = 40
-"""Letters of the second sentence of an alert."""
+# Of a list, a sentence.
 ENTRIES = 3
-"""Of a list, a sentence."""
+# Between heartbeats [s], as the sentence tells.
 HEARTBEAT = 60.0
-"""Between heartbeats [s], as the sentence tells."""
 RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
+# Of states. Makers' manuals contradict each other, so that they can be others.
 LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
     AlertState.RECTIFIED: "U",
 }  # fmt: skip
-"""Of states. Makers' manuals contradict each other, so that they can be others."""
 ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
 
 
 class AlertCommand(NamedTuple):
-    """What a bridge asks for.
+    """What a bridge asks for."""
 
-    Parameters
-    ----------
-    identifier, instance : int
-        Which alert.
-    command : Command
-        What.
-    """
-
-    identifier: int
-    instance: int
-    command: Command
+    identifier: int  # Which alert
+    instance: int  # Which alert
+    command: Command  # What
 
 
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
-    """Return the two sentences of an alert: its name, and what there is to say (ours).
-
-    Parameters
-    ----------
-    alert : Alert
-        The alert.
-    since_1970 : float [s]
-        When it last changed.
-    number : int
-        Of the message, of which 0 to 9 are told.
-    letters : mapping of AlertState to str
-        Of the states.
-    """
+    """Return the two sentences of an alert: its name, and what there is to say."""
+    # since_1970 [s]
     name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
     # What is not normal has a priority; what became normal tells the one that it had.
     about = f"{_clock(since_1970)},{CATEGORY},{alert.priority.letter},{letters[alert.state]}"
@@ -73,15 +54,7 @@ def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertStat
 
 
 def alc(alerts: Sequence[Alert], number: int) -> list[str]:
-    """Return the sentences of the list of alerts that are not normal (ours).
-
-    Parameters
-    ----------
-    alerts : sequence of Alert
-        The alerts.
-    number : int
-        Of the message, of which 0 to 99 are told.
-    """
+    """Return the sentences of the list of alerts that are not normal."""
     parts = [alerts[first : first + ENTRIES] for first in range(0, len(alerts), ENTRIES)] or [()]
     return [
         with_checksum(
@@ -95,53 +68,24 @@ def alc(alerts: Sequence[Alert], number: int) -> list[str]:
 
 
 def hbt(sound: bool, number: int) -> str:
-    """Return a heartbeat (ours).
-
-    Parameters
-    ----------
-    sound : bool
-        Whether forecasts are made.
-    number : int
-        Of the message, of which 0 to 9 are told.
-    """
+    """Return a heartbeat."""
     return with_checksum(f"{TALKER}HBT,{HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
 
 
 def arc(refused: AlertCommand, since_1970: float) -> str:
-    """Return the sentence that refuses a command (ours).
-
-    Parameters
-    ----------
-    refused : AlertCommand
-        What was asked for.
-    since_1970 : float [s]
-        When.
-    """
+    """Return the sentence that refuses a command."""
+    # since_1970 [s]
     which = f"{MAKER},{refused.identifier},{refused.instance}"
     return with_checksum(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
 
 
 def acn(identifier: int, instance: int, command: Command) -> bytes:
-    """Return the sentence by which a bridge asks for something, as it is heard (ours).
-
-    Parameters
-    ----------
-    identifier, instance : int
-        Which alert.
-    command : Command
-        What.
-    """
+    """Return the sentence by which a bridge asks for something, as it is heard."""
     return with_checksum(f"{TALKER}ACN,,{MAKER},{identifier},{instance},{command.value},C").strip().encode("ascii")
 
 
 def command_of(text: bytes) -> AlertCommand | None:
-    """Return the command of a sentence ACN whose checksum is right; None where it is no command to us (ours).
-
-    Parameters
-    ----------
-    text : bytes
-        From ``$`` to the checksum.
-    """
+    """Return the command of a sentence ACN whose checksum is right; None where it is no command to us."""
     match = ACN.match(text)
     if match is None or match[1] not in (b"", MAKER.encode()):
         return None

@@ -11,33 +11,23 @@ from narrows.errors import InputError
 from narrows.warning.alerts.alert import Priority
 from narrows.warning.forecasting.forecast import BankForecast
 
+# Of a threshold, below which what is on goes off.
 MARGIN = 0.7
-"""Of a threshold, below which what is on goes off."""
+# For how long it is to be more urgent, or less, before that is said [s].
 RAISED_AFTER, LOWERED_AFTER = 2.0, 10.0
-"""For how long it is to be more urgent, or less, before that is said [s]."""
 
 
 @dataclass(frozen=True)
 class Thresholds:
-    """From when on a forecast is urgent.
+    """From when on a forecast is urgent."""
 
-    Parameters
-    ----------
-    caution, warning, alarm : float [1]
-        Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one.
-    emergency : float [s]
-        To contact, where the last chance is gone.
-
-    Raises
-    ------
-    InputError
-        Where one is no urgency, or a more urgent level would come before a less urgent one.
-    """
-
+    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
     caution: float = 0.38
+    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
     warning: float = 0.69
+    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
     alarm: float = 0.91
-    emergency: float = 30.0
+    emergency: float = 30.0  # To contact, where the last chance is gone [s]
 
     def __post_init__(self) -> None:
         if not 0.0 < self.caution <= self.warning <= self.alarm:
@@ -49,15 +39,7 @@ class Thresholds:
             raise InputError(f"emergency = {self.emergency} is no time; give seconds")
 
     def level(self, forecast: BankForecast, eased: float = 1.0) -> Priority:
-        """Return how urgent a forecast is.
-
-        Parameters
-        ----------
-        forecast : BankForecast
-            What will happen.
-        eased : float [1]
-            Factor on the urgencies, and one over that on the time.
-        """
+        """Return how urgent a forecast is."""
         run, urgency = forecast.likely, forecast.urgency
         if run.gone and run.contact <= self.emergency / eased:
             return Priority.EMERGENCY_ALARM
@@ -66,28 +48,15 @@ class Thresholds:
 
 
 class BankLevel:
-    """The level as it is said: raised and lowered with delay, so that nothing chatters at a threshold.
-
-    Parameters
-    ----------
-    thresholds : Thresholds
-        From when on a forecast is urgent.
-    """
+    """The level as it is said: raised and lowered with delay, so that nothing chatters at a threshold."""
 
     def __init__(self, thresholds: Thresholds) -> None:
         self.thresholds, self.level = thresholds, Priority.NONE
         self._above = self._below = math.inf
 
     def update(self, t: float, forecast: BankForecast) -> Priority:
-        """Take a forecast, and return the level that is said (ours).
-
-        Parameters
-        ----------
-        t : float [s]
-            When.
-        forecast : BankForecast
-            What will happen.
-        """
+        """Take a forecast, and return the level that is said."""
+        # t [s]
         wanted = self.thresholds.level(forecast)
         kept = max(wanted, min(self.level, self.thresholds.level(forecast, MARGIN)))
         self._above = min(self._above, t) if wanted > self.level else math.inf

@@ -13,35 +13,23 @@ from narrows.warning.alerts.alert import HOLDS, Alert, AlertState, Priority
 from narrows.warning.alerts.alert_desk import AlertDesk
 from narrows.warning.alerts.situations import SITUATIONS, Situation
 
+# By priority; of what is over, normal.
 STATES = {
     Priority.NONE: "normal", Priority.CAUTION: "alert", Priority.WARNING: "warn", Priority.ALARM: "alarm",
     Priority.EMERGENCY_ALARM: "emergency",
 }  # fmt: skip
-"""By priority; of what is over, normal."""
 SOURCE = "narrows"
 
 
 def notifications(desk: AlertDesk, since_1970: float) -> dict[str, Any]:
-    """Return the delta of all alerts (ours).
-
-    Parameters
-    ----------
-    desk : AlertDesk
-        That holds them.
-    since_1970 : float [s]
-        Now.
-    """
+    """Return the delta of all alerts."""
+    # since_1970 [s]
     return _delta({one: _value(desk[one]) for one in SITUATIONS.values()}, since_1970)
 
 
 def ended(since_1970: float) -> dict[str, Any]:
-    """Return the delta of a monitor that watches no more: nothing is alerted, and that is why (ours).
-
-    Parameters
-    ----------
-    since_1970 : float [s]
-        Now.
-    """
+    """Return the delta of a monitor that watches no more: nothing is alerted, and that is why."""
+    # since_1970 [s]
     return _delta({one: _normal("The monitor has ended.") for one in SITUATIONS.values()}, since_1970)
 
 

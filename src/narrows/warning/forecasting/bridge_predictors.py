@@ -10,48 +10,25 @@ import numpy as np
 from narrows.ship.particulars import Ship
 from narrows.ship.swept_width import half_swept
 
+# Between the places of a track [s].
 STEP = 2.0
-"""Between the places of a track [s]."""
 
 
 class Beside(NamedTuple):
-    """Ships beside banks.
+    """Ships beside banks."""
 
-    Parameters
-    ----------
-    hull : Ship
-        Length and beam.
-    half_width : float [m]
-        Of the water.
-    y : array (n,) [m]
-        To starboard of the middle.
-    psi : array (n,) [rad]
-        Heading, to the line.
-    u, v : array (n,) [m/s]
-        Surge and sway velocity.
-    r : array (n,) [rad/s]
-        Yaw rate.
-    bend : float [1/m]
-        Curvature of the line.
-    """
-
-    hull: Ship
-    half_width: float
-    y: np.ndarray
-    psi: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    r: np.ndarray
-    bend: float = 0.0
+    hull: Ship  # Length and beam
+    half_width: float  # Of the water [m]
+    y: np.ndarray  # (n,) To starboard of the middle [m]
+    psi: np.ndarray  # (n,) Heading, to the line [rad]
+    u: np.ndarray  # (n,) Surge and sway velocity [m/s]
+    v: np.ndarray  # (n,) Surge and sway velocity [m/s]
+    r: np.ndarray  # (n,) Yaw rate [rad/s]
+    bend: float = 0.0  # Curvature of the line [1/m]
 
     def clearance(self, y: np.ndarray, psi: np.ndarray) -> Any:
-        """Return the water beside the corners of the hull [m].
-
-        Parameters
-        ----------
-        y, psi : array [m, rad]
-            Where it is.
-        """
+        """Return the water beside the corners of the hull [m]."""
+        # y, psi [m, rad]
         return self.half_width - np.abs(y) - half_swept(self.hull, psi)
 
     @property
@@ -60,23 +37,13 @@ class Beside(NamedTuple):
         return self.clearance(self.y, self.psi)
 
     def straight_contact(self, until: float) -> np.ndarray:
-        """Return when a ship that goes straight on meets a bank, (n,) [s]; infinite where it does not by then.
-
-        Parameters
-        ----------
-        until : float [s]
-            How far it is looked ahead.
-        """
+        """Return when a ship that goes straight on meets a bank, (n,) [s]; infinite where it does not by then."""
+        # until [s]
         return self._contact(np.zeros_like(self.r), until)
 
     def curved_contact(self, until: float) -> np.ndarray:
-        """Return the same of a ship that goes on turning as fast as it does.
-
-        Parameters
-        ----------
-        until : float [s]
-            How far it is looked ahead.
-        """
+        """Return the same of a ship that goes on turning as fast as it does."""
+        # until [s]
         return self._contact(self.r, until)
 
     def _contact(self, turn: np.ndarray, until: float) -> np.ndarray:

@@ -10,88 +10,47 @@ from narrows.results import Described
 from narrows.warning.forecasting.forecast_cases import AFTER, AS_IS, PILOT_NOW, TAKEOVERS
 
 NUMBERS = ("t", "urgency", "curved", "rudder", "rudder_needed", "rudder_limit", "rudder_margin")
+# Within which contact is soon [s].
 SOON = 60.0
-"""Within which contact is soon [s]."""
+# A time to contact [s] that is as urgent as a pilot who meets a bank for sure, and the shortest that counts.
 COUNTS_AS_SURE, SOONEST = 10.0, 1.0
-"""A time to contact [s] that is as urgent as a pilot who meets a bank for sure, and the shortest that counts."""
 
 
 @dataclass(frozen=True)
 class CaseForecast:
-    """One future of all members.
+    """One future of all members."""
 
-    Parameters
-    ----------
-    name : str
-        Who steers, from when.
-    probability : float [1]
-        Share of the members that meet a bank, or come to lie across.
-    soon : float [1]
-        Share of them within ``SOON``.
-    time : float [s]
-        Median time to it of those that do; infinite where none does.
-    side : str
-        To which most of them do; empty where none does.
-    """
-
-    name: str
-    probability: float
-    soon: float
-    time: float
-    side: str
+    name: str  # Who steers, from when
+    probability: float  # Share of the members that meet a bank, or come to lie across [1]
+    soon: float  # Share of them within ``SOON`` [1]
+    time: float  # Median time to it of those that do; infinite where none does [s]
+    side: str  # To which most of them do; empty where none does
 
 
 @dataclass(frozen=True)
 class LikelyRun:
-    """The run of the mean state and the model's own coefficients.
+    """The run of the mean state and the model's own coefficients."""
 
-    Parameters
-    ----------
-    contact : float [s]
-        When it meets a bank with the rudder as it is; infinite where it does not.
-    side : str
-        Which; empty where none.
-    last_chance : float [s]
-        Until when a pilot who takes over still keeps it clear; infinite where also later than is looked at.
-    gone : bool
-        Whether not even a pilot who takes over now does.
-    """
-
-    contact: float
-    side: str
+    contact: float  # When it meets a bank with the rudder as it is; infinite where it does not [s]
+    side: str  # Which; empty where none
+    # Until when a pilot who takes over still keeps it clear; infinite where also later than is looked at [s]
     last_chance: float
-    gone: bool
+    gone: bool  # Whether not even a pilot who takes over now does
 
 
 @dataclass(frozen=True, repr=False)
 class BankForecast(Described):
-    """What will happen to a ship beside the banks.
+    """What will happen to a ship beside the banks."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When it was made.
-    cases : dict of str to CaseForecast
-        By who steers.
-    likely : LikelyRun
-        The most likely run.
-    curved : float [s]
-        To contact of a ship that goes on turning as fast as it does; infinite where it meets no bank in 120 s.
-    rudder : float [rad]
-        Now.
-    rudder_needed : float [rad]
-        That holds the ship where it is, the bank as strong as it is estimated; infinite where none does.
-    rudder_limit : float [rad]
-        Of the gear.
-    """
-
-    t: float
-    cases: dict[str, CaseForecast]
-    likely: LikelyRun
+    t: float  # When it was made [s]
+    cases: dict[str, CaseForecast]  # By who steers
+    likely: LikelyRun  # The most likely run
+    # To contact of a ship that goes on turning as fast as it does; infinite where it meets no bank in 120 s [s]
     curved: float
-    rudder: float
+    rudder: float  # Now [rad]
+    # That holds the ship where it is, the bank as strong as it is estimated; infinite where none does [rad]
     rudder_needed: float
-    rudder_limit: float
+    rudder_limit: float  # Of the gear [rad]
 
     @property
     def as_it_is(self) -> CaseForecast:
@@ -154,17 +113,9 @@ class BankForecast(Described):
 
 
 def urgency_of(pilot_now: Any, contact: Any, curved: Any) -> Any:
-    """Return one number for how urgent it is [1]: what a pilot now meets, and how soon it comes, two ways (ours).
-
-    The curved track knows nothing of the model, and so is not wrong where the model is.
-
-    Parameters
-    ----------
-    pilot_now : float or array [1]
-        Chance of contact with a pilot who takes over now.
-    contact, curved : float or array [s]
-        Time to contact of the most likely run, and of the curved track.
-    """
+    """Return one number for how urgent it is [1]: what a pilot now meets, and how soon it comes, two ways."""
+    # contact, curved [s]
+    # The curved track knows nothing of the model, and so is not wrong where the model is.
     return pilot_now + sum(COUNTS_AS_SURE / np.maximum(time, SOONEST) for time in (contact, curved))
 
 

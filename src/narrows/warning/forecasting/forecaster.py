@@ -22,33 +22,16 @@ from narrows.warning.forecasting.members import Drawn, Members
 from narrows.warning.forecasting.predicted_fan import BLOCKS, FAN_MEMBERS, PredictedFan, fan_of
 from narrows.warning.forecasting.rudder_needed import rudder_needed
 
+# Of the root of length over gravity; and a time [s] that is a whole number of steps, as all times of the cases are.
 STEPS_A_PERIOD, EVEN = 2.0, 10.0
-"""Of the root of length over gravity; and a time [s] that is a whole number of steps, as all times of the cases are."""
+# Along the way, and of the speed, after which the pilot is made anew for the place and the speed.
 AGAIN_LENGTHS, AGAIN_SHARE = 5.0, 0.2
-"""Along the way, and of the speed, after which the pilot is made anew for the place and the speed."""
+# Froude number by length: for slower ships the pilot is that of this speed [1].
 SLOWEST = 0.01
-"""Froude number by length: for slower ships the pilot is that of this speed [1]."""
 
 
 class Forecaster:
-    """Forecasts of one ship, laid out once (ours).
-
-    Parameters
-    ----------
-    estimator : Estimator
-        Whose estimates are taken.
-    line : float [m]
-        That a pilot who takes over brings the ship to, to starboard of the middle of the canal or the waterway's line.
-    members : int
-        Of the ensemble, an even number.
-    seed : int
-        Of their draws.
-
-    Raises
-    ------
-    InputError
-        Where the model has no rudder, or there are no members.
-    """
+    """Forecasts of one ship, laid out once."""
 
     def __init__(self, estimator: Estimator, line: float = 0.0, *, members: int = 1000, seed: int = 0) -> None:
         check_count("members", members, 2)
@@ -62,20 +45,8 @@ class Forecaster:
         self._pilot_for = (-math.inf, math.inf)
 
     def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> BankForecast:
-        """Return what will happen.
-
-        Parameters
-        ----------
-        estimate : Estimate
-            That is ready, of a ship that makes way.
-        positions : mapping of str to float
-            Indicated, of the actuators: rudder [rad], revolutions [1/s].
-
-        Raises
-        ------
-        InputError
-            Where there is no estimate, or no pilot holds the ship there.
-        """
+        """Return what will happen."""
+        # positions [rad]
         ships = self._members.drawn(estimate), self._members.likely(estimate)
         now, rudder = estimate.values, positions.get(RUDDER, 0.0)
         lanes = self._flowing(self._laid_out(now), now, positions)
@@ -96,20 +67,7 @@ class Forecaster:
         return float(beside.curved_contact(AFTER)[0])
 
     def fan(self, estimate: Estimate, positions: Mapping[str, float]) -> PredictedFan:
-        """Return where the ship may go, for pictures.
-
-        Parameters
-        ----------
-        estimate : Estimate
-            That a forecast was made of.
-        positions : mapping of str to float
-            As it was made with.
-
-        Raises
-        ------
-        InputError
-            As of a forecast.
-        """
+        """Return where the ship may go, for pictures."""
         rudder, likely = positions.get(RUDDER, 0.0), self._members.likely(estimate)
         self._laid_out(estimate.values)
         if self._fan_lanes is None:

@@ -18,27 +18,19 @@ from narrows.warning.forecasting.forecast_cases import Case
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+# How a lane ends in a bank, or across the canal, which is on the way there.
 MEETS = (Code.GROUNDED, Code.DIVERGED, Code.OUTSIDE)
-"""How a lane ends in a bank, or across the canal, which is on the way there."""
 
 
+# Of the beam: how closely a contact is located.
 TOLERANCE = 0.02
-"""Of the beam: how closely a contact is located."""
 
 
 class FutureBlock(NamedTuple):
-    """Futures of some ships.
+    """Futures of some ships."""
 
-    Parameters
-    ----------
-    cases : sequence of Case
-        Each of every ship.
-    ships : int
-        How many.
-    """
-
-    cases: Sequence[Case]
-    ships: int
+    cases: Sequence[Case]  # Each of every ship
+    ships: int  # How many
 
     @property
     def lanes(self) -> int:
@@ -46,65 +38,27 @@ class FutureBlock(NamedTuple):
         return len(self.cases) * self.ships
 
     def repeated(self, name: str) -> np.ndarray:
-        """Return a number of the cases for every lane.
-
-        Parameters
-        ----------
-        name : str
-            Of it.
-        """
+        """Return a number of the cases for every lane."""
         return np.repeat([getattr(case, name) for case in self.cases], self.ships)
 
 
 class Ships(NamedTuple):
-    """Ships from which the futures of a block begin.
+    """Ships from which the futures of a block begin."""
 
-    Parameters
-    ----------
-    columns : dict of str to array (ships,)
-        x, y [m], psi [rad], u, v [m/s], r [rad/s].
-    rudder : array (ships,) [rad]
-        Its true angle.
-    coefficients : dict of str to array (ships,)
-        By name, those of the bank as strong as it is estimated.
-    """
-
-    columns: Mapping[str, np.ndarray]
-    rudder: np.ndarray
-    coefficients: Mapping[str, np.ndarray]
+    columns: Mapping[str, np.ndarray]  # (ships,) x, y [m], psi [rad], u, v [m/s], r [rad/s]
+    rudder: np.ndarray  # (ships,) Its true angle [rad]
+    coefficients: Mapping[str, np.ndarray]  # (ships,) By name, those of the bank as strong as it is estimated
 
 
 class Ends(NamedTuple):
-    """How the futures of a block end.
+    """How the futures of a block end."""
 
-    Parameters
-    ----------
-    contact : array (cases, ships) [s]
-        When a bank is met; infinite where none is.
-    side : array (cases, ships)
-        Which: negative to port, positive to starboard.
-    """
-
-    contact: np.ndarray
-    side: np.ndarray
+    contact: np.ndarray  # (cases, ships) When a bank is met; infinite where none is [s]
+    side: np.ndarray  # (cases, ships) Which: negative to port, positive to starboard
 
 
 class FutureLanes:
-    """Lanes of one ship in many futures.
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    pilot : Regulator
-        Who takes over.
-    blocks : sequence of FutureBlock
-        Laid out one after the other.
-    step : float [s]
-        Of the motion.
-    """
+    """Lanes of one ship in many futures."""
 
     def __init__(
         self, ship: SimulatedShip, waterway: "Waterway | None", pilot: Regulator, blocks: Sequence[FutureBlock],
@@ -130,41 +84,22 @@ class FutureLanes:
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
 
     def steer(self, pilot: Regulator) -> None:
-        """Let another pilot of the same kind take over.
-
-        Parameters
-        ----------
-        pilot : Regulator
-            Of one line.
-        """
+        """Let another pilot of the same kind take over."""
         for name, value in pilot.parameters().items():
             place = self._inputs.get(PARAMETER(name))
             if place is not None:
                 self._prepared.vessel_inputs[:, place] = value
 
     def flow(self, current: float, revolutions: float | None) -> None:
-        """Take the current along the waterway and the propeller's revolutions as they are now.
-
-        Parameters
-        ----------
-        current : float [m/s]
-            Along it.
-        revolutions : float, optional [1/s]
-            Of the propeller.
-        """
+        """Take the current along the waterway and the propeller's revolutions as they are now."""
+        # current [m/s]; revolutions [1/s]
         names, shared = self._prepared.kernel.SHARED, self._prepared.shared
         for name, value in (("current", current), ("revolutions", revolutions)):
             if name in names and value is not None:
                 shared[names.index(name)] = value
 
     def __call__(self, ships: Sequence[Ships]) -> list[Ends]:
-        """Return how the futures end.
-
-        Parameters
-        ----------
-        ships : sequence of Ships
-            Of each block.
-        """
+        """Return how the futures end."""
         for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
             self._load(lanes, len(block.cases), own)
         self._prepared()

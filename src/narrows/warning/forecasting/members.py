@@ -12,40 +12,22 @@ from narrows.estimation.ship_filter import ShipFilter
 
 
 class Drawn(NamedTuple):
-    """Ships.
+    """Ships."""
 
-    Parameters
-    ----------
-    states : array (ships, states)
-        Of the estimate.
-    coefficients : array (ships, coefficients)
-        In the order of the model's table.
-    """
-
-    states: np.ndarray
-    coefficients: np.ndarray
+    states: np.ndarray  # (ships, states) Of the estimate
+    coefficients: np.ndarray  # (ships, coefficients) In the order of the model's table
 
 
 @dataclass
 class Members:
-    """Ships that what is known leaves possible (ours).
+    """Ships that what is known leaves possible."""
 
-    What an estimate knows of how the state goes with the coefficients, the members keep. The numbers that they are
-    drawn by stay the same: from one forecast to the next only what is known changes.
+    # What an estimate knows of how the state goes with the coefficients, the members keep. The numbers that they are
+    # drawn by stay the same: from one forecast to the next only what is known changes.
 
-    Parameters
-    ----------
-    filter : ShipFilter
-        Of the estimator.
-    count : int
-        How many, an even number: half of them mirror the other half about the mean.
-    seed : int
-        Of the numbers.
-    """
-
-    filter: ShipFilter
-    count: int
-    seed: int
+    filter: ShipFilter  # Of the estimator
+    count: int  # How many, an even number: half of them mirror the other half about the mean
+    seed: int  # Of the numbers
 
     @cached_property
     def _normals(self) -> np.ndarray:
@@ -54,33 +36,11 @@ class Members:
         return np.concatenate([half, -half])
 
     def drawn(self, estimate: Estimate) -> Drawn:
-        """Return the members.
-
-        Parameters
-        ----------
-        estimate : Estimate
-            What is known now.
-
-        Raises
-        ------
-        InputError
-            Where nothing is.
-        """
+        """Return the members."""
         return self._ships(estimate, self._normals)
 
     def likely(self, estimate: Estimate) -> Drawn:
-        """Return the one ship of the mean.
-
-        Parameters
-        ----------
-        estimate : Estimate
-            What is known now.
-
-        Raises
-        ------
-        InputError
-            Where nothing is.
-        """
+        """Return the one ship of the mean."""
         return self._ships(estimate, np.zeros((1, self._normals.shape[1])))
 
     def _ships(self, estimate: Estimate, normals: np.ndarray) -> Drawn:

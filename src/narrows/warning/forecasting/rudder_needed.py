@@ -16,19 +16,8 @@ if TYPE_CHECKING:
 def rudder_needed(
     ship: SimulatedShip, waterway: "Waterway | None", at: Mapping[str, float], positions: Mapping[str, float]
 ) -> float:
-    """Return the rudder of the steady course at a place [rad]; infinite where there is none (ours).
-
-    Parameters
-    ----------
-    ship : SimulatedShip
-        The ship.
-    waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
-    at : mapping of str to float
-        The state: x, y [m], u [m/s], and where it is estimated the bank's strength.
-    positions : mapping of str to float
-        Of other actuators: revolutions [1/s]; those that keep the speed unless given.
-    """
+    """Return the rudder of the steady course at a place [rad]; infinite where there is none."""
+    # at [m]; positions [1/s]
     model = ship.model
     water = local_water(model, waterway, at["x"] if waterway is not None else 0.0)
     offset = at["y"] - water.middle

@@ -14,56 +14,28 @@ from narrows.warning.hearing.tick import Tick
 from narrows.waterway.projection import projected
 from narrows.waterway.waterway import Waterway
 
+# Beyond the banks [m] and the ends, where a fix is none of this waterway.
 BESIDE = 1000.0
-"""Beyond the banks [m] and the ends, where a fix is none of this waterway."""
 NOT_HERE = "that tell of a place off the waterway"
 WATER_LOG, GROUND_LOG = "log", "ground_log"
 Reading = float | tuple[float, float]
 
 
 class Heard(NamedTuple):
-    """What the bridge told until a time.
+    """What the bridge told until a time."""
 
-    Parameters
-    ----------
-    t : float [s]
-        Until when.
-    readings : dict of str to float or pair of float
-        Of the last second, by the names of sensors and actuators.
-    ages : dict of str to float [s]
-        By what was ever told: how long ago.
-    faults : dict of str to int
-        Messages that were left out so far.
-    draft : float, optional [m]
-        As the ship reports it.
-    depth : float, optional [m]
-        Of the water, as the echo sounder told it in the last second; what is under the keel and the draft, where it
-        tells that.
-    """
-
-    t: float
-    readings: dict[str, Reading]
-    ages: dict[str, float]
-    faults: dict[str, int]
-    draft: float | None
+    t: float  # Until when [s]
+    readings: dict[str, Reading]  # Of the last second, by the names of sensors and actuators
+    ages: dict[str, float]  # By what was ever told: how long ago [s]
+    faults: dict[str, int]  # Messages that were left out so far
+    draft: float | None  # As the ship reports it [m]
+    # Of the water, as the echo sounder told it in the last second; what is under the keel and the draft, where it
+    # tells that [m]
     depth: float | None = None
 
 
 class BridgeReadings:
-    """Brings what is told to a waterway (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway
-        That knows where on earth it is.
-    draft : float, optional [m]
-        Of the ship, where it reports none.
-
-    Raises
-    ------
-    InputError
-        Where the waterway does not.
-    """
+    """Brings what is told to a waterway."""
 
     def __init__(self, waterway: Waterway, draft: float | None = None) -> None:
         if waterway.origin is None:
@@ -79,13 +51,7 @@ class BridgeReadings:
         self._off = 0
 
     def heard(self, tick: Tick) -> Heard:
-        """Return what a second told.
-
-        Parameters
-        ----------
-        tick : Tick
-            Of it.
-        """
+        """Return what a second told."""
         told = self._latest(tick.entries)
         depth = self._depth(told.pop(WATER_DEPTH, {}))
         readings = self._place(told.pop("position", {}))

@@ -10,51 +10,31 @@ from urllib.parse import parse_qs, urlsplit
 
 from narrows.errors import InputError, needs, reason
 
+# To wait for a word [s] before looking whether to go on.
 PATIENCE = 0.5
-"""To wait for a word [s] before looking whether to go on."""
+# To wait for a connection [s].
 OPENING = 5.0
-"""To wait for a connection [s]."""
+# Before a connection is tried again [s]; each time twice as long.
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 30.0
-"""Before a connection is tried again [s]; each time twice as long."""
 DATAGRAM = 65_535
 BAUD = 4800
 SCHEMES = "udp://:10110, tcp://192.168.1.20:10110, serial:///dev/ttyUSB0?baud=38400 or ws://192.168.1.20:3000"
 SIGNAL_K = "/signalk/v1/stream?subscribe=self"
+# What came; nothing after ``PATIENCE`` of silence. Raises OSError where the connection broke.
 Read = Callable[[], bytes]
-"""What came; nothing after ``PATIENCE`` of silence. Raises OSError where the connection broke."""
 
 
 @dataclass(frozen=True)
 class Connection:
-    """A way by which bytes come.
+    """A way by which bytes come."""
 
-    Parameters
-    ----------
-    address : str
-        As the user wrote it.
-    whole : bool
-        Whether each piece that is read ends its last line.
-    signal_k : bool
-        Whether it speaks Signal K, and not NMEA 0183.
-    opened : callable
-        Opens it; what that gives reads.
-    """
-
-    address: str
-    whole: bool
-    signal_k: bool
-    opened: Callable[[], AbstractContextManager[Read]]
+    address: str  # As the user wrote it
+    whole: bool  # Whether each piece that is read ends its last line
+    signal_k: bool  # Whether it speaks Signal K, and not NMEA 0183
+    opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
 
     def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[bytes]:
-        """Yield what comes until it is to stop; a connection that breaks is opened anew, ever less often (ours).
-
-        Parameters
-        ----------
-        stop : Event
-            Set when it is to stop.
-        broken : callable
-            Told why the connection broke.
-        """
+        """Yield what comes until it is to stop; a connection that breaks is opened anew, ever less often."""
         pause = FIRST_PAUSE
         while not stop.is_set():
             try:
@@ -70,18 +50,7 @@ class Connection:
 
 
 def connection_of(address: str) -> Connection:
-    """Return the connection of an address (ours).
-
-    Parameters
-    ----------
-    address : str
-        As in ``udp://:10110``.
-
-    Raises
-    ------
-    InputError
-        Where it is none, or asks for a library that is not installed.
-    """
+    """Return the connection of an address."""
     parts = urlsplit(address)
     try:
         host, port = parts.hostname or "", parts.port

@@ -7,23 +7,15 @@ from typing import NamedTuple
 from narrows.readers.nmea.nmea_lines import Sentence
 from narrows.readers.nmea.nmea_sentences import Telling
 
+# Messages that wait at most; of more the oldest are lost.
 OWN, OTHERS = 20_000, 5_000
-"""Messages that wait at most; of more the oldest are lost."""
 
 
 class Arrival(NamedTuple):
-    """A message that came.
+    """A message that came."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When.
-    message : Sentence or Telling
-        A sentence that is still to be understood, or what was told.
-    """
-
-    t: float
-    message: Sentence | Telling
+    t: float  # When [s]
+    message: Sentence | Telling  # A sentence that is still to be understood, or what was told
 
 
 class Inbox:
@@ -36,13 +28,7 @@ class Inbox:
         self._lock = Lock()
 
     def put(self, arrival: Arrival) -> None:
-        """Add a message (ours).
-
-        Parameters
-        ----------
-        arrival : Arrival
-            With its time.
-        """
+        """Add a message."""
         message = arrival.message
         queue = self._others if isinstance(message, Sentence) and message.kind.endswith("VDM") else self._own
         with self._lock:

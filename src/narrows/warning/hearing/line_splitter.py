@@ -2,33 +2,19 @@
 
 from collections import Counter
 
+# Bytes of a line; a sentence has 82, and some more before it.
 LONGEST = 4096
-"""Bytes of a line; a sentence has 82, and some more before it."""
 
 
 class LineSplitter:
-    """Cuts bytes into lines.
-
-    Parameters
-    ----------
-    faults : Counter
-        Counts what was given up.
-    """
+    """Cuts bytes into lines."""
 
     def __init__(self, faults: Counter[str]) -> None:
         self.faults = faults
         self._rest = b""
 
     def lines(self, piece: bytes, whole: bool = False) -> list[bytes]:
-        """Return the lines that a piece completes (ours).
-
-        Parameters
-        ----------
-        piece : bytes
-            As it came.
-        whole : bool
-            Whether its end is the end of a line, as that of a datagram is.
-        """
+        """Return the lines that a piece completes."""
         *lines, rest = (self._rest + piece).replace(b"\r", b"\n").split(b"\n")
         if whole:
             lines, rest = [*lines, rest], b""

@@ -15,20 +15,12 @@ from narrows.warning.hearing.line_splitter import LineSplitter
 from narrows.warning.hearing.signal_k import deltas
 from narrows.warning.hearing.tick import PERIOD, Tick
 
+# Of a second that the reports of other ships may take.
 SHARE = 0.2
-"""Of a second that the reports of other ships may take."""
 
 
 class Listening:
-    """Connections that are listened to.
-
-    Parameters
-    ----------
-    connections : sequence of Connection
-        All of them at once.
-    mmsi : int, optional
-        Whose AIS reports to read; what the ship reports of itself unless given.
-    """
+    """Connections that are listened to."""
 
     def __init__(self, connections: Sequence[Connection], mmsi: int | None = None) -> None:
         self.inbox, self.hearing, self._stop = Inbox(), Hearing(mmsi), Event()

@@ -4,26 +4,16 @@ from typing import NamedTuple
 
 from narrows.readers.nmea.nmea_sentences import SOURCES
 
+# Without a word [s], after which another is listened to.
 SILENT = 5.0
-"""Without a word [s], after which another is listened to."""
 
 
 class Chosen(NamedTuple):
-    """Who is believed.
+    """Who is believed."""
 
-    Parameters
-    ----------
-    rank : int
-        Of what it is, the best 0.
-    source : str
-        Who.
-    t : float [s]
-        When it was heard last.
-    """
-
-    rank: int
-    source: str
-    t: float
+    rank: int  # Of what it is, the best 0
+    source: str  # Who
+    t: float  # When it was heard last [s]
 
 
 class LiveChoice:
@@ -33,17 +23,8 @@ class LiveChoice:
         self.chosen: dict[str, Chosen] = {}
 
     def tells(self, about: str, source: str, t: float) -> bool:
-        """Say whether a source is the one to believe (ours).
-
-        Parameters
-        ----------
-        about : str
-            What it tells of.
-        source : str
-            Talker and type, as in ``GPGGA``.
-        t : float [s]
-            When.
-        """
+        """Say whether a source is the one to believe."""
+        # t [s]
         now, rank = self.chosen.get(about), _rank(about, source)
         if now and source != now.source and rank >= now.rank and t - now.t <= SILENT:
             return False

@@ -11,24 +11,14 @@ from narrows.readers.nmea.nmea_clock import Entry
 from narrows.readers.nmea.nmea_recording import Recording
 from narrows.warning.hearing.tick import PERIOD, Tick
 
+# How late a line may stand in a recording [s].
 LATE = 60.0
-"""How late a line may stand in a recording [s]."""
+# That is heard second by second [s]; after it the recording goes on where it goes on.
 LONGEST_SILENCE = 120.0
-"""That is heard second by second [s]; after it the recording goes on where it goes on."""
 
 
 class Replay:
-    """A recording.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    speed : float [1]
-        Times that of the ship; infinite for as fast as it goes.
-    mmsi : int, optional
-        Whose AIS reports to read.
-    """
+    """A recording."""
 
     def __init__(self, path: Path, speed: float = math.inf, mmsi: int | None = None) -> None:
         self.recording, self.speed = Recording(path, mmsi), speed
@@ -44,15 +34,8 @@ class Replay:
 
 
 def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
-    """Yield entries by their times, each once, though they stand in another order or several times (ours).
-
-    Parameters
-    ----------
-    entries : iterable of Entry
-        As they stand.
-    late : float [s]
-        How much later than others of its time one may stand; what is later still is left out.
-    """
+    """Yield entries by their times, each once, though they stand in another order or several times."""
+    # late [s]
     waiting: list[tuple[float, str, int, Entry]] = []
     numbers, newest, last = count(), -math.inf, -math.inf
     recent: set[tuple[float, str, str]] = set()
@@ -77,13 +60,7 @@ def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
 
 
 def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
-    """Yield entries second by second, seconds without any too (ours).
-
-    Parameters
-    ----------
-    entries : iterable of Entry
-        In order.
-    """
+    """Yield entries second by second, seconds without any too."""
     until, heard = -math.inf, list[Entry]()
     for entry in entries:
         second = math.ceil(entry.t / PERIOD) * PERIOD
@@ -100,15 +77,7 @@ def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
 
 
 def paced(ticks: Iterable[Tick], speed: float) -> Iterator[Tick]:
-    """Yield ticks no sooner than they are due (ours).
-
-    Parameters
-    ----------
-    ticks : iterable of Tick
-        In order.
-    speed : float [1]
-        Times that of the ship; infinite for as fast as it goes.
-    """
+    """Yield ticks no sooner than they are due."""
     began: tuple[float, float] | None = None
     for tick in ticks:
         began = began or (time.monotonic(), tick.t)

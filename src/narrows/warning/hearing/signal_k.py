@@ -15,8 +15,9 @@ from typing import Any
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, Telling, Tellings, Values
 
 TURN = 2 * math.pi
+# More than any ship's speed [m/s].
 FASTEST = 60.0
-"""More than any ship's speed [m/s]."""
+# By path: what it is about, the column, and the largest number that it can be.
 PATHS = {
     "navigation.headingTrue": ("heading", "heading", TURN),
     "navigation.rateOfTurn": ("yaw rate", "r", 1.0),
@@ -27,7 +28,6 @@ PATHS = {
     "propulsion.revolutions": ("revolutions", "revolutions", 100.0),
     "design.draft.current": (PARTICULARS, "draft", 50.0),
 }
-"""By path: what it is about, the column, and the largest number that it can be."""
 POSITION = "navigation.position"
 PLACES = {"longitude": 180.0, "latitude": 90.0}
 ENGINE = re.compile(r"^propulsion\.[^.]+\.")
@@ -36,15 +36,7 @@ SOURCE = "signalk"
 
 
 def deltas(text: bytes, faults: Counter[str]) -> Iterator[Telling]:
-    """Yield what a message tells of the ship itself (ours).
-
-    Parameters
-    ----------
-    text : bytes
-        JSON.
-    faults : Counter
-        Counts messages that are none.
-    """
+    """Yield what a message tells of the ship itself."""
     try:
         message = json.loads(text)
         if message.get("context", SELF) != SELF:

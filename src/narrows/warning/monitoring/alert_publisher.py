@@ -10,21 +10,13 @@ from narrows.warning.alerts.alert import Alert
 from narrows.warning.alerts.alert_log import AlertLog
 from narrows.warning.alerts.alert_sentences import HEARTBEAT, AlertCommand, alc, alf, arc, hbt
 
+# Between lists of alerts [s].
 LIST_EVERY = 30.0
-"""Between lists of alerts [s]."""
 Send = Callable[[str], None]
 
 
 class AlertPublisher:
-    """Logs and sends (ours).
-
-    Parameters
-    ----------
-    log : AlertLog, optional
-        That alerts go into before they are sent.
-    send : callable, optional
-        Takes a sentence.
-    """
+    """Logs and sends."""
 
     def __init__(self, log: AlertLog | None = None, send: Send | None = None) -> None:
         self.log, self.send = log, send or (lambda sentence: None)
@@ -33,15 +25,8 @@ class AlertPublisher:
         self._listed = self._beaten = -HEARTBEAT
 
     def publish(self, changed: Sequence[Alert], since_1970: float) -> None:
-        """Log alerts that changed, and send them.
-
-        Parameters
-        ----------
-        changed : sequence of Alert
-            Which.
-        since_1970 : float [s]
-            Now.
-        """
+        """Log alerts that changed, and send them."""
+        # since_1970 [s]
         for alert in changed:
             if self.log is not None:
                 written = self.log.alert(alert)
@@ -50,29 +35,13 @@ class AlertPublisher:
                 self.send(sentence)
 
     def refuse(self, command: AlertCommand, since_1970: float) -> None:
-        """Say that a command is refused.
-
-        Parameters
-        ----------
-        command : AlertCommand
-            Which.
-        since_1970 : float [s]
-            Now.
-        """
+        """Say that a command is refused."""
+        # since_1970 [s]
         self.send(arc(command, since_1970))
 
     def beat(self, t: float, alerts: Sequence[Alert], sound: bool) -> None:
-        """Send the list of alerts and the heartbeat where they are due.
-
-        Parameters
-        ----------
-        t : float [s]
-            When.
-        alerts : sequence of Alert
-            That are not normal.
-        sound : bool
-            Whether forecasts are made.
-        """
+        """Send the list of alerts and the heartbeat where they are due."""
+        # t [s]
         if t - self._listed >= LIST_EVERY:
             self._listed = t
             for sentence in alc(alerts, next(self._numbers["alc"])):
@@ -84,18 +53,7 @@ class AlertPublisher:
 
 @contextmanager
 def sender_to(address: str) -> Iterator[Send]:
-    """Open what sends sentences as datagrams (ours).
-
-    Parameters
-    ----------
-    address : str
-        As in ``udp://239.192.0.1:60001``.
-
-    Raises
-    ------
-    InputError
-        Where it is no such address.
-    """
+    """Open what sends sentences as datagrams."""
     host, _, port = address.removeprefix("udp://").rpartition(":")
     if not address.startswith("udp://") or not host or not port.isdecimal() or int(port) > 65_535:
         raise InputError(f"{address}: alerts go out by UDP; write the address as in udp://239.192.0.1:60001")

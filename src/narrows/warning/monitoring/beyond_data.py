@@ -10,25 +10,13 @@ from narrows.warning.alerts.alert_desk import CALM, Condition
 from narrows.warning.hearing.bridge_readings import Heard
 from narrows.waterway.waterway import Waterway
 
+# Of the draft, by which the ship may lie deeper or less deep than its model; of the depth of the waterway, by which
+# there may be more or less water than is charted.
 DRAFT_OFF, DEPTH_OFF = 0.03, 0.1
-"""Of the draft, by which the ship may lie deeper or less deep than its model; of the depth of the waterway, by which
-there may be more or less water than is charted."""
 
 
 def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Heard) -> Condition:
-    """Return a caution where the ship is outside of what its model's data covered (ours).
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    waterway : Waterway
-        Where it sails.
-    estimate : Estimate
-        Where it is, and how it moves.
-    heard : Heard
-        What the bridge told: draft, and depth of the water.
-    """
+    """Return a caution where the ship is outside of what its model's data covered."""
     ship, now = model.configuration.ship, estimate.values
     here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
     asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}

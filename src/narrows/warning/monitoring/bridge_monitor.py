@@ -28,20 +28,15 @@ from narrows.warning.monitoring.clearances import clearances
 from narrows.warning.monitoring.sensor_health import SensorHealth
 from narrows.waterway.waterway import Waterway
 
+# Of the speed through the water, where it is taken for that over ground [m/s]: a current lies between.
 GROUND_NOISE = 0.4
-"""Of the speed through the water, where it is taken for that over ground [m/s]: a current lies between."""
+# After the start, in which it is no alert that nothing is foretold yet [s].
 GRACE = 20.0
-"""After the start, in which it is no alert that nothing is foretold yet [s]."""
 
 
 def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
-    """Return what a bridge has, as the estimator asks for it (ours).
-
-    Parameters
-    ----------
-    antenna : pair of float [m]
-        Forward and to starboard of midship.
-    """
+    """Return what a bridge has, as the estimator asks for it."""
+    # antenna [m]
     forward, starboard = antenna
     receiver = Gnss(forward=forward, starboard=starboard), CourseOverGround(forward=forward, starboard=starboard)
     return [*receiver, Gyro(), RateOfTurn(), Log(), Log(GROUND_NOISE, name=GROUND_LOG), RudderIndicator()]
@@ -49,38 +44,15 @@ def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
 
 @dataclass
 class BridgeMonitor:
-    """A ship that is watched.
+    """A ship that is watched."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship at its own size, with the terms of a rudder.
-    waterway : Waterway
-        Where it sails, that knows where on earth it is.
-    line : float [m]
-        That a pilot who takes over brings it to, to starboard of the waterway's line.
-    antenna : pair of float [m]
-        Of the position: forward and to starboard of midship.
-    thresholds : Thresholds
-        From when on a forecast is urgent.
-    members : int
-        Of the ensemble.
-    publisher : AlertPublisher
-        Logs and sends alerts.
-
-    Raises
-    ------
-    InputError
-        Where the model has no rudder, or the waterway is nowhere.
-    """
-
-    model: Model
-    waterway: Waterway
-    line: float = 0.0
-    antenna: tuple[float, float] = (0.0, 0.0)
-    thresholds: Thresholds = field(default_factory=Thresholds)
-    members: int = 1000
-    publisher: AlertPublisher = field(default_factory=AlertPublisher)
+    model: Model  # The ship at its own size, with the terms of a rudder
+    waterway: Waterway  # Where it sails, that knows where on earth it is
+    line: float = 0.0  # That a pilot who takes over brings it to, to starboard of the waterway's line [m]
+    antenna: tuple[float, float] = (0.0, 0.0)  # Of the position: forward and to starboard of midship [m]
+    thresholds: Thresholds = field(default_factory=Thresholds)  # From when on a forecast is urgent
+    members: int = 1000  # Of the ensemble
+    publisher: AlertPublisher = field(default_factory=AlertPublisher)  # Logs and sends alerts
 
     def __post_init__(self) -> None:
         self.bridge = BridgeReadings(self.waterway, self.model.configuration.ship.draft)
@@ -95,13 +67,8 @@ class BridgeMonitor:
         self._began: float | None = None
 
     def prepare(self, u: float) -> None:
-        """Compile what is not compiled yet, so that the first alert does not wait for it (ours).
-
-        Parameters
-        ----------
-        u : float [m/s]
-            About how fast the ship is.
-        """
+        """Compile what is not compiled yet, so that the first alert does not wait for it."""
+        # u [m/s]
         half = self.waterway.line.length / 2
         still = {"gyro": 0.0, "log": u, "rudder": 0.0}
         for t in range(3):
@@ -110,15 +77,8 @@ class BridgeMonitor:
         self.estimator.forget()
 
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
-        """Take what was told in a second, and return what is known then (ours).
-
-        Parameters
-        ----------
-        tick : Tick
-            What was told.
-        since_1970 : float [s]
-            Now, for sentences.
-        """
+        """Take what was told in a second, and return what is known then."""
+        # since_1970 [s]
         heard = self.bridge.heard(tick)
         self._began = tick.t if self._began is None else self._began
         estimate = self._estimated(heard)
@@ -131,13 +91,7 @@ class BridgeMonitor:
         return BridgeStatus(tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why)
 
     def fan(self, status: BridgeStatus) -> PredictedFan:
-        """Return where the ship may go, for pictures.
-
-        Parameters
-        ----------
-        status : BridgeStatus
-            The last that ``update`` gave, with a forecast.
-        """
+        """Return where the ship may go, for pictures."""
         return self._foreteller.fan(status.estimate, self._positions)
 
     def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:

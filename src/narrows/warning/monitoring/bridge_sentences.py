@@ -13,18 +13,8 @@ from narrows.waterway.waterway import Waterway
 
 
 def bridge_sentences(waterway: Waterway, at: Mapping[str, float], since_1970: float) -> list[str]:
-    """Return what is told in a second: position, course, heading, rate of turn, log, rudder (ours).
-
-    Parameters
-    ----------
-    waterway : Waterway
-        That knows where on earth it is.
-    at : mapping of str to float
-        As sensors indicate it: x, y [m], psi [rad], r [rad/s], u [m/s], course [rad] to the line, speed [m/s], rudder
-        [rad].
-    since_1970 : float [s]
-        When.
-    """
+    """Return what is told in a second: position, course, heading, rate of turn, log, rudder."""
+    # at [m]; since_1970 [s]
     east_north, heading = waterway.to_map(at["x"], at["y"], at["psi"])
     longitude, latitude = unprojected(np.reshape(east_north, (1, 2)), np.array(waterway.origin))[0]
     line = float(heading) - at["psi"]

@@ -11,42 +11,22 @@ from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.monitoring.clearances import Clearances
 
 NOT_AVAILABLE = "not available"
+# Situations in which less is to be believed.
 DOUBTS = (SENSORS.identifier, BEYOND_DATA.identifier, LOG_LATE.identifier)
-"""Situations in which less is to be believed."""
 
 
 @dataclass(frozen=True)
 class BridgeStatus:
-    """What is known at a time.
+    """What is known at a time."""
 
-    Parameters
-    ----------
-    t : float [s]
-        When.
-    estimate : Estimate
-        Of the ship.
-    forecast : BankForecast, optional
-        What will happen; none where it cannot be told.
-    alerts : tuple of Alert
-        That are not normal, the most urgent first.
-    changed : tuple of Alert
-        That changed now.
-    clearances : Clearances [m]
-        Of the hull to the banks.
-    faults : dict of str to int
-        Messages that were left out so far, by what is wrong with them.
-    why : str
-        Why there is no forecast; empty where there is one.
-    """
-
-    t: float
-    estimate: Estimate
-    forecast: BankForecast | None
-    alerts: tuple[Alert, ...]
-    changed: tuple[Alert, ...]
-    clearances: Clearances
-    faults: dict[str, int]
-    why: str = ""
+    t: float  # When [s]
+    estimate: Estimate  # Of the ship
+    forecast: BankForecast | None  # What will happen; none where it cannot be told
+    alerts: tuple[Alert, ...]  # That are not normal, the most urgent first
+    changed: tuple[Alert, ...]  # That changed now
+    clearances: Clearances  # Of the hull to the banks [m]
+    faults: dict[str, int]  # Messages that were left out so far, by what is wrong with them
+    why: str = ""  # Why there is no forecast; empty where there is one
 
     @property
     def clearance(self) -> float:
@@ -103,12 +83,6 @@ class BridgeStatus:
 
 
 def told(alert: Alert) -> dict[str, Any]:
-    """Return an alert by names and words (ours).
-
-    Parameters
-    ----------
-    alert : Alert
-        The alert.
-    """
+    """Return an alert by names and words."""
     words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
     return {**vars(alert), **words}

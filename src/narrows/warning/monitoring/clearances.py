@@ -10,30 +10,14 @@ from narrows.waterway.waterway import Waterway
 
 
 class Clearances(NamedTuple):
-    """Of the corners of the hull to the banks, infinite where they are not known.
+    """Of the corners of the hull to the banks, infinite where they are not known."""
 
-    Parameters
-    ----------
-    port, starboard : float [m]
-        To which.
-    """
-
-    port: float = math.inf
-    starboard: float = math.inf
+    port: float = math.inf  # To which [m]
+    starboard: float = math.inf  # To which [m]
 
 
 def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances:
-    """Return the water beside a hull, the banks as they are beside midship (ours).
-
-    Parameters
-    ----------
-    ship : Ship
-        Its length, beam and draft.
-    waterway : Waterway
-        Where it sails.
-    estimate : Estimate
-        Where it is.
-    """
+    """Return the water beside a hull, the banks as they are beside midship."""
     if not estimate.ready:
         return Clearances()
     now = estimate.values

@@ -20,35 +20,25 @@ from narrows.warning.hearing.tick import Tick
 from narrows.warning.monitoring.simulated_bridge import SimulatedBridge
 from narrows.waterway import Bank, Centreline, Waterway
 
+# Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled.
 LENGTH, WIDTH, DEPTH, SPEED, LINE = 230.0, 368.0, 16.2, 4.2, 30.0
-"""Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled."""
+# Of the bend [m], where it begins, and between the points of the line.
 RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
-"""Of the bend [m], where it begins, and between the points of the line."""
+# Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes.
 DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
-"""Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes."""
+# The rudder's angle then [deg], and the moment of the upset, in degrees of rudder.
 WRONG, MOMENT = 27.0, 3.0
-"""The rudder's angle then [deg], and the moment of the upset, in degrees of rudder."""
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
 
 
 @dataclass(frozen=True)
 class MistakenHelm:
-    """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten.
+    """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten."""
 
-    Parameters
-    ----------
-    pilot : Autopilot
-        Who steers.
-    away : pair of float [s]
-        From when to when not.
-    angle : float [rad]
-        Of the rudder then.
-    """
-
-    pilot: Autopilot
-    away: tuple[float, float]
-    angle: float
+    pilot: Autopilot  # Who steers
+    away: tuple[float, float]  # From when to when not [s]
+    angle: float  # Of the rudder then [rad]
 
     def begin(self) -> Order:
         """Return what gives the orders of one voyage."""
@@ -64,21 +54,11 @@ class MistakenHelm:
 
 @dataclass(frozen=True)
 class Demonstration:
-    """A ship, its canal, and a bridge that tells of a transit.
+    """A ship, its canal, and a bridge that tells of a transit."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    waterway : Waterway
-        The canal.
-    bridge : SimulatedBridge
-        That tells.
-    """
-
-    model: Model
-    waterway: Waterway
-    bridge: SimulatedBridge
+    model: Model  # The ship
+    waterway: Waterway  # The canal
+    bridge: SimulatedBridge  # That tells
 
     def ticks(self) -> Iterator[Tick]:
         """Yield what is told, second by second."""
@@ -90,13 +70,7 @@ class Demonstration:
 
 
 def demonstration(seed: int = 0) -> Demonstration:
-    """Return the demonstration: a 230 m container ship in a canal 300 m wide (ours).
-
-    Parameters
-    ----------
-    seed : int
-        Of the sensors' noise.
-    """
+    """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
     pilot, moment = MistakenHelm(track_pilot(model, LINE, SPEED), MISTAKE, math.radians(WRONG)), _moment(model)
     voyage = simulate(
@@ -107,7 +81,7 @@ def demonstration(seed: int = 0) -> Demonstration:
 
 
 def demonstrated_canal() -> Waterway:
-    """Return a canal that is straight and then bends to starboard (ours)."""
+    """Return a canal that is straight and then bends to starboard."""
     s = np.arange(0.0, 6001.0, STEP)
     heading = np.concatenate([[0.0], np.cumsum(np.where(s[1:] > BEND, STEP / RADIUS, 0.0))])
     line = Centreline(np.cumsum(STEP * np.stack([np.sin(heading), np.cos(heading)], axis=1), axis=0))

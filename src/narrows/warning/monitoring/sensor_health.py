@@ -5,14 +5,14 @@ from narrows.warning.alerts.alert import Priority
 from narrows.warning.alerts.alert_desk import CALM, Condition
 from narrows.warning.hearing.bridge_readings import Heard
 
+# What a forecast cannot do without for long.
 NEEDED = ("position", "heading", "rudder")
-"""What a forecast cannot do without for long."""
+# Without a word of what is needed [s], after which that is said, and after which nothing is foretold.
 SILENT, BLIND = 3.0, 10.0
-"""Without a word of what is needed [s], after which that is said, and after which nothing is foretold."""
+# Without a word of what was told before [s].
 OTHERS_SILENT = 10.0
-"""Without a word of what was told before [s]."""
+# For which a refused or a drifting sensor is spoken of [s].
 HELD = 10.0
-"""For which a refused or a drifting sensor is spoken of [s]."""
 
 
 class SensorHealth:
@@ -23,15 +23,7 @@ class SensorHealth:
         self._doubted: dict[str, float] = {}
 
     def condition(self, heard: Heard, estimate: Estimate) -> Condition:
-        """Return a caution where a sensor is silent or doubted, a warning where nothing can be foretold for it (ours).
-
-        Parameters
-        ----------
-        heard : Heard
-            What the bridge told.
-        estimate : Estimate
-            What was made of it.
-        """
+        """Return a caution where a sensor is silent or doubted, a warning where nothing can be foretold for it."""
         self._doubted |= {f"{name} jumps": heard.t for name in estimate.refused}
         self._doubted |= {f"{name} drifts, or is led astray": heard.t for name in estimate.suspects}
         self._doubted = {what: t for what, t in self._doubted.items() if heard.t - t < HELD}
@@ -41,13 +33,7 @@ class SensorHealth:
         return Condition(Priority.WARNING if self.blind(heard) else Priority.CAUTION, "; ".join(said))
 
     def blind(self, heard: Heard) -> bool:
-        """Return whether too much is unknown for too long to foretell anything (ours).
-
-        Parameters
-        ----------
-        heard : Heard
-            What the bridge told.
-        """
+        """Return whether too much is unknown for too long to foretell anything."""
         return max(self._needed(heard).values()) > BLIND
 
     def _needed(self, heard: Heard) -> dict[str, float]:

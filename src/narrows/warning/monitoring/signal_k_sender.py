@@ -16,25 +16,14 @@ if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
 
 STREAM = "/signalk/v1/stream?subscribe=none"
+# How long the last message is waited for [s].
 ENDING = 2.0
-"""How long the last message is waited for [s]."""
 
 
 class SignalKSender:
-    """Sends the newest of all alerts, each time that they change; all of them after every new connection.
+    """Sends the newest of all alerts, each time that they change; all of them after every new connection."""
 
-    When it ends it sends that nothing is alerted any more: a server keeps what it was told last.
-
-    Parameters
-    ----------
-    address : str
-        As in ``ws://192.168.1.20:3000``, or with path and token as the server asks for them.
-
-    Raises
-    ------
-    InputError
-        Where it is no such address, or websockets is not installed.
-    """
+    # When it ends it sends that nothing is alerted any more: a server keeps what it was told last.
 
     def __init__(self, address: str) -> None:
         with needs("monitor", "Signal K"):
@@ -60,15 +49,8 @@ class SignalKSender:
         self._thread.join(ENDING)
 
     def tell(self, desk: AlertDesk, since_1970: float) -> None:
-        """Leave the alerts as they are, without waiting for anything.
-
-        Parameters
-        ----------
-        desk : AlertDesk
-            That holds them.
-        since_1970 : float [s]
-            Now.
-        """
+        """Leave the alerts as they are, without waiting for anything."""
+        # since_1970 [s]
         with self._changed:
             self._newest = notifications(desk, since_1970)
             self._changed.notify_all()

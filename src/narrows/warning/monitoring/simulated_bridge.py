@@ -11,33 +11,21 @@ from narrows.simulation.voyage import Voyage
 from narrows.warning.monitoring.bridge_sentences import bridge_sentences
 from narrows.waterway.waterway import Waterway
 
+# Standard deviations of what sensors indicate.
 NOISE = {
     "x": 1.0, "y": 1.0, "psi": math.radians(0.2), "r": math.radians(0.03), "u": 0.05, "course": 0.01, "speed": 0.05,
     "rudder": math.radians(0.2),
 }  # fmt: skip
-"""Standard deviations of what sensors indicate."""
 
 
 @dataclass(frozen=True)
 class SimulatedBridge:
-    """A voyage and what is told of it.
+    """A voyage and what is told of it."""
 
-    Parameters
-    ----------
-    voyage : Voyage
-        Of steps of a second, along a waterway.
-    waterway : Waterway
-        Along which, that knows where on earth it is.
-    began : float [s]
-        Since 1970.
-    seed : int
-        Of the sensors' noise.
-    """
-
-    voyage: Voyage
-    waterway: Waterway
-    began: float
-    seed: int = 0
+    voyage: Voyage  # Of steps of a second, along a waterway
+    waterway: Waterway  # Along which, that knows where on earth it is
+    began: float  # Since 1970 [s]
+    seed: int = 0  # Of the sensors' noise
 
     def seconds(self) -> Iterator[tuple[float, list[str]]]:
         """Yield each second since 1970, and the sentences of it."""

@@ -21,54 +21,33 @@ COLUMNS = (
     "t", "x", "y", "psi", "u", "clearance", "pilot_now", "soon", "contact", "last_chance", "rudder", "rudder_needed",
     "rudder_margin", "level",
 )  # fmt: skip
+# Of water beside the hull [m], below which it was a near miss.
 NEAR = 20.0
-"""Of water beside the hull [m], below which it was a near miss."""
+# Below which it counts as contact, as in scores: no nearer do the sensors know the place.
 CONTACT = 5.0
-"""Below which it counts as contact, as in scores: no nearer do the sensors know the place."""
+# That are kept of a watch: a day; what was before is in the log of alerts.
 MOST_SECONDS, MOST_ALERTS = 86_400, 10_000
-"""That are kept of a watch: a day; what was before is in the log of alerts."""
 
 
 @dataclass(frozen=True)
 class SaidAlert:
-    """An alert when it changed.
+    """An alert when it changed."""
 
-    Parameters
-    ----------
-    t : float [s]
-        Since the watch began.
-    alert : Alert
-        As it was then.
-    """
-
-    t: float
-    alert: Alert
+    t: float  # Since the watch began [s]
+    alert: Alert  # As it was then
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class WatchedTransit(Shown):
-    """What a monitor said of a transit.
+    """What a monitor said of a transit."""
 
-    Parameters
-    ----------
-    ship : Ship
-        Its hull.
-    waterway : Waterway
-        Where it was.
-    columns : dict of str to array (seconds,)
-        By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact and last_chance of the most
-        likely run, infinite where there is none, a last chance of 0 where it is gone too.
-    alerts : tuple of SaidAlert
-        Each time that one changed.
-    faults : dict of str to int
-        Messages that were left out, by what is wrong with them.
-    """
-
-    ship: Ship
-    waterway: Waterway
+    ship: Ship  # Its hull
+    waterway: Waterway  # Where it was
+    # (seconds,) By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact and last_chance
+    # of the most likely run, infinite where there is none, a last chance of 0 where it is gone too
     columns: dict[str, np.ndarray]
-    alerts: tuple[SaidAlert, ...]
-    faults: dict[str, int]
+    alerts: tuple[SaidAlert, ...]  # Each time that one changed
+    faults: dict[str, int]  # Messages that were left out, by what is wrong with them
 
     @property
     def names(self) -> tuple[str, str]:
@@ -141,15 +120,7 @@ def _nearness(t: float, clearance: float) -> str:
 
 
 class TransitLog:
-    """Gathers what a monitor says of a transit.
-
-    Parameters
-    ----------
-    ship : Ship
-        Its hull.
-    waterway : Waterway
-        Where it is.
-    """
+    """Gathers what a monitor says of a transit."""
 
     def __init__(self, ship: Ship, waterway: Waterway) -> None:
         self.ship, self.waterway = ship, waterway
@@ -159,13 +130,7 @@ class TransitLog:
         self._began = math.nan
 
     def add(self, status: BridgeStatus) -> None:
-        """Take what is known at a time.
-
-        Parameters
-        ----------
-        status : BridgeStatus
-            What is.
-        """
+        """Take what is known at a time."""
         self._began = status.t if math.isnan(self._began) else self._began
         t = status.t - self._began
         self._table[self._count % MOST_SECONDS] = _row(t, status)

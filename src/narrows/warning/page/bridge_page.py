@@ -18,20 +18,14 @@ from narrows.warning.page.page_updates import ending, packed, refusal, update_of
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
 ENDED = "The watch has ended: nothing on this page is kept up to date."
+# What is older is told to no page [s]: it would look new there.
 OLD = 2.0
-"""What is older is told to no page [s]: it would look new there."""
+# For the last words to arrive [s].
 FAREWELL = 0.3
-"""For the last words to arrive [s]."""
 
 
 class BridgePage:
-    """What a monitor tells its page, and what the page asks of it (ours).
-
-    Parameters
-    ----------
-    access : PageAccess, optional
-        Who may look on; whoever has a new token unless given.
-    """
+    """What a monitor tells its page, and what the page asks of it."""
 
     def __init__(self, access: PageAccess | None = None) -> None:
         self.access = access or PageAccess()
@@ -42,49 +36,19 @@ class BridgePage:
 
     @contextmanager
     def open(self, host: str = LOOPBACK, port: int = 0) -> Iterator[str]:
-        """Serve the page; give its address, with the token.
-
-        Parameters
-        ----------
-        host : str
-            Where it is to be reached.
-        port : int
-            At which; 0 for any that is free.
-
-        Raises
-        ------
-        InputError
-            Where it cannot be.
-        """
+        """Serve the page; give its address, with the token."""
         with served(self.app, host, port) as at:
             yield f"http://{address_of(host)}:{at}/?token={self.access.token}"
             self.updates.publish(packed(ending(ENDED)))
             time.sleep(FAREWELL * bool(self.updates))
 
     def watch(self, ticks: Iterable[Tick], watched: BridgeMonitor) -> Iterator[Tick]:
-        """Yield ticks with what was asked for on the page.
-
-        Parameters
-        ----------
-        ticks : iterable of Tick
-            As they come.
-        watched : BridgeMonitor
-            Whose alerts are meant.
-        """
+        """Yield ticks with what was asked for on the page."""
         return self.requests.joined(ticks, watched.desk)
 
     def tell(self, watched: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
-        """Show what is known.
-
-        Parameters
-        ----------
-        watched : BridgeMonitor
-            Of which ship.
-        status : BridgeStatus
-            As it is.
-        since_1970 : float [s]
-            Now.
-        """
+        """Show what is known."""
+        # since_1970 [s]
         self.updates.publish(packed(update_of(watched, status, since_1970)))
         notice = notifications(watched.desk, since_1970)
         if (values := notice["updates"][0]["values"]) != self._noticed:
@@ -96,13 +60,7 @@ class BridgePage:
 
 
 def address_of(host: str) -> str:
-    """Return a host as it stands in an address that can be opened on this machine (ours).
-
-    Parameters
-    ----------
-    host : str
-        As it is served.
-    """
+    """Return a host as it stands in an address that can be opened on this machine."""
     if host in ("0.0.0.0", "::", ""):
         return LOOPBACK
     return f"[{host}]" if ":" in host else host

@@ -11,10 +11,10 @@ from collections import deque
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
+# That one message may take to send [s].
 PATIENCE = 5.0
-"""That one message may take to send [s]."""
+# Between messages to one onlooker [s].
 SHORTEST = 0.1
-"""Between messages to one onlooker [s]."""
 MOST_ANSWERS, MOST_ONLOOKERS = 16, 32
 Send = Callable[[str], Awaitable[None]]
 
@@ -38,13 +38,7 @@ class _Call:
 
 
 class Onlooker:
-    """One of them, in the loop of the server.
-
-    Parameters
-    ----------
-    loop : AbstractEventLoop
-        Of the server.
-    """
+    """One of them, in the loop of the server."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.awake, self.answers = asyncio.Event(), deque[str](maxlen=MOST_ANSWERS)
@@ -52,25 +46,13 @@ class Onlooker:
         self._wake = _Call(loop, self.awake.set)
 
     def answer(self, message: str) -> None:
-        """Leave a message for this onlooker alone, in any thread.
-
-        Parameters
-        ----------
-        message : str
-            Of those that wait, the oldest make place.
-        """
+        """Leave a message for this onlooker alone, in any thread."""
         self.answers.append(message)
         self._wake()
 
 
 class Onlookers:
-    """All of them, and the newest message.
-
-    Parameters
-    ----------
-    lasts : float [s]
-        How long a message is worth telling: one that is older is told to nobody, also not to who just came.
-    """
+    """All of them, and the newest message."""
 
     def __init__(self, lasts: float = math.inf) -> None:
         self.lasts, self.newest, self.number = lasts, "", 0
@@ -96,37 +78,17 @@ class Onlookers:
         return onlooker
 
     def leave(self, onlooker: Onlooker) -> None:
-        """Forget one.
-
-        Parameters
-        ----------
-        onlooker : Onlooker
-            Who is gone.
-        """
+        """Forget one."""
         self._all.discard(onlooker)
 
     def publish(self, message: str) -> None:
-        """Leave the newest message, in any thread, without waiting for anything.
-
-        Parameters
-        ----------
-        message : str
-            For all.
-        """
+        """Leave the newest message, in any thread, without waiting for anything."""
         self.newest, self.number, self._at = message, self.number + 1, time.monotonic()
         if self._call is not None:
             self._call()
 
     async def tell(self, onlooker: Onlooker, send: Send) -> None:
-        """Send one what there is, until that takes too long.
-
-        Parameters
-        ----------
-        onlooker : Onlooker
-            Who.
-        send : callable
-            Sends a message; TimeoutError where it does not within ``PATIENCE``.
-        """
+        """Send one what there is, until that takes too long."""
         told = 0
         while True:
             await onlooker.awake.wait()

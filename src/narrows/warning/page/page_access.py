@@ -15,28 +15,13 @@ NO_ORIGIN = "A page of another server asks; open the monitor's own page."
 
 @dataclass(frozen=True)
 class PageAccess:
-    """What is asked of whoever comes.
+    """What is asked of whoever comes."""
 
-    Parameters
-    ----------
-    token : str
-        That must be known; made anew unless given.
-    """
-
+    # That must be known; made anew unless given
     token: str = field(default_factory=lambda: secrets.token_urlsafe(TOKEN_BYTES), repr=False)
 
     def refusal(self, token: str, host: str, origin: str | None = None) -> str:
-        """Return why somebody is refused, in a sentence; empty where nobody is (ours).
-
-        Parameters
-        ----------
-        token : str
-            As it came.
-        host : str
-            For whom it was meant, as the browser says.
-        origin : str, optional
-            Whose page asks, as the browser says; other programs do not say.
-        """
+        """Return why somebody is refused, in a sentence; empty where nobody is."""
         if not _is_here(host):
             return NO_HOST
         if origin is not None and origin not in (f"http://{host}", f"https://{host}"):

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 SHARED = ("canal.js", "palette.css")
 KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
+# Nothing from elsewhere, nothing kept, and the token told to nobody.
 HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -23,46 +24,22 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
-"""Nothing from elsewhere, nothing kept, and the token told to nobody."""
 CROWDED = "As many look on as there is room for; close another page first."
 FORBIDDEN, MISSING, TOO_MANY = 403, 404, 503
+# Takes what an onlooker says.
 Take = Callable[[str, Onlooker], None]
-"""Takes what an onlooker says."""
 
 
 class Stream(NamedTuple):
-    """A websocket of the application.
+    """A websocket of the application."""
 
-    Parameters
-    ----------
-    path : str
-        Where it is.
-    onlookers : Onlookers
-        Who are told.
-    take : callable
-        Takes what they say.
-    """
-
-    path: str
-    onlookers: Onlookers
-    take: Take
+    path: str  # Where it is
+    onlookers: Onlookers  # Who are told
+    take: Take  # Takes what they say
 
 
 def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
-    """Return the application (ours).
-
-    Parameters
-    ----------
-    access : PageAccess
-        Who may come.
-    streams : Stream
-        Its websockets.
-
-    Raises
-    ------
-    InputError
-        Where FastAPI is not installed.
-    """
+    """Return the application."""
     with needs("monitor", "the monitor's page"):
         from fastapi import FastAPI, Request
     app, texts = FastAPI(docs_url=None, redoc_url=None, openapi_url=None), _texts()

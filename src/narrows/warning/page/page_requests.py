@@ -16,45 +16,31 @@ from narrows.warning.alerts.situations import SITUATIONS
 from narrows.warning.hearing.tick import Tick
 from narrows.warning.page.page_updates import COMMANDS
 
+# Letters of a request.
 LONGEST = 512
-"""Letters of a request."""
+# Requests between two updates.
 MOST_WAITING = 64
-"""Requests between two updates."""
 NUMBERS = ("identifier", "instance", "revision")
 MALFORMED = (
     'That is no request; write {"command": "acknowledge" or "silence", "identifier": ..., "instance": ..., '
     '"revision": ...}, the numbers as the alert has them.'
 )
 BUSY = "Too much is asked for at once; ask again."
+# Told why, where a request is refused.
 Answer = Callable[[str], None]
-"""Told why, where a request is refused."""
 
 
 class PageRequest(NamedTuple):
-    """What is asked for.
+    """What is asked for."""
 
-    Parameters
-    ----------
-    command : str
-        Of ``COMMANDS``.
-    identifier, instance, revision : int
-        Of the alert, as it was seen.
-    """
-
-    command: str
-    identifier: int
-    instance: int
-    revision: int
+    command: str  # Of ``COMMANDS``
+    identifier: int  # Of the alert, as it was seen
+    instance: int  # Of the alert, as it was seen
+    revision: int  # Of the alert, as it was seen
 
 
 def request_of(text: str) -> PageRequest | None:
-    """Return the request of a message; None where it is none (ours).
-
-    Parameters
-    ----------
-    text : str
-        As it came.
-    """
+    """Return the request of a message; None where it is none."""
     if len(text) > LONGEST:
         return None
     try:
@@ -72,17 +58,8 @@ def _known(command: Any, numbers: list[Any]) -> bool:
 
 
 def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
-    """Return why a request is refused, in a sentence; empty where it is not (ours).
-
-    Parameters
-    ----------
-    request : PageRequest
-        What is asked for.
-    desk : AlertDesk
-        The alerts as they are.
-    t : float [s]
-        When.
-    """
+    """Return why a request is refused, in a sentence; empty where it is not."""
+    # t [s]
     situation = SITUATIONS.get(request.identifier)
     if situation is None:
         return f"There is no alert {request.identifier}."
@@ -107,15 +84,7 @@ class PageRequests:
         self._waiting: Queue[tuple[PageRequest, Answer]] = Queue(MOST_WAITING)
 
     def take(self, text: str, answer: Answer) -> None:
-        """Take a message, in any thread.
-
-        Parameters
-        ----------
-        text : str
-            As it came.
-        answer : callable
-            Told why, where it is refused: now, or at the next update.
-        """
+        """Take a message, in any thread."""
         request = request_of(text)
         if request is None:
             answer(MALFORMED)
@@ -126,15 +95,8 @@ class PageRequests:
             answer(BUSY)
 
     def sentences(self, desk: AlertDesk, t: float) -> list[bytes]:
-        """Return what is asked for as the bridge's sentences, and answer what is refused.
-
-        Parameters
-        ----------
-        desk : AlertDesk
-            The alerts as they are.
-        t : float [s]
-            When.
-        """
+        """Return what is asked for as the bridge's sentences, and answer what is refused."""
+        # t [s]
         said: list[bytes] = []
         try:
             while True:
@@ -147,14 +109,6 @@ class PageRequests:
             return said
 
     def joined(self, ticks: Iterable[Tick], desk: AlertDesk) -> Iterator[Tick]:
-        """Yield ticks with what was asked for on the page.
-
-        Parameters
-        ----------
-        ticks : iterable of Tick
-            As they come.
-        desk : AlertDesk
-            Whose alerts are meant.
-        """
+        """Yield ticks with what was asked for on the page."""
         for tick in ticks:
             yield tick._replace(commands=[*tick.commands, *self.sentences(desk, tick.t)])

@@ -13,30 +13,15 @@ if TYPE_CHECKING:
     from fastapi import FastAPI
 
 LOOPBACK = "127.0.0.1"
+# Bytes of what a browser says; and between looks whether it is still there [s].
 LARGEST, PINGED = 4096, 5.0
-"""Bytes of what a browser says; and between looks whether it is still there [s]."""
+# That it may take to start or to end [s].
 STARTING = 10.0
-"""That it may take to start or to end [s]."""
 
 
 @contextmanager
 def served(app: "FastAPI", host: str, port: int) -> Iterator[int]:
-    """Serve an application; give the port (ours).
-
-    Parameters
-    ----------
-    app : FastAPI
-        Which.
-    host : str
-        Where it is to be reached: an address of this machine.
-    port : int
-        At which; 0 for any that is free.
-
-    Raises
-    ------
-    InputError
-        Where it cannot be reached there, or uvicorn is not installed.
-    """
+    """Serve an application; give the port."""
     with needs("monitor", "the monitor's page"):
         import uvicorn
     with _listening(host, port) as listening:

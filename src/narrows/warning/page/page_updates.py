@@ -10,22 +10,13 @@ from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
 from narrows.warning.page.scene import scene
 
+# What can be asked for on the page, as its messages say it.
 COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
-"""What can be asked for on the page, as its messages say it."""
 
 
 def update_of(watched: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
-    """Return what is known at a time, as the page is told it (ours).
-
-    Parameters
-    ----------
-    watched : BridgeMonitor
-        Of which ship.
-    status : BridgeStatus
-        As it is.
-    since_1970 : float [s]
-        Now.
-    """
+    """Return what is known at a time, as the page is told it."""
+    # since_1970 [s]
     names = {"ship": watched.model.configuration.ship.name or "A ship", "waterway": watched.waterway.name}
     alerts = [{**told(alert), "sounds": alert.sounds, "may": _may(alert, status.t)} for alert in status.alerts]
     parts = {"alerts": alerts, "scene": scene(watched, status)}
@@ -33,35 +24,17 @@ def update_of(watched: BridgeMonitor, status: BridgeStatus, since_1970: float) -
 
 
 def refusal(sentence: str) -> dict[str, Any]:
-    """Return the answer to what is refused (ours).
-
-    Parameters
-    ----------
-    sentence : str
-        Why.
-    """
+    """Return the answer to what is refused."""
     return {"kind": "refused", "sentence": sentence}
 
 
 def ending(sentence: str) -> dict[str, Any]:
-    """Return the last message of a watch (ours).
-
-    Parameters
-    ----------
-    sentence : str
-        How it ended.
-    """
+    """Return the last message of a watch."""
     return {"kind": "ended", "sentence": sentence}
 
 
 def packed(message: Mapping[str, Any]) -> str:
-    """Return a message as JSON in one line (ours).
-
-    Parameters
-    ----------
-    message : mapping of str to Any
-        As above.
-    """
+    """Return a message as JSON in one line."""
     return json.dumps(plain(message), separators=(",", ":"), allow_nan=False)
 
 

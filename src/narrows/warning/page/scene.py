@@ -12,23 +12,15 @@ from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.waterway.waterway import Waterway
 
+# Of the ship, how much of the banks is drawn; and how far apart their points are [m].
 ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
-"""Of the ship, how much of the banks is drawn; and how far apart their points are [m]."""
 SIDES = (-1, 1)
+# Of north, east [m] and heading [rad]: what is told of a place, and of a ship.
 POINT, POSE = slice(2), slice(3)
-"""Of north, east [m] and heading [rad]: what is told of a place, and of a ship."""
 
 
 def scene(watched: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
-    """Return what there is to draw, points as [north, east] [m]; None where nobody knows where the ship is (ours).
-
-    Parameters
-    ----------
-    watched : BridgeMonitor
-        Of which ship.
-    status : BridgeStatus
-        As it is.
-    """
+    """Return what there is to draw, points as [north, east] [m]; None where nobody knows where the ship is."""
     if not status.estimate.ready:
         return None
     way, ship, now = watched.waterway, watched.model.configuration.ship, status.estimate.values

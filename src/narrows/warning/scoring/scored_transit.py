@@ -8,36 +8,26 @@ import numpy as np
 from narrows.warning.alerts.bank_level import Thresholds
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 
+# Of predictors beside the package's own, as fitted at 2 % of false alarms: water [m], times to contact [s], chance.
 ROOM, CURVED, ONE_RUN, PILOT = 25.0, 50.0, 60.0, 0.85
-"""Of predictors beside the package's own, as fitted at 2 % of false alarms: water [m], times to contact [s], chance."""
 LEVELS = ("caution", "warning", "alarm")
 PREDICTORS = (
     f"distance to the bank, {ROOM:g} m", f"curved by the rate of turn, {CURVED:g} s",
     f"one run of the model, {ONE_RUN:g} s", f"chance of contact with a pilot now, {100 * PILOT:g} %", *LEVELS,
 )  # fmt: skip
+# Water and times that are none.
 LEAST = 1e-3
-"""Water and times that are none."""
 
 
 @dataclass(frozen=True, eq=False)
 class ScoredTransit:
-    """What was said of a transit.
+    """What was said of a transit."""
 
-    Parameters
-    ----------
-    name : str
-        Of the recording.
-    t : array (seconds,) [s]
-        Since the watch began.
-    urgencies : array (seconds, predictors) [1]
-        Of ``PREDICTORS``, over their thresholds; NaN where there was no forecast.
-    clearance : array (seconds,) [m]
-        Of the hull to the nearer bank as it was estimated; NaN where it is not known.
-    """
-
-    name: str
-    t: np.ndarray
+    name: str  # Of the recording
+    t: np.ndarray  # (seconds,) Since the watch began [s]
+    # (seconds, predictors) Of ``PREDICTORS``, over their thresholds; NaN where there was no forecast [1]
     urgencies: np.ndarray
+    # (seconds,) Of the hull to the nearer bank as it was estimated; NaN where it is not known [m]
     clearance: np.ndarray
 
     @property
@@ -46,40 +36,21 @@ class ScoredTransit:
         return float(np.nanmin(self.clearance)) if np.isfinite(self.clearance).any() else math.nan
 
     def struck(self, limit: float) -> float:
-        """Return when the clearance first was below a limit [s]; infinite where it never was.
-
-        Parameters
-        ----------
-        limit : float [m]
-            Clearance that counts as contact.
-        """
+        """Return when the clearance first was below a limit [s]; infinite where it never was."""
+        # limit [m]
         below = self.clearance < limit
         return float(self.t[below.argmax()]) if below.any() else math.inf
 
 
 class TransitScorer:
-    """Gathers what a monitor says of a transit.
-
-    Parameters
-    ----------
-    name : str
-        Of the recording.
-    thresholds : Thresholds
-        Of the levels.
-    """
+    """Gathers what a monitor says of a transit."""
 
     def __init__(self, name: str, thresholds: Thresholds) -> None:
         self.name, self.thresholds = name, thresholds
         self._rows: list[tuple[float, ...]] = []
 
     def add(self, status: BridgeStatus) -> None:
-        """Take what is known at a time.
-
-        Parameters
-        ----------
-        status : BridgeStatus
-            What is.
-        """
+        """Take what is known at a time."""
         room = status.clearance if status.estimate.ready else math.nan
         self._rows.append((status.t, room, *self._urgencies(status, room)))
 

@@ -8,22 +8,15 @@ import numpy as np
 
 from narrows.warning.alerts.bank_level import LOWERED_AFTER, MARGIN, RAISED_AFTER
 
+# That an alert stands before a contact [s]; what comes later is missed.
 NEEDED = 20.0
-"""That an alert stands before a contact [s]; what comes later is missed."""
+# Times [s] that are one.
 SAME = 1e-9
-"""Times [s] that are one."""
 
 
 def standing_since(t: np.ndarray, urgency: np.ndarray) -> np.ndarray:
-    """Return since when an alert stands, (times, ...) [s]; infinite where none does (ours).
-
-    Parameters
-    ----------
-    t : array (times,) [s]
-        When.
-    urgency : array (times, ...) [1]
-        Over the threshold, from 0; where it is not known, NaN, the alert stays what it was.
-    """
+    """Return since when an alert stands, (times,...) [s]; infinite where none does."""
+    # t (times,) [s]; urgency (times, ...)
     shape = urgency.shape[1:]
     above, below, since = (np.full(shape, np.inf) for _ in range(3))
     told = np.empty(urgency.shape)
@@ -40,34 +33,16 @@ def standing_since(t: np.ndarray, urgency: np.ndarray) -> np.ndarray:
 
 
 def lead_times(t: np.ndarray, since: np.ndarray, struck: np.ndarray) -> np.ndarray:
-    """Return how long before a contact the alert that then stands was raised [s]; 0 where none stands (ours).
-
-    Parameters
-    ----------
-    t : array (times,) [s]
-        When.
-    since : array (times, n) [s]
-        As ``standing_since`` gives it.
-    struck : array (n,) [s]
-        When a bank was met.
-    """
+    """Return how long before a contact the alert that then stands was raised [s]; 0 where none stands."""
+    # t (times,) [s]; since (times, n) [s]; struck (n,) [s]
     last = np.maximum(np.searchsorted(t, struck - SAME) - 1, 0)
     stands = since[last, np.arange(len(struck))]
     return np.where(np.isfinite(stands), struck - stands, 0.0)
 
 
 def highest_held(t: np.ndarray, urgency: np.ndarray, struck: np.ndarray) -> np.ndarray:
-    """Return the highest urgency that would raise an alert, (n,): it held for as long as one waits (ours).
-
-    Parameters
-    ----------
-    t : array (times,) [s]
-        When, evenly.
-    urgency : array (times, n) [1]
-        From 0.
-    struck : array (n,) [s]
-        When a bank was met, infinite where none was: what comes after is passed over.
-    """
+    """Return the highest urgency that would raise an alert, (n,): it held for as long as one waits."""
+    # t (times,) [s]; urgency (times, n); struck (n,) [s]
     rows = 1 + int(np.ceil((RAISED_AFTER - SAME) / (t[1] - t[0])))
     live = np.where((t[:, None] < struck), np.nan_to_num(urgency), 0.0)
     held = np.lib.stride_tricks.sliding_window_view(live, rows, axis=0).min(axis=-1)

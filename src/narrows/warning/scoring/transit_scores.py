@@ -15,60 +15,32 @@ from narrows.warning.scoring.standing_alerts import NEEDED, lead_times, standing
 if TYPE_CHECKING:
     import pandas as pd
 
+# Clearance [m] below which a transit counts as a contact, for an estimate is no surer; and above which it is quiet.
 LIMIT, QUIET = 5.0, 20.0
-"""Clearance [m] below which a transit counts as a contact, for an estimate is no surer; and above which it is quiet."""
 
 
 @dataclass(frozen=True)
 class PredictorScore:
-    """Of one predictor.
+    """Of one predictor."""
 
-    Parameters
-    ----------
-    predictor : str
-        With its threshold, or a level of the monitor.
-    missed : int
-        Contacts before which it did not stand for 20 s.
-    lead : float [s]
-        Median time that it stood before a contact; NaN without one.
-    false : int
-        Quiet transits in which it was raised.
-    near : int
-        Transits that came near, without contact, in which it was raised.
-    """
-
-    predictor: str
-    missed: int
-    lead: float
-    false: int
-    near: int
+    predictor: str  # With its threshold, or a level of the monitor
+    missed: int  # Contacts before which it did not stand for 20 s
+    lead: float  # Median time that it stood before a contact; NaN without one [s]
+    false: int  # Quiet transits in which it was raised
+    near: int  # Transits that came near, without contact, in which it was raised
 
 
 @dataclass(frozen=True, repr=False)
 class TransitScores(Described):
-    """How well warnings did in recorded transits.
+    """How well warnings did in recorded transits."""
 
-    Parameters
-    ----------
-    contacts, quiet, near : int
-        Transits by what became of them.
-    limit : float [m]
-        Clearance that counts as contact.
-    rows : tuple of PredictorScore
-        A predictor each.
-    leads : dict of str to tuple of float [s]
-        By transit with a contact: how long each predictor stood before it.
-    unknown : tuple of str
-        Transits of which nothing could be foretold.
-    """
-
-    contacts: int
-    quiet: int
-    near: int
-    limit: float
-    rows: tuple[PredictorScore, ...]
-    leads: dict[str, tuple[float, ...]]
-    unknown: tuple[str, ...]
+    contacts: int  # Transits by what became of them
+    quiet: int  # Transits by what became of them
+    near: int  # Transits by what became of them
+    limit: float  # Clearance that counts as contact [m]
+    rows: tuple[PredictorScore, ...]  # A predictor each
+    leads: dict[str, tuple[float, ...]]  # By transit with a contact: how long each predictor stood before it [s]
+    unknown: tuple[str, ...]  # Transits of which nothing could be foretold
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -106,20 +78,8 @@ class TransitScores(Described):
 
 
 def score_transits(transits: Sequence[ScoredTransit], limit: float = LIMIT) -> TransitScores:
-    """Return the scores of transits (ours).
-
-    Parameters
-    ----------
-    transits : sequence of ScoredTransit
-        As they were watched.
-    limit : float [m]
-        Clearance that counts as contact.
-
-    Raises
-    ------
-    InputError
-        Where the limit is none, or not below what is quiet.
-    """
+    """Return the scores of transits."""
+    # limit [m]
     if not 0.0 <= limit < QUIET:
         raise InputError(f"a clearance of {limit:g} m cannot tell contacts from quiet transits; give 0 to {QUIET:g} m")
     known = [one for one in transits if np.isfinite(one.urgencies).any()]
