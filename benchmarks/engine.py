@@ -27,9 +27,9 @@ from narrows.captive.measured import measured_files
 from narrows.codegen.run import PreparedRun
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
+from narrows.simulation.sensitivities import TangentMarch
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
-from narrows.simulation.tangent_march import TangentMarch
 from narrows.waterway import Bank, Centreline, Waterway
 
 PAPER, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")

@@ -24,9 +24,7 @@ from rich.table import Table
 
 import narrows as nw
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.page.page_text import model_script
-from narrows.export.page.script_bundle import bundled
-from narrows.export.page.wasm_build import SHIP, lacks_zig, wasm_of
+from narrows.export.page.assembly import SHIP, bundled, lacks_zig, model_script, wasm_of
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip

@@ -26,7 +26,7 @@ from scenes.fleet import NOISE
 import narrows as nw
 from narrows.control import PredictiveHelm
 from narrows.simulation.controllers import VoyageState
-from narrows.simulation.samples import sampled
+from narrows.simulation.grid import sampled
 
 STEP, LAST, START = 1.0, 60, 200.0
 """Of a voyage [s], the seconds at its end through which a ship is to be back, and where it begins [m]."""

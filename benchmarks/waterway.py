@@ -14,9 +14,8 @@ from common import median_seconds, show, sizes
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway import room as room_text
 from narrows.waterway.banks import bank_from_points
-from narrows.waterway.nearest import least_walls
 from narrows.waterway.room import exact_room
-from narrows.waterway.table import STEPS_A_BEAM, tabulate
+from narrows.waterway.table import STEPS_A_BEAM, least_walls, tabulate
 
 LENGTH, BEAM, DRAFT, CORNERS = 230.0, 32.2, 10.8, 2000
 RECTANGLE = np.array([[1, -1], [1, 1], [-1, 1], [-1, -1]]) / 2 * [LENGTH, BEAM]

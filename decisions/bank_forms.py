@@ -132,7 +132,7 @@ def text() -> str:
 
 def figure() -> Figure:
     """Draw the errors of the forms on tests left out."""
-    from narrows.report.uncertainty_figures import forms_figure
+    from narrows.report.fit_figures import forms_figure
 
     compared = {
         label.partition(", terms")[0]: nw.Comparison(

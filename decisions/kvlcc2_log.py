@@ -19,7 +19,7 @@ from scipy.signal import savgol_filter
 
 import narrows as nw
 from narrows.logbook.learning.log_prior import covariance_before
-from narrows.ship.actuator import Actuator
+from narrows.ship.actuators import Actuator
 
 FOLDER = Path(__file__).parents[2] / "shared" / "data" / "kvlcc2_free_running"
 DEGREE = np.pi / 180

@@ -19,8 +19,8 @@ from suez import CLEARANCES, measured
 
 import narrows as nw
 from narrows.control import regulator
-from narrows.quantities.constants import KNOT
-from narrows.simulation.samples import sampled
+from narrows.quantities.names import KNOT
+from narrows.simulation.grid import sampled
 
 TWINS, SAILED, LONG = 200, 100, 2000
 SPEED, FAR = 8 * KNOT, (5.0, 20.0)

@@ -17,9 +17,9 @@ from pages import markdown, publish
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.physics.squat_formulas import depth_froude
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.safety import SURE_SHARE
-from narrows.safety.edges import crossing
+from narrows.safety.headline import crossing
 from narrows.safety.pilots import PILOTS
 
 LENGTH, WIDTH, DEPTH, DENSITY = 399.94, 205.0, 24.0, 1025.0

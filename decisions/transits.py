@@ -21,8 +21,7 @@ from pages import markdown, publish
 
 import narrows as nw
 from narrows.logbook.sensor_grades import AIS, RTK, VDR, SensorGrade
-from narrows.logbook.transits.learning_demo import SPEED, large_container_ship, transits_of
-from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth
+from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, drawn_truth, large_container_ship, transits_of
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 

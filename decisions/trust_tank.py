@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import narrows as nw
-from narrows.captive.runs import Run
-from narrows.captive.synthetic import motion_of
+from narrows.captive.synthetic import Run, motion_of
 
 CONFIGURATION = nw.Configuration(nw.Ship(5.0, 0.75, 0.25, 0.7), nw.Canal(9.0, 0.5))
 RATE, SIZE = 8.0, {"X": 0.4, "Y": 0.8, "N": 1.2}

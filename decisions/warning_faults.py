@@ -22,8 +22,7 @@ from narrows.readers.nmea.nmea_lines import checksum, sentences
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
-from narrows.warning.hearing.inbox import OTHERS, Arrival, Inbox
-from narrows.warning.hearing.signal_k import deltas
+from narrows.warning.hearing.listening import OTHERS, Arrival, Inbox, deltas
 
 KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000
 LONGEST = 0.02

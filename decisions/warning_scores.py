@@ -27,7 +27,7 @@ from watched.runs import EVERY, FROM, Run, kept_runs
 from watched.truths import DEPTH, DURATION, Physics
 
 from narrows.warning.forecasting.forecast import SOONEST, urgency_of
-from narrows.warning.scoring.standing_alerts import NEEDED, highest_held, lead_times, standing_since
+from narrows.warning.scoring.transit_scores import NEEDED, highest_held, lead_times, standing_since
 
 RATES = (0.05, 0.02, 0.01)
 """Of quiet transits that have an alert."""

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 import narrows as nw
-import narrows.captive.magnitudes
-import narrows.waterway.features
+import narrows.captive.check
+import narrows.waterway.geojson
 from narrows.ship.ship_file import NEEDED, actuator_sections
 
 ROOT = Path(__file__).parents[1]
@@ -57,7 +57,7 @@ def test_the_ship_file_has_every_key_with_a_comment() -> None:
     assert [line for line in lines if not re.search(r"#\s*\S", line)] == []
     ship = nw.read_ship(path)
     assert ship.values()["rudder_area"] == nw.published("yasukawa2015_kvlcc2").configuration.values()["rudder_area"]
-    assert narrows.captive.magnitudes.check_mass(ship, str(path)) == ()
+    assert narrows.captive.check.check_mass(ship, str(path)) == ()
 
 
 def test_the_ship_file_serves(tmp_path: Path) -> None:
@@ -73,7 +73,7 @@ def test_the_waterway_file_has_every_key_with_a_comment() -> None:
     path = ROOT / "examples" / "waterway.geojson"
     features = json.loads(path.read_text(encoding="utf-8"))["features"]
     keys = {key for feature in features for key in feature["properties"]}
-    asked = set(re.findall(r'properties\.get\("(\w+)"\)', inspect.getsource(narrows.waterway.features)))
+    asked = set(re.findall(r'properties\.get\("(\w+)"\)', inspect.getsource(narrows.waterway.geojson)))
     assert asked - {"depth"} == keys - {"about"}  # Of depth and depths a file has one.
     for feature in features:
         about = feature["properties"]["about"]

@@ -8,8 +8,8 @@ import numpy as np
 
 import narrows as nw
 from narrows.simulation.controllers import Asked
+from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.samples import sampled
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.waterway import Waterway

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.innovation_gate import gate
-from narrows.estimation.recursion import GROSS
+from narrows.estimation.recursion import GROSS, gate
 from narrows.estimation.ship_lanes import ShipLanes
 from narrows.estimation.states import Columns
 from narrows.estimation.unscented import Normal

@@ -7,12 +7,9 @@ import numpy as np
 import narrows as nw
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.unscented import Normal
-from narrows.warning.forecasting.bridge_predictors import Beside
-from narrows.warning.forecasting.forecast import SOON
-from narrows.warning.forecasting.forecast_cases import AFTER, CASES, CHANCES, LIKELY
-from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.forecasting.forecast import AFTER, CASES, CHANCES, LIKELY, SOON
+from narrows.warning.forecasting.forecaster import Beside, Drawn, Forecaster
 from narrows.warning.forecasting.future_lanes import FutureBlock, FutureLanes
-from narrows.warning.forecasting.members import Drawn
 from watched.truths import SPEED, WIDTH, modelled
 
 STEP, ALARMING = 2.5, 120.0

@@ -10,15 +10,15 @@ import numpy as np
 
 import narrows as nw
 from narrows.control.regulator_law import HeldLine, Regulator
-from narrows.estimation.process_noise import ProcessNoise
+from narrows.estimation.states import ProcessNoise
 from narrows.identification.bundled_ship import bundled_ship
 from narrows.simulation.controllers import Asked
+from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.samples import sampled
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.terms.tables import table_named
-from narrows.warning.forecasting.bridge_predictors import Beside
+from narrows.warning.forecasting.forecaster import Beside
 
 SPEED, DURATION, DT = 4.5, 480, 1.0
 LENGTH, WIDTH, DEPTH = 230.0, 300.0, 16.2

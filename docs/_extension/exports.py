@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import narrows as nw
-from narrows.model.source import Source
+from narrows.model.sections import Source
 from narrows.terms.tables import table_named
 
 FOLDER = "_static/ready"

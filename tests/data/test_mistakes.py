@@ -10,7 +10,7 @@ import pytest
 import narrows as nw
 from narrows.captive.kinematics import MotionColumns, agreements_of
 from narrows.captive.measured import measured_files
-from narrows.captive.runs import StraightRun
+from narrows.captive.synthetic import StraightRun
 from narrows.terms.tables import table_named
 from tables import DTC_SHIP, frame_of, short_twin, written
 

@@ -14,7 +14,7 @@ import narrows as nw
 from logs import bent_waterway, kvlcc2, zigzag
 from narrows.captive.measured import measured_files
 from narrows.quantities.names import Quantity
-from narrows.ship.actuator import Actuator, Part
+from narrows.ship.actuators import Actuator, Part
 from readers_files import TURNED
 from tables import DTC_SHIP, frame_of, short_twin, written
 

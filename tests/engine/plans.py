@@ -10,8 +10,8 @@ import narrows as nw
 from narrows.control import PredictiveHelm
 from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.prediction_lanes import RudderTurning
+from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.control.predictive.push_estimate import no_push
-from narrows.control.predictive.voyage_orders import VoyageOrders
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 

@@ -20,7 +20,7 @@ from narrows.control import PredictiveHelm
 from narrows.control.predictive import planner as planner_module
 from narrows.control.predictive import predictive_helm as helm_module
 from narrows.control.predictive.line_frame import HELD
-from narrows.control.predictive.voyage_orders import VoyageOrders
+from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.simulation.controllers import VoyageState
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway.waterway import straight_waterway

@@ -15,16 +15,22 @@ from scipy.optimize import minimize
 
 import narrows as nw
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.local_motion import LocalMotion
-from narrows.control.local_water import LocalWater
-from narrows.control.predictive.clearance_rows import CORNERS, clearance_rows, corner_offsets
-from narrows.control.predictive.condensing import condensed
-from narrows.control.predictive.horizon import horizon_of, later
-from narrows.control.predictive.line_frame import HELD, line_slopes, over_interval
+from narrows.control.local_motion import LocalMotion, LocalWater
+from narrows.control.predictive.line_frame import HELD, WaterAhead, line_slopes, over_interval, share_of, water_ahead
 from narrows.control.predictive.linear_quadratic import regulator_of, weights_of
+from narrows.control.predictive.planner import (
+    CORNERS,
+    QuadraticProgram,
+    clearance_rows,
+    condensed,
+    corner_offsets,
+    horizon_of,
+    later,
+    program_of,
+    solution,
+    tracking_cost,
+)
 from narrows.control.predictive.push_estimate import BankSpread, Push, no_push, updated_push
-from narrows.control.predictive.quadratic_program import QuadraticProgram, program_of, solution, tracking_cost
-from narrows.control.predictive.water_ahead import WaterAhead, share_of, water_ahead
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.simulation.tangent_march import TangentMarch
+from narrows.simulation.sensitivities import TangentMarch
 
 PILOT = nw.Autopilot(0.3, (0.15, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01)
 STATES = ("x", "y", "psi", "u", "v", "r")

@@ -7,7 +7,7 @@ from cases import steered, waterway_for
 
 import narrows as nw
 from narrows.control import SpeedGovernor, regulator, speed_governor
-from narrows.control.speed_plan import planned
+from narrows.control.speed_governor import planned
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 LIMITS = [(0.0, 1.0), (60.0, 0.7), (110.0, 0.85)]

@@ -13,10 +13,7 @@ import pytest
 
 import narrows as nw
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.page.page_helm import helm_of
-from narrows.export.page.page_text import model_script
-from narrows.export.page.script_bundle import bundled
-from narrows.export.page.wasm_build import SHIP, lacks_zig, wasm_of
+from narrows.export.page.assembly import SHIP, bundled, helm_of, lacks_zig, model_script, wasm_of
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 

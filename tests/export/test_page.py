@@ -14,7 +14,7 @@ from pages import opened, settled
 import narrows as nw
 from browsers import chromium
 from narrows.export.page import assembly, wasm_build
-from narrows.export.page.page_helm import helm_of
+from narrows.export.page.assembly import helm_of
 
 LARGEST = 100_000
 BESIDE = "[...document.querySelectorAll('header p, header li')].map(one => one.textContent).join(' ')"

@@ -8,11 +8,10 @@ from exported import model_of
 from pages import answer, fleet_ends, needs_node, needs_zig, on_page, wasm_here
 
 import narrows as nw
-from narrows.export.page.page_helm import helm_of
-from narrows.export.page.script_bundle import bundled
+from narrows.export.page.assembly import bundled, helm_of
+from narrows.simulation.grid import _within
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.samples import _within
 
 pytestmark = needs_node
 SHIPS, STEPS = 4000, 1300

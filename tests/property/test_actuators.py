@@ -15,9 +15,8 @@ from strategies import numbers
 import narrows as nw
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import PARTICULARS, Quantity
-from narrows.ship.actuator import Actuator, Part
-from narrows.ship.actuators import PROPELLER, RUDDER, STANDARD
-from narrows.terms.about import ScaleEffect
+from narrows.ship.actuators import PROPELLER, RUDDER, STANDARD, Actuator, Part
+from narrows.terms.term import ScaleEffect
 from tables import DTC_SHIP, frame_of, many_runs
 
 

@@ -10,7 +10,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.model.data_range import MEASURES, SLACK, DataRange, extrapolation
-from narrows.simulation.validity import beyond_envelope
+from narrows.simulation.voyage import beyond_envelope
 
 NAMES = [own.name for own in fields(DataRange)]
 RANGES = st.tuples(numbers(0.0, 100.0), numbers(0.0, 100.0)).map(sorted).map(tuple)
@@ -71,7 +71,7 @@ def test_a_voyage_the_envelope_and_a_table_agree(speed: float) -> None:
 
 
 def test_an_envelope_asked_at_the_tests_own_speed_is_inside(dtc: nw.Model) -> None:
-    from narrows.safety.tested import beyond_tests
+    from narrows.safety.caveats import beyond_tests
 
     known = replace(dtc, data_range=DataRange(speed=(0.4, 1.0), abs_y=(0.5, 0.9), width_to_beam=(7 / 0.572,) * 2))
     assert beyond_tests(known, np.array([-0.2, 0.9]), np.array([0.4, 1.0])) == ()

@@ -14,9 +14,8 @@ from strategies import numbers
 import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway import room as room_text
-from narrows.waterway.nearest import LeastWalls, least_walls
 from narrows.waterway.room import PORT_BANK, STARBOARD_BANK, exact_room, line_pose
-from narrows.waterway.table import STEPS_A_BEAM, WaterwayTable, tabulate
+from narrows.waterway.table import STEPS_A_BEAM, LeastWalls, WaterwayTable, least_walls, tabulate
 
 shapely = pytest.importorskip("shapely")
 

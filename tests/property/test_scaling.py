@@ -9,9 +9,7 @@ from hypothesis import given
 from strategies import STATES, numbers
 
 import narrows as nw
-from narrows.model.froude import ittc57
-from narrows.model.nondimensional import SYSTEMS, units_of
-from narrows.ship.scale_name import name_at_scale
+from narrows.model.froude import SYSTEMS, ittc57, name_at_scale, units_of
 from narrows.terms.tables import table_named
 
 TABLES = (
@@ -61,7 +59,7 @@ def test_a_term_has_the_dimension_that_it_says(
     dtc: nw.Model, table: str, mass: float, length: float, time: float, state: dict[str, float]
 ) -> None:
     """In other units of mass, length and time, coefficient times regressor is the same force."""
-    from narrows.model.nondimensional import Units
+    from narrows.model.froude import Units
 
     units = Units(mass, length, time)
     exponents = {

@@ -9,7 +9,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.model.shallow_water import factor_at
-from narrows.terms.about import DepthLaw
+from narrows.terms.term import DepthLaw
 
 
 def at(model: nw.Model, depth: float | None) -> nw.Model:

@@ -11,8 +11,7 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.identification.bank_answer import answer_of, missing_runs, preferred_fit
 from narrows.report.envelope_chart import envelope_chart
-from narrows.report.map_figures import map_figure
-from narrows.report.voyage_figures import voyage_figure
+from narrows.report.voyage_figures import map_figure, voyage_figure
 
 SEPARATING = (
     *(nw.HarmonicRun(f"{kind}{u}{p}", kind, 0.5, p, u, 2) for kind in ("yaw", "sway") for u in (0.7, 1.0)

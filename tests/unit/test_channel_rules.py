@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.safety.channel_rules import BANKS, CHANNEL_RULES, READ
 
 CASES = {

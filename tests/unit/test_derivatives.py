@@ -9,9 +9,9 @@ import sympy
 from engine_models import ACTUATED, bent, function_of
 from narrows.codegen.choices import ROW
 from narrows.codegen.derivatives import SLOPES, slope, with_tangents
-from narrows.codegen.functions import scalar_functions
 from narrows.codegen.lines import FUNCTIONS, Lines, real
 from narrows.codegen.printers.python import function_text
+from narrows.codegen.system import scalar_functions
 from narrows.simulation.channel import along_waterway
 from narrows.simulation.controllers import Autopilot, Zigzag
 from narrows.simulation.ship import SimulatedShip

@@ -15,7 +15,7 @@ import pytest
 
 import narrows as nw
 from narrows.errors import InputError, reason, shown
-from narrows.readers.matlab import check_elements
+from narrows.readers.frames import check_elements
 from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")

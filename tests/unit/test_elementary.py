@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from narrows.codegen.choices import ROW
-from narrows.codegen.functions import column_functions, scalar_functions
 from narrows.codegen.kernels.elementary import elementary_text
+from narrows.codegen.system import column_functions, scalar_functions
 
 BODY = "exp( sine( cosine( angle("
 

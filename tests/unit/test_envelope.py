@@ -16,11 +16,11 @@ from narrows.captive.measured import measured_files
 from narrows.control.track_pilot import track_gains
 from narrows.model.data_range import DataRange
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.edges import crossing, first_run, largest_rectangle
+from narrows.safety.envelope import is_settled, share_interval
+from narrows.safety.headline import crossing, first_run, largest_rectangle
 from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
-from narrows.safety.sampling import is_settled, share_interval
-from narrows.safety.underkeel import keel_at
+from narrows.safety.question import keel_at
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
 from pictures import assert_readable

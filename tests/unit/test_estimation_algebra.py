@@ -5,17 +5,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from narrows.estimation.innovation_gate import gate, normalised_square
-from narrows.estimation.interval_smoother import Stage, smoothed
-from narrows.estimation.sigma_points import sigma_points, spread_of
-from narrows.estimation.square_root import downdated_root, triangular_root
+from narrows.estimation.recursion import gate, normalised_square
+from narrows.estimation.smoothing import Stage, smoothed
 from narrows.estimation.unscented import (
     Normal,
     corrected,
+    downdated_root,
     innovation_covariance,
     linear,
     predicted,
+    sigma_points,
+    spread_of,
     transformed,
+    triangular_root,
 )
 
 SIZE, MEASURED = 4, 2

@@ -24,7 +24,7 @@ from narrows.estimation import (
     RateOfTurn,
     RudderIndicator,
 )
-from narrows.estimation.drift_monitor import THRESHOLD, DriftMonitor
+from narrows.estimation.recursion import THRESHOLD, DriftMonitor
 from narrows.estimation.states import Columns, StateNames
 from narrows.estimation.twins import sail_twins
 from narrows.estimation.unscented import Normal

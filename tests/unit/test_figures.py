@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import narrows as nw
-from narrows.report.map_figures import map_figure
-from narrows.report.voyage_figures import hull, voyage_figure
-from narrows.simulation.usual import usual_voyage
+from narrows.report.voyage_figures import hull, map_figure, voyage_figure
+from narrows.simulation.departure import usual_voyage
 from narrows.waterway import Bank, Centreline, Waterway
 from pictures import assert_readable
 

@@ -135,8 +135,8 @@ def test_standard_output_keeps_its_order(name: str, to_file: bool, tmp_path: Pat
 
 
 def test_models_of_several_conditions_go_into_one_device(tmp_path: Path) -> None:
-    from narrows.cli.delivery import ModelDelivery
     from narrows.cli.fits import publish
+    from narrows.cli.options import ModelDelivery
 
     fits = {"a": fit(), "b/c": fit()}
     with (tmp_path / "all").open("wb") as file:

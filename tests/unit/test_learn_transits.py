@@ -13,8 +13,14 @@ from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import grid_of
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
-from narrows.logbook.transits.learning_demo import SPEED, large_container_ship, transits_of
-from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, recorded
+from narrows.logbook.transits.transit_twins import (
+    SPEED,
+    TransitTwin,
+    drawn_truth,
+    large_container_ship,
+    recorded,
+    transits_of,
+)
 from narrows.waterway import Bank, Centreline
 
 pytestmark = pytest.mark.slow

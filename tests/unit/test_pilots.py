@@ -13,22 +13,19 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.control.helmsman import Helmsman, whole_degrees
 from narrows.control.linearization import linearize
 from narrows.control.regulator import regulator_gains
-from narrows.control.riccati import best_gains
-from narrows.control.stacked_regulators import Tightness, stacked_gains
+from narrows.control.stacked_regulators import Tightness, best_gains, stacked_gains
 from narrows.control.steady_course import solved
 from narrows.model.data_range import DataRange
-from narrows.safety.bounds import bounds_of
-from narrows.safety.causes import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
 from narrows.safety.disturbance import Disturbance
+from narrows.safety.envelope import bounds_of, choose_pilot
+from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
 from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
 from narrows.safety.likely_courses import LikelyCourses
-from narrows.safety.pilot_choice import choose_pilot
-from narrows.safety.pilots import PILOTS, regulator_of
+from narrows.safety.pilots import PILOTS, Helmsman, regulator_of, whole_degrees
 from narrows.safety.question import envelope_question
-from narrows.simulation.samples import sampled
+from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"

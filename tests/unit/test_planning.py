@@ -8,9 +8,8 @@ import pytest
 
 import narrows as nw
 from narrows.experiment_design.candidates import candidates
-from narrows.experiment_design.expected_forces import expected_forces
-from narrows.experiment_design.information import RATE, planned_run
-from narrows.experiment_design.optimal import choose, spread
+from narrows.experiment_design.information import RATE, choose, planned_run, spread
+from narrows.experiment_design.plan import expected_forces
 from narrows.identification.regression.problem import slots
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration

@@ -10,10 +10,20 @@ import sympy
 from engine_models import function_of
 from narrows.codegen.choices import ROW
 from narrows.codegen.free_motion import exact_number
-from narrows.codegen.functions import column_functions, scalar_functions
-from narrows.codegen.lines import CUT, FUNCTIONS, Lines, clipped, greatest, least, real
-from narrows.codegen.lowering import Constants, rounds, straight_lines
+from narrows.codegen.lines import (
+    CUT,
+    FUNCTIONS,
+    Constants,
+    Lines,
+    clipped,
+    greatest,
+    least,
+    real,
+    rounds,
+    straight_lines,
+)
 from narrows.codegen.printers.python import Arithmetic, function_text
+from narrows.codegen.system import column_functions, scalar_functions
 
 A, B = real("a"), real("b")
 AT = [(0.7, 1.9), (-0.7, 1.9), (1.4, -0.6)]

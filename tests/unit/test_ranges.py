@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.cli.ranges import numbers, speed, speeds
+from narrows.cli.options import numbers, speed, speeds
 
 KNOT = 1852 / 3600
 

@@ -9,12 +9,18 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 import narrows as nw
-from narrows.report.bank_figures import delta_figure, delta_surface_figure
-from narrows.report.collinearity_figures import correlation_figure, inflation_figure
-from narrows.report.fit_figures import forces_figure, intervals_figure, shapley_figure
+from narrows.report.fit_figures import (
+    correlation_figure,
+    delta_figure,
+    delta_surface_figure,
+    forces_figure,
+    inflation_figure,
+    intervals_figure,
+    motions_figure,
+    shapley_figure,
+)
 from narrows.report.fit_page import write_report
 from narrows.report.fit_table import print_fit
-from narrows.report.motion_figures import motions_figure
 
 pytestmark = pytest.mark.slow
 

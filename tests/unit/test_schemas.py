@@ -13,7 +13,7 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.cli import app
 from narrows.results import plain, to_json
-from narrows.warning.monitoring.bridge_sentences import bridge_sentences
+from narrows.warning.monitoring.demonstration import bridge_sentences
 
 pytest.importorskip("jsonschema", reason="of the group test")
 from jsonschema import Draft202012Validator

@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 import narrows as nw
-from narrows.terms.about import TermKind
 from narrows.terms.tables import with_helm
+from narrows.terms.term import TermKind
 
 COEFFICIENTS = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.captive.runs import Run
+from narrows.captive.synthetic import Run
 from narrows.identification.motions import numbered
 
 YAW, SWAY = "yaw", "sway"

@@ -5,7 +5,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from narrows.codegen.compiled_loops import compiled_loops
+from narrows.codegen.cache import compiled_loops
 from narrows.logbook.shooting import window_loops
 
 COMPILED = compiled_loops(window_loops)

@@ -15,14 +15,11 @@ import narrows as nw
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.states import StateNames
 from narrows.estimation.unscented import Normal
-from narrows.warning.alerts.alert import Priority
+from narrows.warning.alerts.alert import BANK, Priority, Situation
 from narrows.warning.alerts.alert_desk import AlertDesk, Condition
-from narrows.warning.alerts.situations import BANK, Situation
-from narrows.warning.forecasting.forecast import BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.forecast_cases import CASES
-from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS, TIMES, PredictedFan
-from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.monitoring.clearances import clearances
+from narrows.warning.forecasting.forecast import CASES, BankForecast, CaseForecast, LikelyRun
+from narrows.warning.forecasting.future_lanes import FAN_MEMBERS, TIMES, PredictedFan
+from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
 from narrows.warning.page.bridge_page import BridgePage
 
 ALARM = {BANK: Condition(Priority.ALARM, "Bank to starboard in 60 s: last chance in 14 s")}

@@ -18,14 +18,19 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 import narrows as nw
 from narrows.readers.nmea.nmea_lines import sentences, with_checksum
-from narrows.warning.alerts.alert import PATIENCE, SILENCE, Alert, AlertState, Command, Priority
-from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition
+from narrows.warning.alerts.alert import BANK, PATIENCE, SENSORS, SILENCE, Alert, AlertState, Command, Priority
+from narrows.warning.alerts.alert_desk import (
+    CALM,
+    LOWERED_AFTER,
+    RAISED_AFTER,
+    AlertDesk,
+    BankLevel,
+    Condition,
+    Thresholds,
+)
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt
-from narrows.warning.alerts.bank_level import LOWERED_AFTER, RAISED_AFTER, BankLevel, Thresholds
-from narrows.warning.alerts.situations import BANK, SENSORS
-from narrows.warning.forecasting.forecast import BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.forecast_cases import AS_IS, PILOT_NOW
+from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
 
 NAMES = st.sampled_from(list(Priority))
 

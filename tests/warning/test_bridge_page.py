@@ -13,17 +13,23 @@ from transit import canal
 
 import narrows as nw
 import narrows.warning.page as page_room
-from narrows.warning.alerts.alert import AlertState, Priority
+from narrows.warning.alerts.alert import BANK, BEYOND_DATA, SENSORS, AlertState, Priority
 from narrows.warning.alerts.alert_desk import Condition
-from narrows.warning.alerts.situations import BANK, BEYOND_DATA, SENSORS
-from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS
-from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
-from narrows.warning.monitoring.clearances import clearances
+from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
+from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE, clearances
 from narrows.warning.page import onlookers
-from narrows.warning.page.bridge_page import SIGNAL_K, UPDATES, BridgePage, address_of
-from narrows.warning.page.page_access import NO_HOST, NO_ORIGIN, NO_TOKEN, PageAccess
-from narrows.warning.page.page_app import CROWDED
-from narrows.warning.page.page_requests import MALFORMED
+from narrows.warning.page.bridge_page import (
+    CROWDED,
+    MALFORMED,
+    NO_HOST,
+    NO_ORIGIN,
+    NO_TOKEN,
+    SIGNAL_K,
+    UPDATES,
+    BridgePage,
+    PageAccess,
+    address_of,
+)
 from narrows.warning.page.page_updates import ending, packed, refusal, update_of
 
 

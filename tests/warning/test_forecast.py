@@ -10,13 +10,10 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
 from narrows.estimation import Estimator
-from narrows.simulation.switched_law import SwitchedLaw
-from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.forecasting.forecast_cases import AS_IS, CASES, LIKELY
-from narrows.warning.forecasting.forecaster import Forecaster
-from narrows.warning.forecasting.members import Members
-from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS
-from narrows.warning.forecasting.rudder_needed import rudder_needed
+from narrows.simulation.controllers import SwitchedLaw
+from narrows.warning.forecasting.forecast import AS_IS, CASES, LIKELY, BankForecast
+from narrows.warning.forecasting.forecaster import Forecaster, Members, rudder_needed
+from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
 
 MEMBERS = 40
 STATE = ("x", "y", "psi", "u", "v", "r")

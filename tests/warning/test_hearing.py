@@ -20,19 +20,14 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from logs import motion, sentence
-from narrows.readers.nmea.ais_fragments import AisFragments
 from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_hearing import MOST_SHIPS, Hearing
+from narrows.readers.nmea.nmea_hearing import MOST_SHIPS, AisFragments, Hearing
 from narrows.readers.nmea.nmea_lines import Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import Telling
-from narrows.warning.hearing.bridge_readings import NOT_HERE, BridgeReadings, Heard
+from narrows.warning.hearing.bridge_readings import NOT_HERE, BridgeReadings, Heard, Tick
 from narrows.warning.hearing.connections import Connection, connection_of
-from narrows.warning.hearing.inbox import OTHERS, OWN, Arrival, Inbox
-from narrows.warning.hearing.line_splitter import LONGEST, LineSplitter
-from narrows.warning.hearing.listening import Listening
+from narrows.warning.hearing.listening import LONGEST, OTHERS, OWN, Arrival, Inbox, LineSplitter, Listening, deltas
 from narrows.warning.hearing.replay import Replay, by_second, in_order
-from narrows.warning.hearing.signal_k import deltas
-from narrows.warning.hearing.tick import Tick
 
 
 def understood(*lines: str, mmsi: int | None = None, hearing: Hearing | None = None, t: float = 0.0) -> list[dict]:

@@ -14,13 +14,12 @@ from transit import canal, ship
 from watch import BEGAN, calm, monitor, ticks, watched
 
 import narrows as nw
-from narrows.cli.keyboard import with_keys
+from narrows.cli.watching import with_keys
 from narrows.readers.nmea.nmea_lines import with_checksum
-from narrows.warning.alerts.alert import AlertState, Priority
+from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
-from narrows.warning.alerts.situations import BANK, BEYOND_DATA, NO_FORECAST
 from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.hearing.tick import Tick
+from narrows.warning.hearing.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
 from narrows.warning.monitoring.watched_transit import TransitLog

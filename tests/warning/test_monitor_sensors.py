@@ -5,10 +5,9 @@ from transit import canal, ship
 from watch import BEGAN, Lines, calm, indicated, monitor, ticks, watched, without
 
 from narrows.readers.nmea.nmea_lines import with_checksum
-from narrows.warning.alerts.alert import Priority
-from narrows.warning.alerts.situations import NO_FORECAST, SENSORS
-from narrows.warning.monitoring.bridge_sentences import bridge_sentences
+from narrows.warning.alerts.alert import NO_FORECAST, SENSORS, Priority
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
+from narrows.warning.monitoring.demonstration import bridge_sentences
 
 
 def test_nothing_is_clear_before_anything_is_known() -> None:

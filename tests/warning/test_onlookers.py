@@ -11,11 +11,10 @@ import pytest
 from shown_page import ALARM, HANDSHAKE, soon
 
 import narrows as nw
-from narrows.warning.alerts.alert import Command, Priority
+from narrows.warning.alerts.alert import BANK, SENSORS, Command, Priority
 from narrows.warning.alerts.alert_desk import AlertDesk, Condition
-from narrows.warning.alerts.signal_k_notifications import notifications
-from narrows.warning.alerts.situations import BANK, SENSORS
-from narrows.warning.monitoring.signal_k_sender import SignalKSender
+from narrows.warning.alerts.alert_sentences import notifications
+from narrows.warning.monitoring.alert_publisher import SignalKSender
 from narrows.warning.page import onlookers as waiting
 from narrows.warning.page.bridge_page import UPDATES, BridgePage
 from narrows.warning.page.onlookers import MOST_ANSWERS, Onlookers
@@ -155,7 +154,7 @@ def test_a_server_of_signal_k_is_told_again_after_it_was_gone_and_when_the_watch
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     serve = pytest.importorskip("websockets.sync.server", reason="of the extra monitor").serve
-    monkeypatch.setattr("narrows.warning.monitoring.signal_k_sender.FIRST_PAUSE", 0.05)
+    monkeypatch.setattr("narrows.warning.monitoring.alert_publisher.FIRST_PAUSE", 0.05)
     heard: list[tuple[str, str]] = []
 
     def hear(line: Any) -> None:

@@ -7,9 +7,8 @@ import pytest
 from shown_page import ALARM, Pulse, Watched, asked, forecast, soon
 
 from browsers import chromium
-from narrows.warning.alerts.alert import Priority
+from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, Priority
 from narrows.warning.alerts.alert_desk import Condition
-from narrows.warning.alerts.situations import BANK, BEYOND_DATA, NO_FORECAST
 from narrows.warning.page.bridge_page import BridgePage
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}

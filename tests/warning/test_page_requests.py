@@ -11,15 +11,14 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from watch import BEGAN, monitor, ticks, watched
 
-from narrows.warning.alerts.alert import AlertState, Command, Priority
+from narrows.warning.alerts.alert import BANK, AlertState, Command, Priority
 from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
-from narrows.warning.alerts.situations import BANK
-from narrows.warning.forecasting.predicted_fan import FAN_MEMBERS
-from narrows.warning.hearing.tick import Tick
+from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
+from narrows.warning.hearing.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
-from narrows.warning.page.page_requests import BUSY, MOST_WAITING, PageRequest, PageRequests, objection, request_of
+from narrows.warning.page.bridge_page import BUSY, MOST_WAITING, PageRequest, PageRequests, objection, request_of
 from narrows.warning.page.page_updates import update_of
 
 GOOD = {"command": "silence", "identifier": 10110, "instance": 1, "revision": 2}

@@ -9,11 +9,10 @@ import pytest
 from transit import ship
 
 from narrows.warning.alerts.alert import Priority
-from narrows.warning.alerts.bank_level import BankLevel, Thresholds
-from narrows.warning.forecasting.bridge_predictors import Beside
-from narrows.warning.forecasting.forecast import BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.forecast_cases import AS_IS, PILOT_NOW
-from narrows.warning.scoring.standing_alerts import highest_held, lead_times, standing_since
+from narrows.warning.alerts.alert_desk import BankLevel, Thresholds
+from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
+from narrows.warning.forecasting.forecaster import Beside
+from narrows.warning.scoring.transit_scores import highest_held, lead_times, standing_since
 
 HALF, SPEED = 150.0, 4.5
 

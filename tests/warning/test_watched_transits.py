@@ -10,17 +10,14 @@ from transit import canal, ship
 from watch import ticks, watched, without
 
 import narrows as nw
-from narrows.report.transit_figures import transit_track_figure
-from narrows.report.transit_report import write_transit_report
+from narrows.report.transit_report import transit_track_figure, write_transit_report
+from narrows.warning.alerts.alert_desk import Thresholds
 from narrows.warning.alerts.alert_log import logged
-from narrows.warning.alerts.bank_level import Thresholds
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import MISTAKE, demonstration
 from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
-from narrows.warning.scoring.scored_transit import PREDICTORS, TransitScorer
-from narrows.warning.scoring.standing_alerts import NEEDED
-from narrows.warning.scoring.transit_scores import score_transits
+from narrows.warning.scoring.transit_scores import NEEDED, PREDICTORS, TransitScorer, score_transits
 
 
 def test_recorded_transits_are_scored() -> None:

@@ -11,10 +11,10 @@ from narrows.readers.nmea.nmea_hearing import Hearing
 from narrows.readers.nmea.nmea_lines import sentences
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
-from narrows.warning.hearing.tick import Tick
+from narrows.warning.hearing.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.bridge_sentences import bridge_sentences
 from narrows.warning.monitoring.bridge_status import BridgeStatus
+from narrows.warning.monitoring.demonstration import bridge_sentences
 
 SPEED, BEGAN = 4.2, 1_777_680_000.0
 Lines = list[str]

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from browsers import chromium
-from narrows.web.assets import asset, without_exports
+from narrows.web import asset, without_exports
 
 SIZE = {"width": 400, "height": 300}
 BANKS = [[[-500, -100], [500, -100]], [[-500, 100], [500, 100]]]

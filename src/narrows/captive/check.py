@@ -1,11 +1,14 @@
 """What is wrong with a table, in one sentence that names file, row, column and remedy."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 
 from narrows.errors import InputError
+from narrows.model.masses import displacement
+from narrows.quantities.names import GRAVITY
 from narrows.readers.cells import row_number
 from narrows.readers.headers import Column
 from narrows.ship.particulars import Configuration
@@ -74,4 +77,110 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configurat
         raise InputError(
             f"{table}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
             f"{width_there:g} m wide; check y, psi and the ship file"
+        )
+
+
+# Whether a ship and its tests go together: mass and displacement, heave and draft, forces and mass, drift and path.
+Columns = Mapping[str, np.ndarray]
+
+# Of the draft: more is no sinkage of a ship afloat, and so much is said.
+MOST_HEAVE, MUCH_HEAVE = 0.5, 0.2
+
+# Mass over displacement, or the other way, beyond which one is wrong, or which is said.
+MASS_APART, MASS_OFF = 2.0, 1.1
+
+# Radius of gyration over length that no ship is outside of; about 0.25 is usual.
+GYRATION = (0.1, 0.5)
+
+# Force over what would throw the ship's mass across its own length at its own speed, beyond which it is no force on
+# this ship.
+STRONGEST = 30.0
+
+# A row is steady below these rates of the usual ones; sideways speed over speed that counts as drift.
+STEADY, SHORTEST_LEEWAY = 1e-6, 0.01
+
+
+def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
+    """Raise where mass or inertia are not of a ship that displaces what this one does, say where they are off."""
+    ship, displaced = configuration.ship, displacement(configuration)
+    ratio = 1.0 if ship.mass is None else ship.mass / displaced
+    told = f"[ship] mass = {ship.mass} kg is {ratio:.3g} of what its hull displaces, {displaced:.4g} kg"
+    if not 1 / MASS_APART <= ratio <= MASS_APART:
+        raise InputError(f"{table}: {told}; give it in kg at the scale of the hull, or mend the hull")
+    gyration = 0.25 if ship.inertia is None else (ship.inertia / (ship.mass or displaced)) ** 0.5 / ship.length
+    if not GYRATION[0] <= gyration <= GYRATION[1]:
+        raise InputError(
+            f"{table}: [ship] inertia = {ship.inertia} kg m2 is a radius of gyration of {gyration:.3g} lengths, where "
+            "0.25 is usual; give it in kg m2 about midship, at the scale of the hull"
+        )
+    return () if 1 / MASS_OFF <= ratio <= MASS_OFF else (f"{told}: was all of it on the balance?",)
+
+
+def check_heave(
+    frame: pd.DataFrame, columns: Columns, configuration: Configuration, column: Column | None, table: str
+) -> tuple[str, ...]:
+    """Raise where heave is no part of the draft, or the hull sinks into the ground; say where it is large."""
+    if column is None:
+        return ()
+    heave, draft = columns["heave"], np.asarray(columns.get("draft", configuration.ship.draft))
+    large = np.abs(heave) > MOST_HEAVE * draft
+    if large.any():
+        i = int(np.argmax(large))
+        ratio = float(abs(heave[i]) / np.broadcast_to(draft, heave.shape)[i])
+        remedy = "check its unit" if column.stated else "head it 'heave [mm]' if that is its unit"
+        raise InputError(
+            f"{table}: row {row_number(frame, large)}, column {column.header!r} = {heave[i]:g} m is {ratio:.2g} times "
+            f"the draft, which no ship sinks under way; {remedy}"
+        )
+    depth = columns.get("depth", configuration.canal.depth)
+    aground = np.zeros(len(heave), bool) if depth is None else draft + heave >= depth
+    if aground.any():
+        row = row_number(frame, aground)
+        raise InputError(
+            f"{table}: row {row}, column {column.header!r} puts the hull on the ground; check heave and depth"
+        )
+    most = float((np.abs(heave) / draft).max())
+    return (f"Heave reaches {most:.2g} of the draft: check its unit.",) if most > MUCH_HEAVE else ()
+
+
+def check_forces(columns: Columns, configuration: Configuration, by_name: Mapping[str, Column], table: str) -> None:
+    """Raise where forces are far too large to be forces on a ship of this mass."""
+    if "u" not in columns:
+        return
+    length, mass = configuration.ship.length, displacement(configuration)
+    pull = _usual_acceleration(columns, length)
+    for force, arm in (("X", 1.0), ("Y", 1.0), ("N", length)):
+        if force not in columns:
+            continue
+        ratio = float(np.sqrt(np.mean(columns[force] ** 2))) / (mass * pull * arm)
+        if ratio > STRONGEST:
+            raise InputError(
+                f"{table}: column {by_name[force].header!r} would move a ship of {mass:.3g} kg {ratio:.2g} times "
+                "faster than it was moved; check the unit of the force, and the scale of the ship file"
+            )
+
+
+def _usual_acceleration(columns: Columns, length: float) -> float:
+    """What moves the ship as it was moved, or turns it about in a length [m/s2]; gravity's hundredth at least."""
+    speed = np.hypot(columns["u"], columns.get("v", 0.0))
+    parts = [speed**2 / length, *(np.abs(columns[name]) for name in ("udot", "vdot") if name in columns)]
+    parts += [length * np.abs(columns["rdot"])] if "rdot" in columns else []
+    return max(float(np.mean(sum(parts))), GRAVITY / 1e4)
+
+
+def check_drift(columns: Columns, by_name: Mapping[str, Column], table: str) -> None:
+    """Raise where steady rows go sideways along the canal by twice their drift: heading or sway is reversed."""
+    if not {"u", "v", "psi"} <= columns.keys():
+        return
+    steady = np.ones(len(columns["u"]), bool)
+    for name in ("r", "udot", "vdot", "rdot"):
+        steady &= np.abs(columns.get(name, 0.0)) < STEADY
+    from_heading = (columns["u"] * np.sin(columns["psi"]))[steady]
+    from_sway = (columns["v"] * np.cos(columns["psi"]))[steady]
+    drifts = np.abs(from_heading) > SHORTEST_LEEWAY * np.abs(columns["u"][steady])
+    if drifts.any() and np.allclose(from_heading[drifts], from_sway[drifts], rtol=0.1):
+        heading, sway = (repr(by_name[name].header) for name in ("psi", "v"))
+        raise InputError(
+            f"{table}: straight runs go across the canal at twice their drift; turn the sign of {heading} or of {sway} "
+            "(heading clockwise from above, sway to starboard)"
         )

@@ -1,10 +1,14 @@
 """What tables of captive tests carry: quantities, each with its unit, and labels."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
+from dataclasses import fields
 
+from narrows.captive.tests import Headers
+from narrows.errors import InputError, near_miss
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
-from narrows.ship.actuator import Actuator
-from narrows.ship.actuators import STANDARD
+from narrows.readers.text_table import seen
+from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
+from narrows.ship.particulars import Canal, Ship, Water
 
 # What a table may carry beside its labels, and the SI unit of each.
 COLUMNS = {
@@ -20,3 +24,64 @@ COLUMNS = {
 def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     """Return what a table may carry where there are actuators beside those of the package."""
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
+
+
+# What terms need and neither a table nor its ship file gives: where to add it, and what is usual.
+# The published ship whose numbers are named as usual ones.
+EXAMPLE = "yasukawa2015_kvlcc2"
+
+SOURCE = "Yasukawa and Yoshimura 2015"
+
+STRAIGHTENING = ("rudder_straightening_port", "rudder_straightening_starboard")
+
+
+def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
+    """Raise where terms need what a table does not give, nor its ship file."""
+    missing = [name for name in asked if name not in values]
+    if not missing:
+        return
+    movers = (*STANDARD, *actuators)
+    column = {word: actuator.name for actuator in movers for word in actuator.controls} | {
+        "cos_psi": "psi", "sin_psi": "psi",
+    }  # fmt: skip
+    first, *more = dict.fromkeys(column.get(name, name) for name in missing)
+    too = f"; {', '.join(map(repr, more))} {'are' if more[1:] else 'is'} missing too" if more else ""
+    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{too}")
+
+
+def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
+    """Where a column or a particular goes that terms need."""
+    known = columns_with(movers)
+    if wanted not in known or wanted in PARTICULARS:
+        said = f"the terms need {name}, which neither the tests nor the ship file give"
+        return f"{said}; {_where(name, headers, movers)}{usual(name)}"
+    unit, meaning = known[wanted]
+    table = f"{headers.table}: " if headers.table else ""
+    near = near_miss(wanted, headers.unread)
+    unread = f", or say by --mapping which of {seen(headers.unread)} it is" if headers.unread and not near else near
+    return f"{table}column {wanted!r} is missing ({meaning} [{unit}]); add it{unread}"
+
+
+def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
+    """Which key of which section of which file gives a particular."""
+    sections = {"ship": Ship, "canal": Canal, "water": Water}
+    places = {field.name: f"[{section}] {field.name}" for section, part in sections.items() for field in fields(part)}
+    place, quantity = (places | places_of(actuators)).get(name), particulars_with(actuators).get(name)
+    if place is None or quantity is None:
+        return "add it"
+    section, _, key = place.partition(" ")
+    unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
+    return f"add {key}{unit} to section {section} of {headers.ship_file or 'the ship file'}: {quantity.meaning}"
+
+
+def usual(name: str) -> str:
+    """Return what a particular is for a published ship, with the source, in words; nothing where there is none."""
+    from narrows.model.model_file import published
+
+    example = published(EXAMPLE).configuration
+    values, size = example.values(), f"{example.ship.length:g} m long"
+    if name == "flow_straightening":
+        low, high = (values[side] for side in STRAIGHTENING)
+        return f"; usual are {low:.2g} to {high:.2g}, those of KVLCC2 to port and to starboard ({SOURCE})"
+    asked = name.startswith(("rudder_", "propeller_")) or name in ("x_g", "inertia", "mass", "revolutions")
+    return f"; KVLCC2, {size}, has {values[name]:.4g} ({SOURCE})" if asked and name in values else ""

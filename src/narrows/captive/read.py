@@ -2,19 +2,27 @@
 
 import hashlib
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from narrows.captive.rows import Reading, checked, gathered, prepared
-from narrows.captive.tests import CaptiveTests
-from narrows.errors import InputError
-from narrows.model.source import Source
+import numpy as np
+import pandas as pd
+
+from narrows.captive import tests
+from narrows.captive.rows import Reading, Rows, checked, gathered, prepared, tests_of
+from narrows.captive.tests import Block, CaptiveTests, Span, cuts
+from narrows.errors import InputError, path_of
+from narrows.model.sections import Source
 from narrows.progress import file_stage
-from narrows.readers.dataframes import as_sheet, name_of, sha256_of_frame
-from narrows.readers.frames import guarded, read_frame
+from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
+from narrows.readers.frames import guarded, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping
-from narrows.ship.actuator import Actuator
+from narrows.ship.actuators import Actuator
+from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
 
 
@@ -89,3 +97,125 @@ def sha256_of(path: Path) -> str:
 def _digest(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+# Tests that stay on disk: the same blocks of rows, read when asked for, so that memory does not grow.
+@dataclass(frozen=True)
+class StreamedTests:
+    """Captive tests on disk."""
+
+    path: Path  # CSV or Parquet
+    configuration: Configuration  # Ship, canal and water
+    where: str | None = None  # Which rows to take
+    mapping: ColumnMapping | None = None  # A laboratory's own names, units and signs
+    actuators: tuple[Actuator, ...] = ()  # Of one's own, whose columns the table may have
+    source: Source = field(default_factory=Source)  # Where the rows come from
+    notes: tuple[str, ...] = ("rows streamed from disk",)  # What the reader has to say
+    ship_file: str = ""  # What the ship was read from; empty where it is of no file
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The tests."""
+        return tuple(self.lengths)
+
+    @cached_property
+    def lengths(self) -> dict[str, int]:
+        """Rows of each test, by a first pass over their names; each must stand in one stretch of the file."""
+        lengths: dict[str, int] = {}
+        last = None
+        for frame in self._frames():
+            for name, start, stop in _stretches(tests_of(frame, str(self.path))):
+                if name in lengths and name != last:
+                    raise InputError(f"{self.path}: the rows of test {name} do not stand together; sort it by test")
+                lengths[name] = lengths.get(name, 0) + stop - start
+                last = name
+        if not lengths:
+            raise InputError(f"{self.path}: no rows are left to read; give a test at least one row")
+        return lengths
+
+    def blocks(self, pieces: int = 1) -> Iterator[Block]:
+        """Yield every row once, in blocks."""
+        done = dict.fromkeys(self.names, 0)
+        last: tuple[str, float] = ("", -np.inf)
+        conditions: set[str] = set()
+        for frame in self._frames():
+            rows = checked(frame, self.configuration, str(self.path), self.actuators, self.ship_file)
+            conditions |= set(rows.condition)
+            self._check_continued(rows, last, conditions)
+            last = (str(rows.test[-1]), float(rows.columns["t"][-1]) if "t" in rows.columns else -np.inf)
+            spans = list(self._spans(rows.test, pieces, done))
+            yield Block({**self.configuration.values(), **rows.columns}, len(frame), spans, rows.headers)
+
+    def _frames(self) -> Iterator[pd.DataFrame]:
+        asked = Reading(str(self.path), self.where, self.mapping, self.actuators)
+        for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
+            frame, _ = prepared(chunk, asked)
+            if len(frame):
+                yield frame
+
+    def _spans(self, test: np.ndarray, pieces: int, done: dict[str, int]) -> Iterator[Span]:
+        """Cut the rows at hand where the whole test would be cut; ``done`` counts the rows that went before."""
+        for name, start, stop in _stretches(test):
+            first = done[name]
+            done[name] += stop - start
+            for piece, (a, b) in enumerate(pairwise(cuts(self.lengths[name], pieces).tolist())):
+                low, high = max(a, first), min(b, done[name])
+                if low < high:
+                    yield Span(name, piece, start + low - first, start + high - first)
+
+    def _check_continued(self, rows: Rows, last: tuple[str, float], conditions: set[str]) -> None:
+        if len(conditions) > 1:
+            raise InputError(
+                f"{self.path}: holds several conditions ({', '.join(sorted(conditions)[:3])}, ...); "
+                "choose one with a selection of rows"
+            )
+        name, t = last
+        if "t" in rows.columns and rows.test[0] == name and rows.columns["t"][0] <= t:
+            raise InputError(f"{self.path}: test {name} goes back in time at t = {rows.columns['t'][0]:g} s; sort it")
+
+
+def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
+    """Each run of rows of one test: name, first row, row after the last."""
+    edges = np.flatnonzero(np.concatenate([[True], test[1:] != test[:-1], [True]]))
+    for start, stop in pairwise(edges.tolist()):
+        yield str(test[start]), start, stop
+
+
+def stream_captive(
+    path: str | Path, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),
+    mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
+) -> StreamedTests:  # fmt: skip
+    """Open a table of captive tests that is read block by block each time it is needed.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV or Parquet, in the columns of ``read_captive``.
+    ship : str, Path, Configuration or mapping
+        The ship file, what was read from it, or its sections as mappings.
+    where : str, optional
+        Which rows to take.
+    actuators : iterable of Actuator
+        Of one's own, whose columns the table and whose sections the ship file may have.
+    mapping : str, Path, mapping or ColumnMapping, optional
+        A laboratory's own names, units and signs, as in ``read_captive``.
+
+    Returns
+    -------
+    StreamedTests
+        For ``identify``; figures need the rows in memory.
+
+    Raises
+    ------
+    InputError
+        Where the file is absent; rows are checked as they pass.
+    """
+    path = path_of("path", path)
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file; check the path")
+    movers = tuple(actuators)
+    configuration = ship_from(ship, movers)
+    source, named = Source("captive tests", path.name, sha256_of(path)), read_mapping(mapping)
+    of_mapping = (f"columns by {named.name}",) if named else ()
+    notes = ("rows streamed from disk", *notes_of(path), *of_mapping)
+    return StreamedTests(path, configuration, where, named, movers, source, notes, ship_file_of(ship))

@@ -1,14 +1,135 @@
 """``envelope``: how fast and how far off the middle a ship is still in hand."""
 
 import sys
-from typing import Annotated
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from narrows.cli.delivery import DatasetDelivery
-from narrows.cli.envelope_options import CaseOptions, GridOptions, ReserveOptions, SectionOptions, WeatherOptions
-from narrows.cli.grouped import verb
-from narrows.cli.options import ModelFile
+from narrows.cli.options import DatasetDelivery, ModelFile, numbers, speeds, verb
+from narrows.cli.options import speed as read_speed
+from narrows.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from narrows.model.model import Model
+    from narrows.safety import Disturbance
+
+
+# Groups of options of ``envelope``: what is tried, where, in which weather, with what in reserve.
+@dataclass(frozen=True)
+class GridOptions:
+    """Offsets and speeds that are tried."""
+
+    y: Annotated[
+        str | None,
+        typer.Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+    ] = None
+    speed: Annotated[
+        str | None, typer.Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
+    ] = None
+
+    @property
+    def offsets(self) -> "np.ndarray | None":
+        """From the middle [m], where they are given."""
+        return None if self.y is None else numbers("--y", self.y)
+
+    @property
+    def speeds(self) -> "np.ndarray | None":
+        """Through the water [m/s], where they are given."""
+        return None if self.speed is None else speeds("--speed", self.speed)
+
+
+@dataclass(frozen=True)
+class SectionOptions:
+    """The section of a waterway."""
+
+    waterway: Annotated[
+        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
+    ] = None
+    at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0
+    level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0
+
+    def check(self) -> None:
+        """Refuse what is said of no waterway."""
+        if self.waterway is None and (self.at or self.level):
+            raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
+
+    def placed(self, model: "Model") -> "tuple[Model, tuple[float, float] | None, str]":
+        """Return the model there, where its keel meets the banks [m], and where the middle is, in words.
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        """
+        if self.waterway is None:
+            return model, None, ""
+        at = self.at
+        from narrows.waterway import read_waterway
+
+        waterway, ship = read_waterway(self.waterway).with_water(level=self.level), model.configuration.ship
+        if not 0 <= at <= waterway.line.length:
+            raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
+        waterway.check_fits(ship, at)
+        canal, middle, room = waterway.canal(at), float(waterway.section(at).middle), waterway.room(at, ship.draft)
+        canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
+        aside, half = float(room.middle) - middle, float(room.width) / 2
+        sentence = (
+            f"at {at:.0f} m along {waterway.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
+        )
+        return (
+            replace(model, configuration=replace(model.configuration, canal=canal)),
+            (half - aside, half + aside),
+            sentence,
+        )
+
+
+@dataclass(frozen=True)
+class WeatherOptions:
+    """What throws the ship off."""
+
+    heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
+    wind: Annotated[str, typer.Option(help="Speed of a beam gust, from either side: 20m/s, 40kn.")] = "0m/s"
+    windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
+    gust_lever: Annotated[float, typer.Option(help="Of the gust, forward of midship [m].")] = 0.0
+    gust_time: Annotated[float, typer.Option(help="How long the gust lasts [s].")] = 60.0
+
+    def disturbance(self) -> "Disturbance":
+        """Return it as a disturbance."""
+        from narrows.safety import Disturbance, wind_force
+
+        gust = read_speed("--wind", self.wind)
+        if bool(gust) != bool(self.windage):
+            raise InputError("a gust needs both --wind and --windage; give both, or neither")
+        force = wind_force(gust, self.windage)
+        return Disturbance(
+            self.heading_deg, gust=force, gust_lever=self.gust_lever, gust_time=self.gust_time, wind=gust or None
+        )
+
+
+@dataclass(frozen=True)
+class ReserveOptions:
+    """What is to be left of rudder, water and engine."""
+
+    reserve: Annotated[float, typer.Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3
+    keel: Annotated[float | None, typer.Option(help="Least water under the keel [m]; a twentieth of the draft.")] = None
+    most_revolutions: Annotated[
+        float | None, typer.Option(help="Of the engine [1/s], for a model with a propeller.")
+    ] = None
+
+
+@dataclass(frozen=True)
+class CaseOptions:
+    """How many cases are tried."""
+
+    samples: Annotated[
+        int | None,
+        typer.Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
+    ] = None
+    seed: Annotated[int, typer.Option(help="Of the samples.")] = 0
 
 
 @verb("narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc")
@@ -36,8 +157,7 @@ def envelope(
     """
     from narrows.model.model_file import model_named
     from narrows.model.rudder_transfer import borrow_rudder
-    from narrows.report.envelope_chart import envelope_chart
-    from narrows.report.envelope_table import print_envelope
+    from narrows.report.envelope_chart import envelope_chart, print_envelope
     from narrows.safety import safe_envelope
 
     section.check()

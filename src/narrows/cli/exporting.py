@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from narrows.cli.grouped import verb
-from narrows.cli.options import AsJson, ModelFile
+from narrows.cli.options import AsJson, ModelFile, verb
 from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import InputError, check_choice

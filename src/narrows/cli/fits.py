@@ -6,9 +6,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from narrows.cli.delivery import ModelDelivery, ReportDelivery
-from narrows.cli.grouped import verb
-from narrows.cli.options import AsJson, ModelFile, RunErrors, SelectionOptions, ShipFile, Table, TermsName
+from narrows.cli.app import app
+from narrows.cli.options import (
+    AsJson,
+    ModelDelivery,
+    ModelFile,
+    ReportDelivery,
+    RunErrors,
+    SelectionOptions,
+    ShipFile,
+    Table,
+    TermsName,
+    verb,
+)
 from narrows.cli.output import folder, output_of, print_json, say_written
 from narrows.errors import InputError
 
@@ -151,3 +161,23 @@ def _show(fits: dict[str, "Fit"], answers: dict[str, "Answer"], json: bool) -> N
 
     for label, fit in fits.items():
         print_fit(fit, label, answer=answers[label])
+
+
+# ``reproduce``: the paper, ours beside its own.
+@app.command(epilog="Example: narrows reproduce -o paper")
+def reproduce(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
+    json: AsJson = False,
+) -> None:
+    """Make every table and figure of the paper again, ours beside its own numbers."""
+    from narrows.report.reproduction import write_reproduction
+    from narrows.studies.mikkelsen2025 import reproduce as made
+
+    folder(out)
+    result = made(lambda doing: typer.echo(f"{doing} ...", err=True))
+    typer.echo("figures ...", err=True)
+    write_reproduction(result, out / "report.html")
+    if json:
+        print_json(result.to_dict())
+    else:
+        typer.echo(f"{result.summary()}\nwrote {out / 'report.html'}")

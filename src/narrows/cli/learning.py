@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from narrows.cli.delivery import ModelDelivery
-from narrows.cli.grouped import verb
-from narrows.cli.options import WaterwayFile
+from narrows.cli.options import ModelDelivery, WaterwayFile, verb
 from narrows.cli.output import named, print_json, say_written
 from narrows.errors import InputError
 
@@ -83,7 +81,7 @@ class LegOptions:
 
     def conditions(self) -> "SteadyConditions":
         """What all legs share."""
-        from narrows.cli.ranges import speed
+        from narrows.cli.options import speed
         from narrows.logbook import SteadyConditions
 
         return SteadyConditions(wind=speed("--wind", self.wind))
@@ -193,7 +191,7 @@ def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
     """Learn from twins; return whether they tell."""
     from narrows.logbook import learn as learned
     from narrows.logbook import sensor_grade
-    from narrows.logbook.transits.learning_demo import demonstrated_log
+    from narrows.logbook.transits.transit_twins import demonstrated_log
 
     twins = demonstrated_log(sensor_grade(logged.sensors))
     fit = learned(twins.prior, twins.log, sensors=logged.sensors)
@@ -202,8 +200,7 @@ def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
 
 def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float] | None" = None) -> bool:
     """Print, write; return whether the log tells."""
-    from narrows.report.log_fit_report import write_log_report
-    from narrows.report.log_fit_table import print_log_fit
+    from narrows.report.log_report import print_log_fit, write_log_report
 
     delivery.write(fit.model.save)
     if delivery.report:
@@ -216,8 +213,7 @@ def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float]
 def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
     """Learn, print, write; return whether the legs tell of the bank."""
     from narrows.logbook import learn_steady
-    from narrows.report.steady_report import write_steady_report
-    from narrows.report.steady_table import print_steady_fit
+    from narrows.report.steady_report import print_steady_fit, write_steady_report
 
     fit = learn_steady(model, table, conditions=legs.conditions())
     change = _change(fit)
@@ -241,10 +237,10 @@ def _change(fit: "SteadyFit") -> "EnvelopeChange":
 
 def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
     """Plan, print, write the pilot's page; return whether there is a leg."""
-    from narrows.cli.ranges import numbers, speeds
+    from narrows.cli.options import numbers, speeds
     from narrows.logbook import plan_steady
     from narrows.report.pilot_page import write_pilot_page
-    from narrows.report.steady_table import print_steady_plan
+    from narrows.report.steady_report import print_steady_plan
 
     offsets = None if legs.y is None else numbers("--y", legs.y)
     ahead = None if speed is None else speeds("--speed", speed)
@@ -258,9 +254,9 @@ def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json:
 
 def _foresee(model: "Model", ahead: ForesightOptions, speed: str | None, json: bool) -> bool:
     """Foretell and print; return whether anything is foretold."""
-    from narrows.cli.ranges import speed as read_speed
+    from narrows.cli.options import speed as read_speed
     from narrows.logbook import foresee
-    from narrows.report.foresight_view import print_foresight
+    from narrows.report.pilot_page import print_foresight
     from narrows.waterway import read_waterway
 
     way = None if ahead.waterway is None else read_waterway(ahead.waterway)

@@ -1,42 +1,66 @@
 """Arguments and options that verbs share."""
 
-from dataclasses import dataclass
+import re
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
+import numpy as np
 import typer
 
-from narrows.cli.output import DATASETS, MODELS, PAGES, TABLES, TRACKS, WATERWAYS, named
+from narrows.cli.app import app
+from narrows.cli.output import DATASETS, MODELS, PAGES, TABLES, TRACKS, WATERWAYS, named, print_json, say_written
+from narrows.errors import InputError, shown
 from narrows.files import PICTURES
+from narrows.quantities.names import KNOT
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Table = Annotated[
     Path, typer.Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.", show_default=False)
 ]
+
 ShipFile = Annotated[Path, typer.Option("--ship", help="Ship file: TOML with [ship], [canal], [water].")]
+
 ModelFile = Annotated[str, typer.Argument(help="Model file, or the name of a published model.", show_default=False)]
+
 WaterwayFile = Annotated[
     Path | None, typer.Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
 ]
+
 TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
+
 RunErrors = Annotated[str, typer.Option(help="What runs differ by: gain, zero and form, as shares of the force.")]
+
 Plot = Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
+
 Report = Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+
 ModelOutput = Annotated[
     Path | None, typer.Option("--output", "-o", help="Model file to write: .toml.", callback=named(MODELS))
 ]
+
 DatasetOutput = Annotated[
     Path | None,
     typer.Option("--output", "-o", help="Data: .nc, .zarr, .csv, .parquet, .mat or .json.", callback=named(DATASETS)),
 ]
+
 TrackOutput = Annotated[
     Path | None,
     typer.Option("--output", "-o", help="Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", callback=named(TRACKS)),
 ]
+
 TableOutput = Annotated[
     Path | None,
     typer.Option("--output", "-o", help="Table to write: .csv, .parquet, .mat, .json.", callback=named(TABLES)),
 ]
+
 WaterwayOutput = Annotated[
     Path | None, typer.Option("--output", "-o", help="GeoJSON to write.", callback=named(WATERWAYS))
 ]
@@ -54,3 +78,171 @@ class SelectionOptions:
         typer.Option(help="TOML of the table's own names, units and signs: [columns], [units], [positive]."),
     ] = None
     condition: Annotated[str | None, typer.Option(help="Take this condition of the table alone.")] = None
+
+
+# Verbs whose options come in groups: a parameter that is a dataclass stands for an option a field.
+Verb = Callable[..., None]
+
+
+def verb(example: str, name: str | None = None) -> Callable[[Verb], Verb]:
+    """Return what makes a function a verb of the command line."""
+
+    def registered(function: Verb) -> Verb:
+        app.command(name, epilog=f"Example: {example}")(with_single_options(function))
+        return function
+
+    return registered
+
+
+def with_single_options(function: Verb) -> Verb:
+    """Return a function that takes an option for each field of the groups that another takes."""
+    hints = get_type_hints(function, include_extras=True)
+    own = signature(function).parameters
+    groups = {name: hints[name] for name in own if is_dataclass(hints[name])}
+    options = [option for name in own for option in _options(own[name], hints[name])]
+
+    @wraps(function)
+    def called(**given: Any) -> None:
+        made = {name: kind(**{one.name: given.pop(one.name) for one in fields(kind)}) for name, kind in groups.items()}
+        function(**given, **made)
+
+    called.__signature__ = Signature(options)  # type: ignore[attr-defined]
+    called.__annotations__ = {option.name: option.annotation for option in options}
+    return called
+
+
+def _options(parameter: Parameter, kind: Any) -> list[Parameter]:
+    """A parameter as the options that it stands for."""
+    if not is_dataclass(kind):
+        return [parameter.replace(annotation=kind, kind=Parameter.KEYWORD_ONLY)]
+    hints = get_type_hints(kind, include_extras=True)
+    return [
+        Parameter(
+            one.name,
+            Parameter.KEYWORD_ONLY,
+            default=Parameter.empty if one.default is MISSING else one.default,
+            annotation=hints[one.name],
+        )
+        for one in fields(kind)
+    ]
+
+
+# Numbers, ranges of them and speeds, as the command line spells them.
+# Of a speed as written, in m/s.
+SPEED_UNITS = {"": 1.0, "m/s": 1.0, "kn": KNOT, "km/h": 1 / 3.6}
+
+# Values of a range.
+MOST = 1_000_000
+
+UNIT = re.compile(r"(?:m/s|kn|km/h)?\s*$")
+
+
+def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5:101") -> np.ndarray:
+    """Read ``0.5``, ``0.5,1,2`` or ``from:to:count``."""
+    try:
+        if ":" in text:
+            low, high, count = text.split(":")
+            values = np.linspace(float(low), float(high), min(int(count), MOST + 1))
+        else:
+            values = np.array([float(word) for word in text.split(",")])
+    except (ValueError, OverflowError):
+        raise InputError(f"{option} {shown(text)} is not understood; give {such_as}") from None
+    if values.size > MOST:
+        raise InputError(f"{option} {shown(text)} asks for more than {MOST} values; take fewer")
+    if not values.size or not np.isfinite(values).all():
+        raise InputError(f"{option} {shown(text)} must be finite numbers, at least one")
+    return values
+
+
+def speeds(option: str, text: str) -> np.ndarray:
+    """Read speeds [m/s]: as numbers, each with its unit or all without: ``4.1m/s``, ``8kn,9kn``, ``4kn:12kn:17``."""
+    between = ":" if ":" in text else ","
+    words = text.split(between)
+    carry = words[:2] if between == ":" else words
+    units = {UNIT.search(word)[0].strip() for word in carry}  # type: ignore[index]
+    if len(units) > 1:
+        raise InputError(
+            f"{option} {shown(text)} has several units, or numbers without; give each number the same unit"
+        )
+    (unit,) = units
+    plain = between.join([word.strip().removesuffix(unit) for word in carry] + words[len(carry) :])
+    return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17") * SPEED_UNITS[unit]
+
+
+def speed(option: str, text: str) -> float:
+    """Read one speed [m/s]."""
+    values = speeds(option, text)
+    if values.size != 1:
+        raise InputError(f"{option} {shown(text)} is more than one speed; give one, as 4.1m/s or 8kn")
+    return float(values[0])
+
+
+# What verbs write and print of their answers: groups of options.
+class Delivery:
+    """Files that are asked for, and the form of the answer on the screen."""
+
+    output: Path | None = None
+    plot: Path | None = None
+    report: Path | None = None
+    json: bool = False
+
+    def write(self, save: Callable[[Path], None], draw: Callable[[], "Figure"] | None = None) -> None:
+        """Write the answer, and its picture, where they are asked for."""
+        if self.output:
+            save(self.output)
+        if self.plot and draw:
+            from narrows.files import save_figure
+
+            save_figure(draw(), self.plot)
+
+    def tell(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
+        """Print the answer, and what was written."""
+        if self.json:
+            print_json(values())
+            return
+        words()
+        say_written((self.output, self.plot, self.report))
+
+
+@dataclass(frozen=True)
+class ModelDelivery(Delivery):
+    """Of what is fitted."""
+
+    output: ModelOutput = None
+    report: Report = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
+class ReportDelivery(Delivery):
+    """Of what is known of a model."""
+
+    output: TableOutput = None
+    report: Report = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
+class TableDelivery(Delivery):
+    """Of a table."""
+
+    output: TableOutput = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
+class TrackDelivery(Delivery):
+    """Of a voyage."""
+
+    output: TrackOutput = None
+    plot: Plot = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
+class DatasetDelivery(Delivery):
+    """Of what has several dimensions."""
+
+    output: DatasetOutput = None
+    plot: Plot = None
+    json: AsJson = False

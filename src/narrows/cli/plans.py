@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from narrows.cli.delivery import TableDelivery
-from narrows.cli.grouped import verb
-from narrows.cli.options import RunErrors, SelectionOptions, TermsName
+from narrows.cli.options import RunErrors, SelectionOptions, TableDelivery, TermsName, verb
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,7 +37,7 @@ class RunOptions:
 
     def tank(self) -> "Tank":
         """Return the tank in which they are run."""
-        from narrows.cli.ranges import numbers, speeds
+        from narrows.cli.options import numbers, speeds
         from narrows.experiment_design import Tank
 
         at_speeds = () if self.speed is None else tuple(speeds("--speed", self.speed).tolist())
@@ -82,7 +80,7 @@ def plan(
 ) -> None:
     """Propose the captive tests that make the bank's coefficients best known."""
     from narrows.experiment_design import plan_tests
-    from narrows.report.plan_table import print_plan
+    from narrows.report.tables import print_plan
     from narrows.terms.tables import table_named
 
     terms = table_named(aim.terms)

@@ -29,7 +29,7 @@ def scale(
     """
     from narrows.model.froude import Friction, scale_model
     from narrows.model.model_file import model_named, save_model
-    from narrows.report.scale_table import print_scaled
+    from narrows.report.tables import print_scaled
 
     friction = None
     if form_factor is None and not (wetted_surface is None and at_speed is None):
@@ -37,7 +37,7 @@ def scale(
     if form_factor is not None:
         if wetted_surface is None or at_speed is None:
             raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
-        from narrows.cli.ranges import speed
+        from narrows.cli.options import speed
 
         friction = Friction(wetted_surface, form_factor, speed("--at-speed", at_speed))
     old = model_named(model)

@@ -6,16 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from narrows.cli.options import WaterwayFile
-from narrows.cli.ranges import numbers, speeds
-from narrows.cli.ranges import speed as read_speed
+from narrows.cli.options import WaterwayFile, numbers, speeds
+from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError, check_choice
 
 if TYPE_CHECKING:
     import numpy as np
 
     from narrows.model.model import Model
-    from narrows.simulation.usual import UsualVoyage
+    from narrows.simulation.departure import UsualVoyage
     from narrows.waterway import Waterway
 
 HELMS = ("regulator", "predictive", "track")

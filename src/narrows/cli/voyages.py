@@ -1,14 +1,14 @@
 """``simulate`` and ``map``: where, when and on which side a ship grounds."""
 
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
 import narrows
-from narrows.cli.delivery import DatasetDelivery, TrackDelivery
-from narrows.cli.grouped import verb
-from narrows.cli.options import ModelFile
+from narrows.cli.app import app
+from narrows.cli.options import AsJson, DatasetDelivery, ModelFile, Plot, TableOutput, TrackDelivery, verb
+from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import (
     ContactKind,
     HelmOptions,
@@ -43,7 +43,7 @@ def simulate(
     from math import radians
 
     from narrows.model.model_file import model_named
-    from narrows.simulation.usual import usual_voyage
+    from narrows.simulation.departure import usual_voyage
     from narrows.simulation.voyage import simulate as run
 
     chosen, waterway = model_named(model), water.read()
@@ -73,9 +73,9 @@ def map_(
     """
     from narrows.model.model_file import model_named
     from narrows.results import save_dataset
+    from narrows.simulation.departure import usual_voyage
     from narrows.simulation.ensemble import ensemble
     from narrows.simulation.maps import map_summary
-    from narrows.simulation.usual import usual_voyage
 
     chosen, waterway = model_named(model), water.read()
     usual = usual_voyage(chosen, None if varied.u is None else float(abs(varied.u).min()))
@@ -91,3 +91,35 @@ def map_(
     summary = map_summary(voyages)
     delivery.tell(lambda: summary, lambda: typer.echo(summary["summary"]))
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
+
+
+# ``trials``: turning circles and zigzags in open water.
+@app.command(epilog="Example: narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
+def trials(
+    model: ModelFile,
+    speed: Annotated[str, typer.Option(help="Of the approach: 1.2m/s, 8kn; m/s without a unit.")],
+    turn_deg: Annotated[float, typer.Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
+    zigzags: Annotated[str, typer.Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
+    dt: Annotated[float | None, typer.Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
+    output: TableOutput = None,
+    plot: Plot = None,
+    json: AsJson = False,
+) -> None:
+    """Turn circles and sail zigzags in open water: advance, tactical diameter, overshoots.
+
+    MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
+    """
+    from narrows.cli.options import speed as read_speed
+    from narrows.manoeuvres.manoeuvring_trials import parse_zigzags, sail_trials
+    from narrows.model.model_file import model_named
+    from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
+
+    result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, parse_zigzags(zigzags), dt)
+    if output:
+        result.save(output)
+    if plot:
+        from narrows.files import save_figure
+
+        save_figure(manoeuvres_figure(result), plot)
+    print_json(result.to_dict()) if json else print_manoeuvres(result)
+    say_written((output, plot), json)

@@ -2,23 +2,22 @@
 
 import math
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from narrows.cli.delivery import ReportDelivery
-from narrows.cli.grouped import verb
-from narrows.cli.keyboard import HINT, with_keys
-from narrows.cli.options import WaterwayFile
-from narrows.cli.watching_outlets import AlertOptions, Outlets, PageOptions, outlets_of, publisher_of
+from narrows.cli.options import ReportDelivery, WaterwayFile, verb
+from narrows.cli.output import named
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.warning.hearing.tick import Tick
+    from narrows.warning.hearing.bridge_readings import Tick
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.bridge_status import BridgeStatus
@@ -26,7 +25,9 @@ if TYPE_CHECKING:
 
 # Seconds between lines where nothing changes.
 SAID_EVERY = 10
+
 COLOURS = {"caution": "yellow", "warning": "yellow", "alarm": "red", "emergency alarm": "magenta"}
+
 # With which kernels are compiled [m/s].
 USUAL_SPEED = 4.0
 
@@ -49,6 +50,34 @@ class HearingOptions:
     ] = None
     mmsi: Annotated[int | None, typer.Option(help="Whose AIS reports to read; the ship's own unless given.")] = None
     antenna: Annotated[str, typer.Option(help="Of the position [m]: forward,starboard of midship.")] = "0,0"
+
+
+@dataclass(frozen=True)
+class AlertOptions:
+    """Where alerts go."""
+
+    log: Annotated[Path | None, typer.Option(help="Log of alerts, on disk before they are sent: .db.")] = None
+    send: Annotated[
+        list[str] | None,
+        typer.Option(help="ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."),
+    ] = None
+    recording: Annotated[
+        Path | None, typer.Option(help="Write what --demo tells, for --replay: .nmea.", callback=named((".nmea",)))
+    ] = None
+
+
+LOOPBACK, PORT = "127.0.0.1", 8765
+
+
+@dataclass(frozen=True)
+class PageOptions:
+    """The page in a browser."""
+
+    page: Annotated[bool, typer.Option("--page", help="Show it in a browser too: prints the address.")] = False
+    port: Annotated[int, typer.Option(help="Of --page.", min=0, max=65_535)] = PORT
+    host: Annotated[
+        str, typer.Option(help="Of --page: this machine alone unless given; 0.0.0.0 for all who reach it.")
+    ] = LOOPBACK
 
 
 @verb("narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db")
@@ -99,7 +128,7 @@ def _check(hearing: HearingOptions, alerts: AlertOptions, model: str | None, wat
 def _monitor_of(
     model: str, waterway: Path | None, hearing: HearingOptions, y: float, publisher: "AlertPublisher"
 ) -> "BridgeMonitor":
-    from narrows.cli.ranges import numbers
+    from narrows.cli.options import numbers
     from narrows.model.model_file import model_named
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.waterway import read_waterway
@@ -124,8 +153,7 @@ def _score(hearing: HearingOptions, model: str, waterway: Path | None, y: float,
     """Watch recordings one after the other, and say how well the warnings did."""
     from narrows.progress import stage
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
-    from narrows.warning.scoring.scored_transit import TransitScorer
-    from narrows.warning.scoring.transit_scores import score_transits
+    from narrows.warning.scoring.transit_scores import TransitScorer, score_transits
 
     transits = []
     for number, path in enumerate(hearing.score or (), 1):
@@ -163,6 +191,30 @@ def _demonstrated(
         write_whole(alerts.recording, shown.bridge.recording())
     watched = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher)
     return watched, paced(shown.ticks(), pace)
+
+
+Tell = Callable[["BridgeMonitor", "BridgeStatus", float], None]
+
+Ask = Callable[[Iterable["Tick"], "BridgeMonitor"], Iterable["Tick"]]
+
+
+@dataclass
+class Outlets:
+    """Those who are told at every update, and those who are asked before it."""
+
+    told: list[Tell] = field(default_factory=list)
+    asked: list[Ask] = field(default_factory=list)
+
+    def tell(self, watched: "BridgeMonitor", status: "BridgeStatus", since_1970: float) -> None:
+        """Tell all."""
+        for tell in self.told:
+            tell(watched, status, since_1970)
+
+    def ask(self, ticks: Iterable["Tick"], watched: "BridgeMonitor") -> Iterable["Tick"]:
+        """Ask all for their commands."""
+        for ask in self.asked:
+            ticks = ask(ticks, watched)
+        return ticks
 
 
 def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets, json: bool) -> "WatchedTransit":
@@ -211,3 +263,87 @@ def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
         typer.echo("\n".join([transit.summary(), *transit.notes]))
 
     delivery.tell(transit.to_dict, words)
+
+
+# Where ``monitor`` tells what is known, beside the terminal: sentences, Signal K, a log, a page in a browser.
+SIGNAL_K = ("ws://", "wss://")
+
+
+def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
+    """What logs alerts and sends their sentences."""
+    from narrows.warning.alerts.alert_log import AlertLog
+    from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
+
+    log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
+    addresses = [address for address in alerts.send or () if not address.startswith(SIGNAL_K)]
+    sends = [stack.enter_context(sender_to(address)) for address in addresses]
+
+    def send(sentence: str) -> None:
+        for each in sends:
+            each(sentence)
+
+    return AlertPublisher(log, send)
+
+
+def outlets_of(alerts: AlertOptions, page: PageOptions, stack: ExitStack) -> Outlets:
+    """What else is told: Signal K's servers, and the page."""
+    if not page.page and (page.host, page.port) != (LOOPBACK, PORT):
+        raise InputError("--host and --port are those of the page; give --page too")
+    outlets = Outlets()
+    for address in alerts.send or ():
+        if address.startswith(SIGNAL_K):
+            outlets.told.append(_to_signal_k(address, stack))
+    if page.page:
+        _open_page(page, outlets, stack)
+    return outlets
+
+
+def _to_signal_k(address: str, stack: ExitStack) -> Tell:
+    from narrows.warning.monitoring.alert_publisher import SignalKSender
+
+    sender = stack.enter_context(SignalKSender(address))
+    return lambda watched, status, since_1970: sender.tell(watched.desk, since_1970)
+
+
+def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
+    from narrows.warning.page.bridge_page import BridgePage
+
+    shown = BridgePage()
+    address = stack.enter_context(shown.open(page.host, page.port))
+    typer.secho(f"The page: {address}", err=True, bold=True)
+    outlets.told.append(shown.tell)
+    outlets.asked.append(shown.watch)
+
+
+# Keys while a ship is watched: who looks at the screen acknowledges and silences there.
+HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30 s, Ctrl-C ends the watch."
+
+
+def with_keys(
+    ticks: Iterable["Tick"], watched: "BridgeMonitor", lines: Iterable[str] | None = None
+) -> Iterator["Tick"]:
+    """Yield ticks, with a command for every alert that a key was pressed for."""
+    typed: SimpleQueue[str] = SimpleQueue()
+    Thread(target=_read, args=(lines or sys.stdin, typed), daemon=True).start()
+    for tick in ticks:
+        commands = list(tick.commands)
+        while not typed.empty():
+            commands += _commands(typed.get(), tick.t, watched)
+        yield tick._replace(commands=commands)
+
+
+def _read(lines: Iterable[str], typed: "SimpleQueue[str]") -> None:
+    for line in lines:
+        typed.put(line.strip())
+
+
+def _commands(key: str, t: float, watched: "BridgeMonitor") -> list[bytes]:
+    """Sentences of a key: for each alert of which its command can be."""
+    from narrows.warning.alerts.alert import Command
+    from narrows.warning.alerts.alert_sentences import acn
+
+    keys = {"a": Command.ACKNOWLEDGE, "s": Command.SILENCE}
+    if key not in keys:
+        return []
+    alerts = [one for one in watched.desk.alerts if one.commanded(keys[key], t) is not None]
+    return [acn(alert.identifier, alert.instance, keys[key]) for alert in alerts]

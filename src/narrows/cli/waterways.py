@@ -27,7 +27,7 @@ def waterway(
     json: AsJson = False,
 ) -> None:
     """Check a waterway and say how long, wide and deep it is; from a chart, measure it along a centreline."""
-    from narrows.report.waterway_table import print_waterway, waterway_summary
+    from narrows.report.tables import print_waterway, waterway_summary
     from narrows.waterway import read_waterway, write_waterway
 
     if (file.suffix == ".000") != (line is not None):
@@ -39,8 +39,7 @@ def waterway(
     if line is None:
         result = read_waterway(file)
     else:
-        from narrows.waterway.chart import read_chart
-        from narrows.waterway.from_chart import waterway_from_chart
+        from narrows.waterway.from_chart import read_chart, waterway_from_chart
         from narrows.waterway.geojson import read_line
 
         result = waterway_from_chart(read_chart(file), read_line(line), reach)

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from narrows.codegen.free_motion import INPUTS, STATE
-from narrows.codegen.shapes import MIDSHIP, OPEN
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE
 from narrows.codegen.tape import Tape
 
 # What the table of a waterway holds at each place: how far off its walls are, its depth and the curvature of its line;

@@ -3,14 +3,26 @@
 Each line depends on few earlier ones, so that its slopes are short; whole formulas, differentiated, are not.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import sympy
+from sympy import Integer, sympify
 
-from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import FUNCTIONS, Lines
+from narrows.codegen.choices import LENGTH, ROW, Actuated
+from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
+from narrows.codegen.kernels.elementary import HEADER, elementary_text
+from narrows.codegen.linearisation import LINEARISED, arguments, controlled
+from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
+from narrows.codegen.printers.python import Arithmetic, function_text
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step
+from narrows.quantities.names import FORCES
 
 positive = FUNCTIONS["positive"]
+
 # The slopes of what is not arithmetic, by each argument.
 SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
     "minimum": lambda a, b: (positive(b - a), 1 - positive(b - a)),
@@ -85,3 +97,209 @@ def _product_slope(factors: Sequence[Expr], parts: Sequence[Expr]) -> Expr:
 def _power_slope(base: Expr, power: Expr, base_slope: Expr, power_slope: Expr) -> Expr:
     by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else sympy.Integer(0)
     return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
+
+
+# Exact derivatives of the motion, from the same trace: by state, by control, by coefficient.
+ANGLES = ("cos_{}", "sin_{}")
+
+
+def jacobian_text(
+    motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str] = ()
+) -> str:
+    """Write the module of derivatives."""
+    rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
+    linear, by_coefficient = _linear(rates, actuators), _by_coefficient(rates, names)
+    constants = rates.constants
+    inputs = (*arguments(actuators, section), *constants.names)
+    assignments, results = straight_lines(list(constants.table))
+    used = set().union(*(expression.free_symbols for expression in constants.table))
+    asked = {name: parameter for name, parameter in motion.names.items() if parameter in used}
+    parts = [
+        f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}",
+        function_text("constants", [str(parameter) for parameter in asked.values()], assignments, results),
+        function_text("linear", inputs, linear[0].needed_for(linear[1]).assignments, linear[1]),
+        function_text(
+            "coefficients", inputs, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]
+        ),
+    ]
+    return "\n\n".join(parts)
+
+
+def _directions(actuators: Sequence[Actuated]) -> tuple[str, ...]:
+    return (*LINEARISED, *controlled(actuators))
+
+
+BATCH = """
+@cached
+def batch(values, constants, out):
+    for row in range(len(values)):
+        derivatives = linear(values[row], constants)
+        for entry in range(len(derivatives)):
+            out[row, entry] = derivatives[entry]
+"""
+
+
+def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, section: Sequence[str] = ()) -> str:
+    """Write the module of derivatives by state and control, to be compiled."""
+    rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
+    (lines, results), printer = _linear(rates, actuators), Arithmetic(column="{:.1f}".format)
+    body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
+    body += [f"{name} = constants[{index}]" for index, name in enumerate(rates.constants.names)]
+    body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
+    body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
+    text = "\n    ".join(["@called\ndef linear(values, constants):", *body]) + "\n"
+    head = HEADER.format(version=version, precision="float64")
+    return "\n\n".join([head, "CELL_ENTRIES = 0", elementary_text(text, "float64"), text, BATCH])
+
+
+def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
+    lines, results = rates.program()
+    return linear_slopes(lines, {**results, "psi": real("r")}, actuators)
+
+
+def linear_slopes(lines: Lines, rates: Mapping[str, Expr], actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
+    """Write the derivatives of the rates of ``LINEARISED`` by state and by control, row by row."""
+    angles = {"psi", *(actuator.name for actuator in actuators if actuator.angle)}
+    directions = _directions(actuators)
+    slopes: dict[Expr, list[Expr]] = {}
+    for number, name in enumerate(directions):
+        moved = _angle_slopes(name) if name in angles else {name: 1}
+        for component, slope in moved.items():
+            slopes[real(component)] = [slope if k == number else 0 for k in range(len(directions))]
+    more, slopes_of = with_tangents(lines, slopes, len(directions))
+    return more, [entry for name in LINEARISED for entry in slopes_of(rates[name])]
+
+
+def _angle_slopes(name: str) -> dict[str, Expr]:
+    cosine, sine = (text.format(name) for text in ANGLES)
+    return {cosine: -real(sine), sine: real(cosine)}
+
+
+def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Expr]]:
+    lines = Lines()
+    return lines, coefficient_slopes(lines, rates, names, {name: real(name) for name in (*STATE, *rates.moving)})
+
+
+def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values: Mapping[str, Expr]) -> list[Expr]:
+    """Write the derivatives of the accelerations by coefficients, row by row."""
+    # With F(accelerations) + F_in = 0 a coefficient moves the accelerations by M^-1 times its regressor.
+    motion = rates.motion
+    solved = rates.written(lines, "", values)
+    known = list(motion.regressors)
+    columns = [rates.constants.lift(sympify(motion.regressors[name][1])) for name in known]
+    where = {symbol(name): solved[state] for name, state in zip(ACCELERATIONS.values(), ("u", "v", "r"), strict=True)}
+    where |= {symbol(name): value for name, value in values.items()}
+    regressors = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
+    rows = dict(zip(motion.freedoms, motion.pushes, strict=True))
+    entries = []
+    for force in FORCES:
+        for name in names:
+            if name not in regressors or force not in rows:
+                entries.append(Integer(0))
+                continue
+            inverse = rates.constants.lift(rows[force][motion.freedoms.index(motion.regressors[name][0])])
+            entries.append(inverse * regressors[name])
+    return entries
+
+
+# The tangent of a voyage: a step with the slopes of everything it keeps, directions as lanes. The lines of the step
+# and their partial derivatives are floats, written once; the slopes along the directions are one loop over a block of
+# lanes, which LLVM vectorises, so that a direction costs a few additions and products a line.
+# Lanes of a block; more directions take more passes.
+DIRECTIONS = 32
+
+SLOPE = "d_{}".format
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """A step and its slopes, parted into what is a float and what is a lane."""
+
+    step: Step  # Whole steps
+    kept: tuple[str, ...]  # What goes from step to step
+    moving: tuple[str, ...]  # Inputs that have slopes, beside what is kept
+
+    @cached_property
+    def _program(self) -> tuple[Lines, dict[str, Expr], dict[str, Expr]]:
+        out = {name: self.step.out[name] for name in self.kept}
+        seeds = {real(name): [real(SLOPE(name))] for name in (*self.kept, *self.moving)}
+        lines, slopes_of = with_tangents(self.step.lines.needed_for(list(out.values())), seeds, 1)
+        slopes = {name: slopes_of(value)[0] for name, value in out.items()}
+        return lines.needed_for([*out.values(), *slopes.values()]), out, slopes
+
+    @cached_property
+    def _parts(self) -> tuple[list[Assignment], list[Assignment]]:
+        """The lines of floats, and those of lanes: what any slope enters."""
+        lanes = {real(SLOPE(name)) for name in (*self.kept, *self.moving)}
+        floats: list[Assignment] = []
+        slopes: list[Assignment] = []
+        for name, value in self._program[0].assignments:
+            if value.free_symbols & lanes:
+                lanes.add(name)
+                slopes.append((name, value))
+            else:
+                floats.append((name, value))
+        return floats, slopes
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """What the step asks for beside what is kept; those with slopes first."""
+        asked = {*self._program[0].inputs, LENGTH}
+        asked |= {str(s) for value in self._program[1].values() for s in value.free_symbols}
+        made = {str(name) for name, _ in self._program[0].assignments}
+        known = {SLOPE(name) for name in (*self.kept, *self.moving)}
+        rest = sorted(asked - made - known - {*self.kept, *self.moving})
+        return (*self.moving, *rest)
+
+    def text(self, printer: Arithmetic) -> str:
+        """Print the function ``step(z, block, inputs, table)``, in place."""
+        body = "\n    ".join(self._body(printer))
+        return f"@jit\ndef step(z, block, inputs, table):\n    {body}\n"
+
+    def _body(self, printer: Arithmetic) -> Iterator[str]:
+        floats, slopes = self._parts
+        _, out, slopes_out = self._program
+        yield from (f"{name} = z[{i}]" for i, name in enumerate(self.kept))
+        yield from (f"{name} = inputs[{i}]" for i, name in enumerate(self.inputs))
+        yield from (f"{name} = {printer.doprint(value)}" for name, value in floats)
+        yield from (f"z[{i}] = {printer.doprint(out[name])}" for i, name in enumerate(self.kept))
+        yield f"for lane in range({DIRECTIONS}):"
+        fields = (*self.kept, *self.moving)
+        yield from (f"    {SLOPE(name)} = block[{i * DIRECTIONS} + lane]" for i, name in enumerate(fields))
+        yield from (f"    {name} = {printer.doprint(value)}" for name, value in slopes)
+        for i, name in enumerate(self.kept):
+            yield f"    block[{i * DIRECTIONS} + lane] = {printer.doprint(slopes_out[name])}"
+
+
+def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], version: str) -> str:
+    """Write the module that sails a voyage with its slopes."""
+    tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
+    body = tangent.text(printer)
+    numbers = {"KEPT": len(kept), "MOVING": len(moving), "DIRECTIONS": DIRECTIONS, "CELL_ENTRIES": ROW}
+    numbers["LENGTH"] = tangent.inputs.index(LENGTH)
+    names = {"KEPT_NAMES": kept, "INPUTS": tangent.inputs}
+    return "\n\n".join(
+        [
+            HEADER.format(version=version, precision="float64"),
+            "\n".join(f"{name} = {value!r}" for name, value in (numbers | names).items()),
+            elementary_text(body, "float64"),
+            body,
+            Path(__file__).with_name("kernels").joinpath("sensitivity.py").read_text(encoding="utf-8"),
+        ]
+    )
+
+
+def constants_text(rates: Rates) -> str:
+    """Write the function of the slopes of what stays the same through a voyage."""
+    constants, names = rates.constants, rates.motion.names
+    assignments, results = straight_lines(list(constants.table))
+    used = set().union(*(expression.free_symbols for expression in constants.table))
+    asked = {name: symbol for name, symbol in names.items() if symbol in used}
+    lines = Lines()
+    values = lines.inline("", assignments, results, {})
+    seeds = {symbol: [real(SLOPE(symbol))] for symbol in asked.values()}
+    more, slopes_of = with_tangents(lines, seeds, 1)
+    slopes = [slopes_of(value)[0] for value in values]
+    arguments = [*map(str, asked.values()), *(SLOPE(symbol) for symbol in asked.values())]
+    text = function_text("constants_slopes", arguments, more.needed_for(slopes).assignments, slopes)
+    return f"PARAMETERS = {tuple(asked)!r}\n\n\n{text}"

@@ -12,28 +12,38 @@ from keyword import iskeyword
 from typing import Any, Literal
 
 from narrows.codegen.tape import Tape
-from narrows.errors import InputError
+from narrows.errors import InputError, did_you_mean
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
 # A SymPy expression.
 Expr = Any
+
 Surge = Literal["held", "free"]
 
 # What the right-hand side is a function of; its result has the derivatives in the same order.
 STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
+
 ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
+
 # Force [N, N, N m] added from outside, by the component that it adds to.
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
+
 # The argument [kg] added to the mass in surge, where the table's own was not identifiable.
 SURGE_INERTIA = "surge_inertia"
+
 MACHINERY = {name for actuator in STANDARD for name in (*actuator.controls, *actuator.particulars)}
+
 LIMITS = {f"{actuator.name}_{of}" for actuator in STANDARD for of in ("limit", "rate")}
+
 WALLS = {"wall_starboard", "wall_port"}
+
 RESERVED = {*REGRESSOR_INPUTS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
+
 # Names that the generated text has for itself.
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
+
 MOST_BITS = 20
 
 
@@ -164,3 +174,37 @@ def _columns(
             column = columns.setdefault(varying, sympy.zeros(len(freedoms), 1))
             column[freedoms.index(force)] += factor * fixed
     return {basis: column for basis, column in columns.items() if any(column)}
+
+
+# What of a hull meets a bank: the corners of its rectangle, its side at midship, an outline, or nothing.
+# Points (forward, starboard) of a hull [m] from midship; the hull is as wide as their convex hull.
+Outline = tuple[tuple[float, float], ...]
+
+CORNERS, MIDSHIP, OPEN = "corners", "midship", "none"
+
+SHAPES = (CORNERS, MIDSHIP, OPEN)
+
+FEWEST_POINTS = 3
+
+
+def checked_shape(shape: Any) -> str | Outline:
+    """Return the name or the outline of a hull's shape."""
+    # shape [m]
+    if isinstance(shape, str):
+        if shape not in SHAPES:
+            raise InputError(f"contact {shape!r} is unknown{did_you_mean(shape, SHAPES)}, or points of an outline")
+        return shape
+    try:
+        points = tuple((float(forward), float(starboard)) for forward, starboard in shape)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError("contact: an outline is a list of points (forward, starboard), in metres") from None
+    if len(points) < FEWEST_POINTS:
+        raise InputError(f"contact: an outline needs {FEWEST_POINTS} points or more; this one has {len(points)}")
+    if not all(abs(number) < 1e6 for point in points for number in point):
+        raise InputError("contact: an outline's points are finite numbers of metres; mend them")
+    return points
+
+
+def point_names(count: int) -> list[tuple[str, str]]:
+    """Name the coordinates of an outline's points."""
+    return [(f"outline_forward_{number}", f"outline_starboard_{number}") for number in range(count)]

@@ -1,20 +1,23 @@
 """The kernel of a fleet: the text of one file that Numba compiles, a step over a block of lanes and its bookkeeping."""
 
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
 from narrows.codegen.choices import ROW, Choices
-from narrows.codegen.free_motion import STATE
+from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
 from narrows.codegen.kernels.elementary import HEADER, NUMBER, elementary_text
-from narrows.codegen.lines import Lines, real
+from narrows.codegen.lines import Lines, real, straight_lines
 from narrows.codegen.printers.lanes import Lanes
-from narrows.codegen.printers.python import Arithmetic
-from narrows.codegen.shapes import MIDSHIP, OPEN
-from narrows.codegen.step import room_left
+from narrows.codegen.printers.python import Arithmetic, function_text
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step, room_left
 
 LANES = 64
+
 # What the bookkeeping looks up among the numbers that all vessels share.
 SHARED_PLACES = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
+
 FIELDS = {
     "X": "x", "Y": "y", "COS": "cos_psi", "SIN": "sin_psi", "U": "u", "V": "v", "R": "r", "STEP_LENGTH": "step_length",
     "LEFT": "left", "FLAG": "flag", "ROOM": "room", "LEAN": "lean", "ROOM_BEFORE": "room_before",
@@ -89,3 +92,38 @@ def _module_text(name: str, decorator: str) -> str:
     text = Path(spec.origin).read_text(encoding="utf-8")
     kept = [line for line in text.splitlines() if not line.startswith(("from ", "import "))]
     return "\n".join(kept).replace("\ndef ", f"\n@{decorator}\ndef ")
+
+
+# The plain module of a system: constants, rates, step and room as functions of floats or columns.
+def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
+    """Write the plain module of a system."""
+    kept, lines = choices.kept, Lines()
+    room, lean = room_left(lines, choices, {name: real(name) for name in STATE})
+    program, derivatives = rates.program()
+    parts = [
+        '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
+        _constants(rates),
+        _function("rates", program, {name: derivatives[name] for name in STATE}, STATE, False),
+        _function("step", step.lines, {name: step.out[name] for name in (*kept, "room", "lean")}, kept, True),
+        _function("room", lines, {"room": room, "lean": lean}, STATE[:4], True),
+    ]
+    return "\n\n".join(parts)
+
+
+def _constants(rates: Rates) -> str:
+    constants, names = rates.constants, rates.motion.names
+    assignments, results = straight_lines(list(constants.table))
+    used = set().union(*(expression.free_symbols for expression in constants.table))
+    asked = {name: symbol for name, symbol in names.items() if symbol in used}
+    text = function_text("constants", [str(symbol) for symbol in asked.values()], assignments, results)
+    return f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}\n\n\n{text}"
+
+
+def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], table: bool) -> str:
+    """A function, and the names of what it takes after its first arguments."""
+    program = lines.needed_for(list(out.values()))
+    asked = {str(s) for value in out.values() for s in real(name).free_symbols | value.free_symbols}
+    made = {str(target) for target, _ in program.assignments}
+    rest = tuple(sorted((set(program.inputs) | asked) - made - {*first, name}))
+    text = function_text(name, (*first, *rest), program.assignments, list(out.values()), table)
+    return f"{name.upper()}_INPUTS = {rest!r}\n\n\n{text}"

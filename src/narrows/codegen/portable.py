@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from narrows.codegen.choices import COUNTED, LENGTH, Actuated, Choices, Law, control_names
-from narrows.codegen.free_motion import INPUTS, STATE, Expr, FreeMotion
-from narrows.codegen.jacobian import coefficient_slopes, linear_slopes
-from narrows.codegen.lines import Lines, Program, real
-from narrows.codegen.lowering import straight_lines
+from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
+from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
+from narrows.codegen.lines import Lines, Program, real, straight_lines
 from narrows.codegen.rates import Rates
-from narrows.codegen.shapes import OPEN
 from narrows.codegen.step import Step, rate_here, room_left, section_here, step_of
 from narrows.codegen.tape import tape_of
 

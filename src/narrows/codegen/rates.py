@@ -7,8 +7,7 @@ from functools import cached_property
 import sympy
 
 from narrows.codegen.free_motion import ACCELERATIONS, INPUTS, STATE, Expr, FreeMotion, symbol
-from narrows.codegen.lines import Assignment, Lines, real
-from narrows.codegen.lowering import Constants, straight_lines
+from narrows.codegen.lines import Assignment, Constants, Lines, real, straight_lines
 
 TURNED = ("cos_psi", "sin_psi", "u", "v", "r")
 

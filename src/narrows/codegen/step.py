@@ -4,20 +4,19 @@ Control law, actuators, the section of the water at the ship's place, Runge-Kutt
 waterway whose section does not change. Every engine prints these lines.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import sympy
 
 from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Choices
-from narrows.codegen.contact import bank_room, reaches
-from narrows.codegen.free_motion import INPUTS, STATE, Expr, exact_number
-from narrows.codegen.lines import FUNCTIONS, Lines, clipped, least, real
+from narrows.codegen.free_motion import CORNERS, INPUTS, MIDSHIP, OPEN, STATE, Expr, exact_number, point_names
+from narrows.codegen.lines import FUNCTIONS, Lines, clipped, greatest, least, real
 from narrows.codegen.rates import Rates
-from narrows.codegen.shapes import MIDSHIP, OPEN
 
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
+
 # The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last weigh.
 SIXTH = sympy.Rational(1, 6)
 
@@ -217,3 +216,26 @@ def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
     names = (f"{kind}_starboard", f"{kind}_port")
     section = _section(lines, x, names, "after")
     return section[names[0]], section[names[1]]
+
+
+# Where hull and bank meet: the room between them, and the side that is nearer, in lines.
+def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple[Expr, Expr]:
+    """Write how far a hull reaches athwart the canal to starboard and to port of midship [m]."""
+    half_beam = real("half_beam")
+    if contact == MIDSHIP:
+        return (lines.put("reach", half_beam * cosine),) * 2
+    if contact == CORNERS:
+        return (lines.put("reach", real("half_length") * abs(sine) + half_beam * cosine),) * 2
+    out = [
+        lines.put(f"point_{number}", real(forward) * sine + real(starboard) * cosine)
+        for number, (forward, starboard) in enumerate(point_names(int(contact)))
+    ]
+    return lines.put("reach_starboard", greatest(*out)), lines.put("reach_port", -least(*out))
+
+
+def bank_room(lines: Lines, walls: Sequence[Expr], reach: Sequence[Expr], y: Expr) -> tuple[Expr, Expr]:
+    """Write the room between a hull and the nearer bank, and how much more there is to port than to starboard [m]."""
+    # walls [m]; reach [m]; y [m]
+    starboard = lines.put("room_starboard", walls[0] - y - reach[0])
+    port = lines.put("room_port", walls[1] + y - reach[1])
+    return lines.put("room_bank", least(starboard, port)), lines.put("lean", port - starboard)

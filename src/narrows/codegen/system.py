@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from narrows.codegen.step import Step
 
 FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
+
 # What numbers are where nothing is said of them.
 DEFAULTS = dict.fromkeys((*FORCES_FROM_OUTSIDE, "heave", "surge_inertia"), 0.0)
 
@@ -70,7 +71,6 @@ class System:
     def scalar(self) -> SimpleNamespace:
         """The functions of floats: ``constants``, ``rates``, ``step``, ``room`` with the names that they ask for."""
         from narrows.codegen.choices import ROW
-        from narrows.codegen.functions import scalar_functions
 
         return self._plain(scalar_functions(ROW))
 
@@ -78,13 +78,12 @@ class System:
     def columns(self) -> SimpleNamespace:
         """The same functions for floats and columns alike."""
         from narrows.codegen.choices import ROW
-        from narrows.codegen.functions import column_functions
 
         return self._plain(column_functions(ROW))
 
     def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
         def text() -> str:
-            from narrows.codegen.printers.modules import plain_text
+            from narrows.codegen.kernel import plain_text
 
             return plain_text(self.choices, self.rates, self.step)
 
@@ -120,7 +119,7 @@ class System:
 
     def _batch(self, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Callable[[], ModuleType]:
         def text() -> str:
-            from narrows.codegen.jacobian import batch_text
+            from narrows.codegen.derivatives import batch_text
 
             return batch_text(self.rates.motion, actuators, version("narrows"), section)
 
@@ -144,7 +143,7 @@ class System:
         """Return the module that sails a voyage with its slopes; its ``march`` compiles when first called."""
 
         def text() -> str:
-            from narrows.codegen.tangent import tangent_text
+            from narrows.codegen.derivatives import tangent_text
 
             return tangent_text(self.step, self.choices.kept, moving, version("narrows"))
 
@@ -162,10 +161,8 @@ class System:
 
     @cached_property
     def _constants_slopes(self) -> SimpleNamespace:
-        from narrows.codegen.functions import column_functions
-
         def text() -> str:
-            from narrows.codegen.tangent import constants_text
+            from narrows.codegen.derivatives import constants_text
 
             return constants_text(self.rates)
 
@@ -181,10 +178,9 @@ class System:
 @lru_cache(maxsize=64)
 def _derivatives(system: System, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Mapping[str, Any]:
     """The generated functions of derivatives, for floats and columns."""
-    from narrows.codegen.functions import column_functions
 
     def text() -> str:
-        from narrows.codegen.jacobian import jacobian_text
+        from narrows.codegen.derivatives import jacobian_text
 
         return jacobian_text(system.rates.motion, system.table.names, actuators, section)
 
@@ -213,3 +209,61 @@ def _evaluated(
             "not zero, and where surge is free give surge_inertia"
         )
     return result
+
+
+# The elementary functions of plain Python, for floats and for columns: what printed lines call.
+def _root(value: float) -> float:
+    return math.sqrt(value) if value >= 0 else math.nan
+
+
+def _power(base: float, exponent: float) -> float:
+    return base**exponent if base >= 0 or exponent.is_integer() else math.nan
+
+
+def _entries(row: int) -> Callable[[Any, int, float], float]:
+    return lambda table, column, cell: float(table[row * int(cell) + column])
+
+
+def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
+    """Return the elementary functions for floats."""
+    return {
+        "minimum": lambda a, b: a if a < b else b,
+        "maximum": lambda a, b: a if a > b else b,
+        "choice": lambda test, over, under: over if test > 0 else under,
+        "positive": lambda test: 1.0 if test > 0 else 0.0,
+        "whole": lambda number: float(int(number)),
+        "angle": lambda cosine, sine: math.atan2(sine, cosine),
+        "sine": math.sin,
+        "cosine": math.cos,
+        "sqrt": _root,
+        "exp": math.exp,
+        "log": math.log,
+        "power": _power,
+        "entry": _entries(row),
+    }
+
+
+def _column_entries(row: int) -> Callable[[Any, int, Any], Any]:
+    def entry(table: Any, column: int, cell: Any) -> Any:
+        return np.asarray(table)[row * np.nan_to_num(cell).astype(np.int64) + column]
+
+    return entry
+
+
+def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
+    """Return the elementary functions for floats and columns alike."""
+    return {
+        "minimum": np.minimum,
+        "maximum": np.maximum,
+        "choice": lambda test, over, under: np.where(np.asarray(test) > 0, over, under),
+        "positive": lambda test: np.where(np.asarray(test) > 0, 1.0, 0.0),
+        "whole": np.trunc,
+        "angle": lambda cosine, sine: np.arctan2(sine, cosine),
+        "sine": np.sin,
+        "cosine": np.cos,
+        "sqrt": np.sqrt,
+        "exp": np.exp,
+        "log": np.log,
+        "power": np.power,
+        "entry": _column_entries(row),
+    }

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.control.local_motion import MOVED, LocalMotion
-from narrows.control.margins import loop_margins
 from narrows.errors import InputError, check_choice, needs
 from narrows.results import Shown
 
@@ -19,8 +18,11 @@ UNITS = {
     "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad", "revolutions": "1/s", "X": "N",
     "Y": "N", "N": "N m", "current": "m/s", "curvature": "1/m",
 }  # fmt: skip
+
 SYMBOLS = {"psi": r"\psi", "rudder": r"\delta", "revolutions": "n", "current": r"c", "curvature": r"\kappa"}
+
 RANK_TOLERANCE = 1e-9
+
 DIGITS = 4
 
 
@@ -362,3 +364,23 @@ def _matrix(matrix: np.ndarray) -> str:
 def _number(value: float) -> str:
     digits, _, exponent = f"{value + 0.0:.{DIGITS}g}".partition("e")
     return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits
+
+
+# How far a closed loop is from instability: margins of gain, phase and delay, by python-control.
+def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, float]:
+    """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input."""
+    # A (n, n); B (n, 1); gains (n,)
+    with needs("control", "margins"):
+        import control
+    loop = control.ss(A, B, gains[None, :], 0)
+    gain, phase, distance, _, at_gain, _ = control.stability_margins(loop, returnall=True)
+    over, under = gain[gain > 1], gain[(gain > 0) & (gain < 1)]
+    # A delay turns the loop clockwise: a phase margin counts by how far it is to half a turn, clockwise.
+    delays = np.radians(np.mod(phase, 360.0)) / np.where(at_gain > 0, at_gain, np.inf)
+    return {
+        "gain": float(over.min(initial=np.inf)),
+        "gain_down": float(under.max(initial=0.0)),
+        "phase_deg": float(np.abs(phase).min(initial=np.inf)),
+        "delay": float(delays[delays > 0].min(initial=np.inf)),
+        "distance": float(np.min(distance, initial=np.inf)),
+    }

@@ -7,8 +7,7 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.control.linear_system import LinearSystem
-from narrows.control.local_motion import MOVED, WATER, LocalMotion
-from narrows.control.local_water import LocalWater, local_water
+from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, local_water
 from narrows.control.self_propulsion import self_propulsion
 from narrows.control.steady_course import check_inside, check_rudder, solved
 from narrows.errors import InputError, did_you_mean

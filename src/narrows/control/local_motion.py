@@ -1,22 +1,41 @@
 """The motion of a ship in the water at a place, in a bend and a current too: its rates, and their exact derivatives."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.system import System
-from narrows.control.local_water import LocalWater
 from narrows.control.steady_course import moving
+from narrows.errors import InputError
+from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
+from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
 
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
 MOVED = ("y", "psi", "u", "v", "r")
+
 WATER = ("current", "curvature")
+
+
+# The water at a place, as steady courses and helms ask for it: a section, the curvature of the line, the current.
+@dataclass(frozen=True)
+class LocalWater:
+    """The water at a place, taken to go on as it is there."""
+
+    width: float  # Of the section [m]
+    # What the terms are told of it instead of the model's own canal: width and depth [m]
+    sections: Mapping[str, float] = field(default_factory=dict)
+    middle: float = 0.0  # Of the section, to starboard of the line that offsets count from [m]
+    curvature: float = 0.0  # Of that line, to starboard [1/m]
+    current: float = 0.0  # Along it [m/s]
 
 
 @dataclass(frozen=True)
@@ -72,3 +91,21 @@ class LocalMotion:
             columns[name] = turning.copy()
             columns[name][..., heading] = slope
         return columns
+
+
+def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWater:
+    """Return the water at a place of a waterway, or the model's own canal."""
+    # at [m]
+    finite_numbers(at=at)
+    check_waterway(waterway)
+    if waterway is None:
+        if at:
+            raise InputError(f"at = {at:g} m is a place along a waterway; give one, or leave it out")
+        return LocalWater(model.configuration.canal.width)
+    if not 0 <= at <= waterway.line.length:
+        raise InputError(f"at = {at:g} m is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose a place")
+    waterway.check_fits(model.configuration.ship, at)
+    canal, section = waterway.canal(at), waterway.section(at)
+    depth = canal.depth if canal.depth is not None else model.configuration.canal.depth
+    sections = {"width": canal.width} | ({} if depth is None else {"depth": depth})
+    return LocalWater(canal.width, sections, float(section.middle), float(section.curvature), waterway.current)

@@ -12,7 +12,7 @@ from narrows.control.linearization import linearize
 from narrows.control.regulator_law import FELT, HeldLine, Regulator
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.simulation.samples import sampled
+from narrows.simulation.grid import sampled
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

@@ -15,9 +15,8 @@ import numpy as np
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import MEMORY, Estimator
-from narrows.estimation.process_noise import Prior, ProcessNoise
 from narrows.estimation.ship_filter import Coefficients
-from narrows.estimation.states import STATES
+from narrows.estimation.states import STATES, Prior, ProcessNoise
 from narrows.estimation.twins import Twins, check_law, sail_twins
 from narrows.model.model import Model
 from narrows.results import Shown

@@ -2,12 +2,17 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.estimation.states import STATES, StateNames
 from narrows.estimation.unscented import Normal
-from narrows.results import Described
+from narrows.results import Described, Tabulated
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -82,3 +87,94 @@ class Estimate(Described):
         ]
         told = [f"t = {self.t:g} s: {', '.join(parts)} (95 %)."]
         return "\n".join([*told, *self.notes])
+
+
+# A voyage as it was estimated: states with their standard deviations over time.
+@dataclass(frozen=True, repr=False, eq=False)
+class EstimatedTrack(Tabulated):
+    """States of a ship over time.
+
+    Parameters
+    ----------
+    t : array (times,) [s]
+        Time.
+    mean : array (times, states)
+        Estimates.
+    covariance : array (times, states, states)
+        Of their errors.
+    states : tuple of str
+        What is estimated.
+    ready : array (times,) of bool
+        Whether the estimate followed the readings.
+    refused : dict of str to array (times,) of bool
+        Where a sensor's reading was refused.
+    suspected : dict of str to array (times,) of bool
+        Where a sensor's readings leaned to one side.
+    smoothed : bool
+        Whether later readings count too.
+    notes : tuple of str
+        What to know of it.
+    """
+
+    t: np.ndarray
+    mean: np.ndarray
+    covariance: np.ndarray
+    states: tuple[str, ...]
+    ready: np.ndarray
+    refused: dict[str, np.ndarray]
+    suspected: dict[str, np.ndarray]
+    smoothed: bool
+    notes: tuple[str, ...]
+
+    @property
+    def std(self) -> np.ndarray:
+        """Standard deviations, (times, states)."""
+        return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0)))
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """The estimates of a state."""
+        return np.asarray(self.mean[:, self.states.index(name)])
+
+    def summary(self) -> str:
+        """Say how long it is, how sure the place is, and which sensors were refused or suspected."""
+        std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
+        by = "all readings" if self.smoothed else "the readings until then"
+        told = [
+            f"{len(self.t)} times from {self.t[0]:g} to {self.t[-1]:g} s, each by {by}; the offset is known to "
+            f"{1.96 * std['y']:.2g} m (95 %), the heading to {np.degrees(1.96 * std['psi']):.2g} deg."
+        ]
+        for what, flags in (("refused", self.refused), ("suspected of drifting", self.suspected)):
+            counts = {name: int(flag.sum()) for name, flag in flags.items() if flag.any()}
+            told += [f"{name} was {what} at {count} of them." for name, count in counts.items()]
+        return "\n".join(told)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give counts and the median standard deviations by name."""
+        std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
+        counts = {"times": len(self.t), "ready": int(self.ready.sum()), "smoothed": self.smoothed}
+        flags = {"refused": self.refused, "suspected": self.suspected}
+        told = {what: {name: int(flag.sum()) for name, flag in by.items()} for what, by in flags.items()}
+        return {"median_std": std, **counts, **told, "summary": self.summary(), "notes": list(self.notes)}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give a row a time: states and their standard deviations."""
+        frame: pd.DataFrame = self.dataset().drop_dims("other").drop_vars("state").to_dataframe()
+        return frame
+
+    def dataset(self) -> "xarray.Dataset":
+        """Return states, standard deviations, the covariance and what was thought of the sensors, with units."""
+        import xarray
+
+        std = self.std
+        data: dict[str, Any] = {}
+        for place, name in enumerate(self.states):
+            unit, meaning = STATES[name]
+            data[name] = ("t", self.mean[:, place], {"units": unit, "long_name": meaning})
+            data[f"{name}_std"] = ("t", std[:, place], {"units": unit, "long_name": f"standard deviation of {meaning}"})
+        data["ready"] = ("t", self.ready.astype(np.int8), {"units": "1", "long_name": "follows the readings"})
+        for what, flags in (("refused", self.refused), ("suspected", self.suspected)):
+            data |= {f"{name}_{what}": ("t", flag.astype(np.int8), {"units": "1"}) for name, flag in flags.items()}
+        data["covariance"] = (("t", "state", "other"), self.covariance, {"units": "product of those of the states"})
+        coordinates = {"t": ("t", self.t, {"units": "s", "long_name": "time"}), "state": list(self.states)}
+        notes = {"summary": self.summary(), "notes": "\n".join(self.notes)}
+        return xarray.Dataset(data, coords={**coordinates, "other": list(self.states)}, attrs=notes)

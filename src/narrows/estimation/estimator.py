@@ -10,15 +10,12 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
-from narrows.estimation.estimate import Estimate
-from narrows.estimation.estimated_track import EstimatedTrack
-from narrows.estimation.moment import Moment
-from narrows.estimation.process_noise import Prior, ProcessNoise
-from narrows.estimation.readings import Reading, checked_readings
-from narrows.estimation.records import records_of
+from narrows.estimation.estimate import Estimate, EstimatedTrack
+from narrows.estimation.records import Moment, Reading, checked_readings, records_of
 from narrows.estimation.recursion import Believed
 from narrows.estimation.ship_filter import Coefficients, ShipFilter, parted, usual_step
-from narrows.estimation.smoothing_pass import smooth
+from narrows.estimation.smoothing import smooth
+from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Normal
 from narrows.model.model import Model
 from narrows.results import Described

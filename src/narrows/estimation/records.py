@@ -1,13 +1,16 @@
 """Records of a voyage: a table of what came in, a row a time, to estimate from after the fact."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
+from narrows.estimation.recursion import DriftMonitor
 from narrows.estimation.sensor import Sensor
+from narrows.estimation.unscented import Normal
 
 TIME = "t"
 
@@ -68,3 +71,63 @@ def _columns(table: Any) -> dict[str, np.ndarray]:
     if len(sizes) > 1 or any(len(size) != 1 for size in sizes):
         raise InputError("columns of records are of one length; give a value a row, NaN where nothing came in")
     return columns
+
+
+# Readings as they come from a bridge: by name, checked, without what is no number.
+Reading = float | Sequence[float]
+
+
+class Told(NamedTuple):
+    """What came in."""
+
+    measured: dict[str, tuple[float, ...]]  # By sensor
+    positions: dict[str, float]  # Of actuators
+    notes: tuple[str, ...]  # What was no number
+
+
+def checked_readings(readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Told:
+    """Part readings into those of sensors and of actuators, and leave out what is no number."""
+    measured: dict[str, tuple[float, ...]] = {}
+    positions: dict[str, float] = {}
+    lost = []
+    for name, reading in readings.items():
+        if name not in sensors and name not in actuators:
+            known = (*sensors, *actuators)
+            hint = did_you_mean(name, known) or f"; there are {', '.join(known)}"
+            raise InputError(f"no sensor of this estimator is called {name!r}{hint}")
+        numbers = _numbers(name, reading, len(sensors[name].fields) if name in sensors else 1)
+        if not all(map(math.isfinite, numbers)):
+            lost.append(name)
+        elif name in sensors:
+            measured[name] = numbers
+        else:
+            positions[name] = numbers[0]
+    notes = (f"What {' and '.join(lost)} told is no number: it counts as not told.",) if lost else ()
+    return Told(measured, positions, notes)
+
+
+def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:
+    try:
+        if isinstance(reading, float):
+            return (reading,) if count == 1 else _refused(name, 1, count)
+        numbers = tuple(map(float, reading if isinstance(reading, tuple) else np.ravel(reading)))
+    except (TypeError, ValueError):
+        raise InputError(f"a reading of {name} is {count} number(s), and this one is {reading!r}") from None
+    if len(numbers) != count:
+        return _refused(name, len(numbers), count)
+    return numbers
+
+
+def _refused(name: str, told: int, count: int) -> tuple[float, ...]:
+    raise InputError(f"a reading of {name} is {count} number(s), and this one has {told}; give as many")
+
+
+# What is known of a ship at a time, to go on from or to go back to.
+class Moment(NamedTuple):
+    """What is known at a time, to go on from or to go back to."""
+
+    t: float  # When [s]
+    normal: Normal  # The state
+    positions: np.ndarray  # (actuators,) Indicated positions
+    readings: dict[str, tuple[float, ...]]  # What was measured then
+    monitor: DriftMonitor  # After them

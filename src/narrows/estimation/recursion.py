@@ -2,28 +2,31 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.estimation.drift_monitor import THRESHOLD, DriftMonitor
-from narrows.estimation.innovation_gate import gate, normalised_square
 from narrows.estimation.sensor import Sensor
 from narrows.estimation.ship_lanes import ShipLanes
-from narrows.estimation.sigma_points import Spread, sigma_points
 from narrows.estimation.states import Columns, StateNames
 from narrows.estimation.unscented import (
     Normal,
+    Spread,
     Transformed,
     corrected,
     innovation_covariance,
     linear,
     predicted,
+    sigma_points,
     transformed,
 )
 
 TURN = 2.0 * math.pi
+
 RUDDER = "rudder"
+
 # Normalised innovation squared beyond which a reading is an error, whatever else is told [1].
 GROSS = 1e4
 
@@ -48,6 +51,42 @@ class NumberLayout(NamedTuple):
     sigma: np.ndarray  # Standard deviations
     angles: np.ndarray  # Which are angles
     straight: bool  # Whether all are linear in the state
+
+
+@dataclass
+class DriftMonitor:
+    """Fading sums of the innovations of sensors."""
+
+    size: int  # Numbers that the sensors measure, all together
+    considered: int = 0  # Errors of coefficients that the filter carries
+    sums: np.ndarray = field(init=False)
+    variances: np.ndarray = field(init=False)
+    common: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.sums, self.variances = np.zeros((2, len(MEMORIES), self.size))
+        self.common = np.zeros((len(MEMORIES), self.considered, self.size))
+
+    def lean(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
+        """Take innovations, and return how far the sums lean to one side, in standard deviations, (numbers,)."""
+        # whitened (numbers,); places (numbers,); shared (considered, numbers)
+        told = np.minimum(np.maximum(whitened, -LARGEST), LARGEST)
+        sums = FADING * self.sums[:, places] + told
+        variances = SQUARED * self.variances[:, places] + 1.0
+        if self.considered:
+            variances -= np.minimum((shared * shared).sum(axis=0), 1.0)
+        self.sums[:, places], self.variances[:, places] = sums, variances
+        if self.considered:
+            common = FADING[:, :, None] * self.common[..., places] + shared
+            self.common[..., places] = common
+            variances = variances + (common * common).sum(axis=1)
+        return np.asarray((np.abs(sums) / np.sqrt(variances)).max(axis=0))
+
+    def copy(self) -> "DriftMonitor":
+        """Return the same, to go on from."""
+        other = DriftMonitor(self.size, self.considered)
+        other.sums, other.variances, other.common = self.sums.copy(), self.variances.copy(), self.common.copy()
+        return other
 
 
 class Recursion:
@@ -183,3 +222,38 @@ class Recursion:
         for angle in layout.angles:
             innovation[angle] = math.remainder(innovation[angle], TURN)
         return np.asarray(innovation)
+
+
+# Gates: which measurements are too far from what was expected to be believed.
+@lru_cache(maxsize=64)
+def gate(probability: float, size: int) -> float:
+    """Return the normalised innovation squared that a sound measurement exceeds with a probability [1]."""
+    from scipy.stats import chi2
+
+    return float(chi2.isf(probability, size)) if probability > 0.0 else float("inf")
+
+
+def normalised_square(innovation: np.ndarray, covariance: np.ndarray) -> float:
+    """Return the innovation squared over its covariance [1]: chi-squared where the filter is consistent."""
+    # innovation (m,); covariance (m, m)
+    if len(innovation) == 1:
+        return float(innovation[0] * innovation[0] / covariance[0, 0])
+    if len(innovation) == 2:
+        ((a, b), (_, d)), (e, f) = covariance.tolist(), innovation.tolist()
+        return float((d * e * e - 2.0 * b * e * f + a * f * f) / (a * d - b * b))
+    return float(innovation @ np.linalg.solve(covariance, innovation))
+
+
+# Drifts: a sensor whose innovations lean to one side for long, each small enough to pass the gate, is under suspicion.
+# Readings that a sum remembers.
+MEMORIES = (6.0, 12.0, 24.0)
+
+# Standard deviations at which a lean is told: by chance once in 1.7 million sums that have nothing in common.
+THRESHOLD = 5.0
+
+# Beyond it a reading is the gate's matter, and counts no more than this.
+LARGEST = 5.0
+
+FADING = 1.0 - 1.0 / np.array(MEMORIES)[:, None]
+
+SQUARED = FADING * FADING

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -10,18 +10,14 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.drift_monitor import DriftMonitor
-from narrows.estimation.process_noise import Prior, ProcessNoise
-from narrows.estimation.recursion import Believed, Recursion
+from narrows.estimation.recursion import Believed, DriftMonitor, Recursion
 from narrows.estimation.sensor import Sensor
+from narrows.estimation.sensors import Gyro, RudderIndicator
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes, directions, lanes_of_directions
-from narrows.estimation.ship_sensors import Gyro, RudderIndicator
-from narrows.estimation.sigma_points import spread_of
-from narrows.estimation.starting import Start
-from narrows.estimation.states import MOTION_STATES, STATES, StateNames
-from narrows.estimation.unscented import Normal, Transformed
+from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
+from narrows.estimation.unscented import Normal, Transformed, spread_of
 from narrows.model.model import Model
-from narrows.quantities.constants import GRAVITY
+from narrows.quantities.names import GRAVITY
 from narrows.simulation.inputs import Contact
 from narrows.simulation.ship import SimulatedShip
 
@@ -30,6 +26,7 @@ if TYPE_CHECKING:
 
 # Of the root of length over gravity, the time that a ship's motion takes.
 STEPS_A_PERIOD = 4.0
+
 Coefficients = Literal["considered", "certain", "estimated"]
 
 
@@ -39,6 +36,66 @@ class MotionStep(NamedTuple):
     normal: Normal  # After it
     how: Transformed  # How the root was moved
     aground: bool  # Whether the mean met a bank, or is no number
+
+
+@dataclass
+class Start:
+    """Readings as they come, until there are enough to start from."""
+
+    states: StateNames  # What is estimated
+    sensors: Mapping[str, Sensor]  # By the names of their readings
+    prior: Prior  # What is believed without readings
+    biases: Mapping[str, float]  # Standard deviations of the biases, by the names of states
+    current: float = 0.0  # Along the waterway, as it is known [m/s]
+    readings: dict[str, Sequence[float]] = field(default_factory=dict)  # What came in so far
+
+    def told(self) -> dict[str, tuple[float, float]]:
+        """Return what the readings tell, with standard deviations: of two that tell the same, the better."""
+        told: dict[str, tuple[float, float]] = {}
+        for name, reading in self.readings.items():
+            for state, (value, size) in self.sensors[name].start(reading).items():
+                if state not in told or size < told[state][1]:
+                    told[state] = (float(value), size)
+        return told
+
+    @property
+    def lacking(self) -> str:
+        """What is not known yet, in words; empty where there is enough."""
+        told = self.told()
+        return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in told))
+
+    def normal(self, considered: int, bend: float) -> Normal:
+        """Return the state by the readings and what is believed."""
+        # bend [1/m]
+        told, prior = self.told(), self.prior
+        believed = {
+            "v": (0.0, prior.sway), "r": (0.0, prior.yaw_rate), "bank": (1.0, prior.bank),
+            "current": (self.current, prior.current), "current_across": (0.0, prior.current_across),
+            **{name: (0.0, size) for name, size in self.biases.items()}, **told,
+        }  # fmt: skip
+        mean = self.states.vector({name: value for name, (value, _) in believed.items()})
+        root = np.diag([believed[name][1] for name in self.states.names])
+        places = self.states.places
+        if "heading_bias" in places:  # What the compass indicates is the heading and its bias together.
+            root[places["psi"], places["heading_bias"]] = -root[places["heading_bias"], places["heading_bias"]]
+        return Normal(self._at_midship(mean, root, bend), np.hstack([np.zeros((len(mean), considered)), root]))
+
+    def _at_midship(self, mean: np.ndarray, root: np.ndarray, bend: float) -> np.ndarray:
+        """Bring the place of an antenna to midship, in the mean and, as far as the heading is unsure, in the root."""
+        name = next(name for name, reading in self.readings.items() if "x" in self.sensors[name].start(reading))
+        sensor, told = self.sensors[name], np.array(self.readings[name], float)
+
+        def measured(state: np.ndarray) -> np.ndarray:
+            found = sensor.measured(Columns(state[None], self.states, bend))
+            return np.array([float(np.ravel(number)[0]) for number in found])
+
+        for _ in range(ROUNDS):
+            mean = mean.copy()
+            mean[:2] += told - measured(mean)
+        turned = mean.copy()
+        turned[2] += SMALL_TURN
+        root[:2] -= np.outer((measured(turned) - measured(mean)) / SMALL_TURN, root[2])
+        return mean
 
 
 @dataclass(frozen=True)
@@ -207,3 +264,14 @@ def parted(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
     if not names:
         raise InputError("an estimator without a sensor knows nothing; give Gnss, Gyro and Log at least")
     return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)
+
+
+# From the first readings to a state: place, heading and speed are read, the rest is believed.
+# What there must be to start from, and what it is called.
+NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
+
+# Of finding midship from an antenna.
+ROUNDS = 6
+
+# A difference of heading [rad] for a derivative.
+SMALL_TURN = 1e-4

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.choices import WATER
-from narrows.control.predictive.water_ahead import water_ahead
+from narrows.control.predictive.line_frame import water_ahead
 from narrows.errors import InputError
 from narrows.estimation.sensor import Sensor
 from narrows.estimation.ship_filter import STEPS_A_PERIOD, ShipFilter, usual_step
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
 from narrows.simulation.controllers import ControlLaw
-from narrows.simulation.samples import sampled
+from narrows.simulation.grid import sampled
 from narrows.simulation.steering import SEEN
 
 # Standard deviations of the start's place [m of a ship of 230 m] and heading [rad].

@@ -10,13 +10,11 @@ van der Merwe and Wan (2001), The square-root unscented Kalman filter for state 
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
-
-from narrows.estimation.sigma_points import Spread, sigma_points
-from narrows.estimation.square_root import downdated_root, triangular_root
 
 
 class Normal(NamedTuple):
@@ -38,6 +36,17 @@ class Transformed(NamedTuple):
     slopes: np.ndarray  # (k, m) Change along each column of the root
     bends: np.ndarray  # (j, m) What lies off the straight, along each corrected column
     centre: np.ndarray  # (m,) Of the central point, off the mean
+
+
+class Spread(NamedTuple):
+    """How far the points lie from the mean and how they weigh."""
+
+    distance: np.ndarray  # (k,) Of each pair, in standard deviations
+    mean: np.ndarray  # (k,) Weight of each pair in the mean
+    slope: np.ndarray  # (k, 1) One over the distance within each pair
+    centre: float  # Weight of the central point in the covariance
+    # Pairs, the first ones, along errors that are carried and not corrected: linear, without weight in the mean
+    considered: int
 
 
 def transformed(values: np.ndarray, spread: Spread) -> Transformed:
@@ -108,3 +117,66 @@ def corrected(
         root = downdated_root(root, np.sqrt(-spread.centre) * (gain @ expected.centre))
     root = np.concatenate([rest[:, :p], root], axis=1) if p else root
     return Normal(now.mean + gain @ innovation, root)
+
+
+# Sigma points: a few states that stand for a normal distribution, and how each weighs. References ---------- Julier
+# and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004), Sigma-point
+# Kalman filters for probabilistic inference in dynamic state-space models, chapter 3.
+ALPHA, BETA = 0.5, 2.0
+
+# Of the points from the mean, in variances: the fourth moment of a normal distribution is met.
+SQUARED_DISTANCE = 3.0
+
+# Standard deviations by which a coefficient is moved: so near that the difference is the derivative.
+CONSIDERED_DISTANCE = 0.1
+
+
+def spread_of(
+    size: int, considered: int = 0, alpha: float = ALPHA, beta: float = BETA, kappa: float | None = None
+) -> Spread:
+    """Return the spread of van der Merwe's scaled points."""
+    squared = SQUARED_DISTANCE if kappa is None else alpha * alpha * (size + kappa)
+    distance = np.concatenate([np.full(considered, CONSIDERED_DISTANCE), np.full(size, np.sqrt(squared))])
+    mean = np.concatenate([np.zeros(considered), np.full(size, 0.5 / squared)])
+    centre = 1.0 - size / squared + 1.0 - alpha * alpha + beta
+    return Spread(distance, mean, 0.5 / distance[:, None], centre, considered)
+
+
+def sigma_points(mean: np.ndarray, root: np.ndarray, spread: Spread) -> np.ndarray:
+    """Return the points, (1 + 2 k, n): the mean, then what lies ahead of it and behind it along each column."""
+    # mean (n,); root (n, k)
+    pairs = len(spread.distance)
+    points = np.empty((1 + 2 * pairs, len(mean)))
+    steps = root.T * spread.distance[:, None]
+    points[0] = mean
+    np.add(mean, steps, out=points[1 : pairs + 1])
+    np.subtract(mean, steps, out=points[pairs + 1 :])
+    return points
+
+
+# Square roots of covariances: a covariance that is kept as its root stays symmetric and positive. A root L of a
+# covariance P is any matrix with L L^T = P. References ---------- van der Merwe and Wan (2001), The square-root
+# unscented Kalman filter for state and parameter estimation.
+@lru_cache(maxsize=64)
+def _upper(size: int) -> np.ndarray:
+    return np.triu(np.ones((size, size)))
+
+
+def triangular_root(rows: np.ndarray) -> np.ndarray:
+    """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR."""
+    # rows (k, n)
+    count, size = rows.shape
+    if count < size:
+        rows = np.vstack([rows, np.zeros((size - count, size))])
+    factored = lapack.dgeqrf(rows)[0]
+    return np.asarray((factored[:size] * _upper(size)).T)
+
+
+def downdated_root(root: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Return the lower triangular root of L L^T - c c^T; where that is no covariance, L itself, which is too wide."""
+    # root (n, n); column (n,)
+    inside, failed = lapack.dtrtrs(root, column, lower=1)
+    left = 1.0 - float(inside @ inside)
+    if failed or not left > 0.0:
+        return root
+    return np.asarray(root @ np.linalg.cholesky(np.eye(len(root)) - np.outer(inside, inside)))

@@ -1,46 +1,51 @@
 """``plan_tests``: a ship, a tank and a budget of runs in; the runs and what they would tell out."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.captive.read import as_tests
-from narrows.captive.runs import HarmonicRun, Run, StraightRun
-from narrows.captive.synthetic import NOISE
+from narrows.captive.synthetic import NOISE, HarmonicRun, Run, StraightRun, motion_of
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
-from narrows.experiment_design.expected_forces import expected_forces, usual_forces
 from narrows.experiment_design.information import (
+    CRITERIA,
+    Forces,
     PlannedRun,
+    choose,
     expected_errors,
     planned_run,
+    zero_columns,
+    zero_of,
 )
-from narrows.experiment_design.known_tests import known_information, within_tested
-from narrows.experiment_design.optimal import CRITERIA, choose
+from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.regression.problem import slots
+from narrows.identification.uncertainty.error_model import whitened
 from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.model.data_range import DataRange
+from narrows.model.froude import scale_model
+from narrows.model.model_file import published
 from narrows.results import Tabulated
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_from
 from narrows.terms.bank_forms import with_bank
-from narrows.terms.canal_tables import PAPER
+from narrows.terms.tables import PAPER
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
-
 
 # Of the rows of a plan.
 UNITS = {
     "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
 }  # fmt: skip
 
-
 # Straight runs that a plan for the bank begins with.
 SEPARATING = 4
+
 # Of the bank, that a plan does for beside that of the terms.
 OTHER_FORMS = ("distance", "tapered")
 
@@ -297,3 +302,61 @@ def _predicted(runs: list[PlannedRun], known: np.ndarray, index: list[int]) -> n
     """Standard errors, variance inflations and half intervals after each run, (3, runs, targets)."""
     after = [expected_errors(runs[: i + 1], known) for i in range(len(runs))]
     return np.array([[errors[part][index] for errors in after] for part in range(3)])
+
+
+# About what forces a run would have: errors of gain and zero are shares of them.
+def expected_forces(configuration: Configuration) -> Forces:
+    """Return about what forces a motion would have: those of the published model by Froude's law."""
+    scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
+    model = replace(scaled, configuration=configuration)
+    return lambda motion, _: model.forces(motion)
+
+
+def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
+    """Return the root mean square of each force over the runs on offer [N, N, N m]."""
+    squares = [
+        {
+            force: float(np.mean(np.square(values)))
+            for force, values in forces(motion_of(run.columns(1.0)), run.depth).items()
+        }
+        for run in offered
+    ]
+    return {force: float(np.sqrt(np.mean([square[force] for square in squares]))) for force in squares[0]}
+
+
+# What tests that were made tell a plan: their information, and which speeds and offsets were tried.
+# Highest speed over lowest, less one, within which tests were at one speed.
+ALIKE = 0.05
+
+
+def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:
+    """Return a tank at the speeds and offsets that were tested, where none were asked for."""
+    notes = []
+    if tested is not None and tested.speed is not None and not tank.speeds:
+        low, high = tested.speed
+        speeds = (low,) if high - low < ALIKE * high else (low, (low + high) / 2, high)
+        tank = replace(tank, speeds=tuple(round(speed, 3) for speed in speeds if round(speed, 3) > 0))
+        notes.append(f"Speeds are within those tested, {low:.3g} to {high:.3g} m/s, as none were asked for.")
+    if tested is not None and tested.abs_y is not None and tested.abs_y[1] > 0 and tank.reach is None:
+        tank = replace(tank, reach=tested.abs_y[1])
+        notes.append(f"Offsets are within those tested, {tested.abs_y[1]:.3g} m, as no reach was asked for.")
+    return tank, tuple(notes)
+
+
+def known_information(
+    made: list[Fit], tables: list[TermTable], shape: tuple[int, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return information of tests that were made, and D'D and D'VD of the first table, by the errors of fits."""
+    count = max(slots(tables[0]).values()) + 1
+    information, grams = np.zeros(shape), np.zeros((2, count, count))
+    for i, fit in enumerate(made):
+        model, level = fit.error_model, fit.error_model.level
+        d = level.d * fit.problem.scale
+        zero = zero_of(fit.motions.steady, fit.motions.features["side"])
+        columns = np.concatenate([d, zero_columns(level.one, level.force, zero[level.motion])], axis=2)
+        white = whitened(model.covariance, columns).reshape(-1, columns.shape[2])
+        information[i] = white.T @ white
+        if i == 0:
+            flat = d.reshape(-1, d.shape[2])
+            grams[0], grams[1] = flat.T @ flat, flat.T @ (model.covariance @ d).reshape(flat.shape)
+    return information, grams

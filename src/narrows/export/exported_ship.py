@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sympy import Float
 
-from narrows.codegen.free_motion import INPUTS, SURGE_INERTIA, Expr
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Expr
 from narrows.codegen.lines import Program, real
 from narrows.codegen.portable import ORDERED, Portable
-from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
 from narrows.files import is_stream

@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import wrap
@@ -11,13 +12,16 @@ from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, ROW
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.lines import Program
 from narrows.codegen.portable import PLACES
-from narrows.codegen.printers.plain_source import PlainSource
+from narrows.codegen.printers.c import CArithmetic, CTranslation, c_block, c_body, c_name
+from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
 
 WIDTH = 108
+
 # How a voyage ends, in the order of their codes.
 FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED")
+
 # Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables.
 PLAIN = (
     "narrows.codegen.kernels.event",
@@ -34,7 +38,9 @@ def plain_functions(exported: ExportedShip) -> PlainSource:
 
 
 Named = Callable[[str], str]
+
 Field = Callable[[str, str], str]
+
 Body = Callable[[Program, list[str], dict[str, str]], list[str]]
 
 
@@ -127,3 +133,35 @@ def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
 
 def _set_in(text: str, by: str = "    ") -> str:
     return text.replace("\n", f"\n{by}")
+
+
+# A model as one C99 header without dependencies.
+def c_text(exported: ExportedShip) -> str:
+    """Return the header of a ship."""
+    printer = CArithmetic(exported.prefix)
+    bodies = bodies_of(exported, "{}->{}".format, "{}({})".format, c_name, partial(c_body, printer=printer))
+    bodies["step_block"] = "\n    ".join(_block(exported, printer))
+    filling = ("fill_table",) if exported.waterway else ()
+    return rendered(
+        "model.h.j2", exported, f=bodies, water=water_of(exported, c_number), number=c_number, c_name=c_name,
+        **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
+    )  # fmt: skip
+
+
+def _block(exported: ExportedShip, printer: CArithmetic) -> list[str]:
+    """The body of a step of many ships."""
+    portable = exported.portable
+    places = places_in(exported, "{}->{}".format, "{}({})".format, c_name)
+    for column, rows in (("state", portable.kept), ("inputs", portable.inputs)):
+        places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}
+    results = {
+        f"state[{number}][lane]": portable.step.out[name]
+        for number, name in enumerate((*portable.kept, "room", "lean"))
+    }
+    return c_block(portable.step.lines, results, places, printer, f"{exported.prefix.upper()}_LANES")
+
+
+def c_number(value: float) -> str:
+    """Return a number to its last bit."""
+    text = repr(float(value))
+    return {"inf": "INFINITY", "-inf": "-INFINITY", "nan": "NAN"}.get(text, text)

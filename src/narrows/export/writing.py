@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from narrows.codegen.free_motion import Surge
-from narrows.codegen.shapes import OPEN
+from narrows.codegen.free_motion import OPEN, Surge
 from narrows.errors import InputError
 from narrows.files import form_of, write_whole
 from narrows.model.model import Model
@@ -48,7 +47,7 @@ def write_c(
         Where the model lacks what its equations need, the ship does not fit the waterway, or the file cannot be
         written.
     """
-    from narrows.export.c_header import c_text
+    from narrows.export.rendering import c_text
 
     form_of(path, (".h",))
     write_whole(path, c_text(_exported(model, path, waterway, surge, surge_inertia, coriolis, contact)))
@@ -83,7 +82,7 @@ def write_javascript(
     InputError
         As ``write_c``.
     """
-    from narrows.export.javascript_module import javascript_text
+    from narrows.export.scripts import javascript_text
 
     form_of(path, (".mjs", ".js"))
     write_whole(path, javascript_text(_exported(model, path, waterway, surge, surge_inertia, coriolis, contact)))
@@ -118,7 +117,7 @@ def write_python(
     InputError
         As ``write_c``.
     """
-    from narrows.export.python_module import python_text
+    from narrows.export.scripts import python_text
 
     form_of(path, (".py",))
     write_whole(path, python_text(_exported(model, path, waterway, surge, surge_inertia, coriolis, contact)))
@@ -139,7 +138,7 @@ def write_latex(model: Model, path: str | Path) -> None:
     InputError
         Where the file cannot be written.
     """
-    from narrows.export.latex_equations import latex_text
+    from narrows.export.scripts import latex_text
 
     form_of(path, (".tex",))
     write_whole(path, latex_text(model))
@@ -191,9 +190,9 @@ def write_fmu(
         As ``write_c``; where the contact is ``none``, or a compiler fails.
     """
     from narrows.export.exported_ship import ExportedShip
-    from narrows.export.fmu_archive import fmu_bytes
+    from narrows.export.fmu import fmu_bytes
     from narrows.export.native_builds import builds_here
-    from narrows.simulation.usual import usual_voyage
+    from narrows.simulation.departure import usual_voyage
 
     form_of(path, (".fmu",))
     if fmi not in (2, 3):

@@ -13,8 +13,7 @@ from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import score
 from narrows.identification.regression.solve import solve
 from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
-from narrows.terms.about import TermKind
-from narrows.terms.term import TermTable
+from narrows.terms.term import TermKind, TermTable
 
 # Of the added mass in deep water that a hull has at least; of mass and added mass in deep water, at most, which
 # shallow water and near banks multiply.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 import narrows
-from narrows.captive.lacking import check_given
+from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError, shown

@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from narrows.control.steady_course import steady_course
-from narrows.logbook.standing import ON_TWINS
+from narrows.logbook.learned_coefficient import ON_TWINS
 from narrows.model.model import Model
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.results import Shown
 from narrows.safety.answer import SafeEnvelope
 from narrows.safety.envelope import safe_envelope

@@ -7,19 +7,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.model.model import Model
+from narrows.results import Shown
 
 if TYPE_CHECKING:
     import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
+
 # Of the standard error before, what is left where a record has three quarters or a fifth of the information.
 LEARNED_TO, SHARPENED_TO = 0.5, 0.9
+
 # Standard errors either way, 95 % of a normal distribution.
 WIDE = 1.959964
+
 # Correlation over which two coefficients are one.
 ONE = 1 - 1e-9
+
 # Correlation over which two coefficients are told as a pair.
 TELLING = 0.7
 
@@ -149,3 +155,50 @@ def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient],
     open_still = {name for name in learned if UNRESOLVED in coefficients[name].verdict}
     settled = {name: f"{UNRESOLVED} by the ship's own record" if name in open_still else IDENTIFIED for name in learned}
     return {**prior.verdicts, **settled}
+
+
+# What answers of records have alike: what each coefficient was taught.
+class LearnedAnswer(Shown):
+    """What was taught of each coefficient, by name."""
+
+    coefficients: Mapping[str, LearnedCoefficient]
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard error of each coefficient."""
+        return {name: coefficient.std for name, coefficient in self.coefficients.items()}
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """95 % interval of each coefficient."""
+        return {name: coefficient.interval for name, coefficient in self.coefficients.items()}
+
+    @property
+    def verdicts(self) -> dict[str, str]:
+        """What was learned of each coefficient, in a word or two."""
+        return {name: coefficient.verdict for name, coefficient in self.coefficients.items()}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, before and after."""
+        return coefficient_frame(self.coefficients)
+
+
+# Which coefficients a record is to tell.
+def learnable(model: Model, targets: object) -> tuple[str, ...]:
+    """Return the coefficients that matter: those that were named, or those of the bank."""
+    names = (targets,) if isinstance(targets, str) else targets
+    if not isinstance(names, tuple | list):
+        raise InputError(f"targets = {shown(targets)}: give names of coefficients")
+    for name in names:
+        if not isinstance(name, str) or name not in model.terms.names:
+            hint = did_you_mean(name, model.terms.names) if isinstance(name, str) else "; give a name"
+            raise InputError(f"there is no coefficient {shown(name)}{hint}")
+    names = tuple(names) or tuple(term.name for term in model.terms.terms if term.from_bank)
+    if not names:
+        raise InputError("this model has no terms of the bank to learn; name the coefficients that matter as targets")
+    return names
+
+
+# What this room's answers rest on, wherever they are shown.
+# The label of every page, result and report.
+ON_TWINS = "Bank coefficients from legs and transits are shown on twins only, until a log is at hand."

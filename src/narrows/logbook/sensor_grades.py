@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from narrows.errors import InputError, check_choice, shown
-from narrows.logbook.signals import check_signals
-from narrows.quantities.constants import KNOT
+from narrows.logbook.ship_record import check_signals
+from narrows.quantities.names import KNOT
 from narrows.results import Described
 from narrows.ship.checks import is_finite
 

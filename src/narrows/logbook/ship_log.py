@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.signals import SIGNALS
+from narrows.logbook.ship_record import SIGNALS, ShipRecord
 from narrows.results import Shown
 from narrows.waterway import Waterway
 

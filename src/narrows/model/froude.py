@@ -1,26 +1,23 @@
 """Models at another scale by Froude's law, and what does not go with it."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from math import log10
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from narrows.errors import InputError, shown
 from narrows.model.data_range import MEASURES, DataRange, Range
 from narrows.model.model import Model
-from narrows.model.nondimensional import Units, nondimensional
-from narrows.quantities.constants import GRAVITY
-from narrows.quantities.dimensions import dimension_of
-from narrows.quantities.names import PARTICULARS
+from narrows.quantities.dimensions import Dimension, dimension_of
+from narrows.quantities.names import GRAVITY, PARTICULARS
 from narrows.results import Shown
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
-from narrows.ship.scale_name import name_at_scale
-from narrows.terms.about import ScaleEffect
-from narrows.terms.term import Term
+from narrows.terms.term import ScaleEffect, Term
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -181,6 +178,19 @@ def scale_model(
     return Scaled(scaled, model, ratio, notes)
 
 
+@dataclass(frozen=True)
+class Units:
+    """A unit of mass, of length and of time."""
+
+    mass: float  # One unit of mass [kg]
+    length: float  # One unit of length [m]
+    time: float  # One unit of time [s]
+
+    def factor(self, dimension: Dimension) -> float:
+        """Return one unit of a quantity of some dimension, in SI."""
+        return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
+
+
 def _scaled_ship(ship: Ship, units: Units) -> Ship:
     particulars = {name: value for name, value in vars(ship).items() if name in PARTICULARS and value is not None}
     sizes = {n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in particulars.items()}
@@ -277,3 +287,96 @@ def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
         most = froude * (GRAVITY * configuration.canal.depth) ** 0.5
         notes.append(f"Beyond {most:.3g} m/s its depth Froude number leaves the tests', up to {froude:.3g}.")
     return tuple(notes)
+
+
+# Models without dimensions: every factor comes from the dimension of its term.
+System = Literal["prime1", "prime2", "bis"]
+
+SYSTEMS = get_args(System)
+
+
+def units_of(configuration: Configuration, system: System, speed: float | None = None) -> Units:
+    """Return the units of a nondimensional system."""
+    # speed [m/s]
+    # SNAME (1950), Nomenclature for treating the motion of a submerged body through a fluid; Norrbin (1970) for bis.
+    ship, density = configuration.ship, configuration.water.density
+    if system not in SYSTEMS:
+        raise InputError(f"nondimensional system {system!r} is unknown; choose {', '.join(SYSTEMS)}")
+    if system == "bis":
+        displaced = density * ship.block_coefficient * ship.length * ship.beam * ship.draft
+        return Units(ship.mass or displaced, ship.length, float((ship.length / GRAVITY) ** 0.5))
+    if not (speed and 0 < speed < float("inf")):
+        raise InputError(f"system {system} measures time by the speed; give a positive one")
+    depth = ship.length if system == "prime1" else ship.draft
+    return Units(density / 2 * ship.length**2 * depth, ship.length, ship.length / speed)
+
+
+def nondimensional(model: Model, system: System = "prime2", speed: float | None = None) -> dict[str, float]:
+    """Return a model's coefficients without dimensions.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    system : str
+        ``prime1``, ``prime2`` or ``bis``.
+    speed : float [m/s], optional
+        For the prime systems.
+
+    Raises
+    ------
+    InputError
+        Where the system is unknown or lacks a speed.
+    """
+    units = units_of(model.configuration, system, speed)
+    return {n: v / units.factor(model.terms[n].dimension) for n, v in model.coefficients.items()}
+
+
+def dimensional(
+    numbers: Mapping[str, float], model: Model, system: System = "prime2", speed: float | None = None
+) -> Model:
+    """Return a model with coefficients that are given without dimensions.
+
+    Parameters
+    ----------
+    numbers : mapping of str to float [1]
+        The coefficients.
+    model : Model
+        Gives the ship, the terms and all else; its own coefficients go.
+    system : str
+        ``prime1``, ``prime2`` or ``bis``.
+    speed : float [m/s], optional
+        For the prime systems.
+
+    Raises
+    ------
+    InputError
+        Where the system is unknown, lacks a speed, or a coefficient is missing or unknown.
+    """
+    units = units_of(model.configuration, system, speed)
+    known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}
+    unknown = {n: v for n, v in numbers.items() if n not in known}
+    return replace(model, coefficients=known | unknown, covariance=None)
+
+
+# The scale in a ship's name, as in ``KCS 1:52.667``: true at every size that the ship is brought to.
+SCALE = re.compile(r"\b1:(?P<smaller>\d+(\.\d+)?)\b|\b(?P<larger>\d+(\.\d+)?):1\b|\bat full scale\b")
+
+# Within which of 1 a scale is full.
+EQUAL = 5e-3
+
+
+def name_at_scale(name: str, ratio: float) -> str:
+    """Return a ship's name after its lengths were multiplied; a name without a scale stays what it is."""
+    return SCALE.sub(lambda known: _in_words(_scale(known) / ratio), name)
+
+
+def _scale(known: re.Match[str]) -> float:
+    """How many times smaller than the ship."""
+    return float(known["smaller"] or 1.0) / float(known["larger"] or 1.0)
+
+
+def _in_words(scale: float) -> str:
+    if abs(scale - 1) < EQUAL:
+        return "at full scale"
+    return f"1:{scale:.5g}" if scale > 1 else f"{1 / scale:.4g}:1"

@@ -1,7 +1,7 @@
 """A model: a ship in a canal, a table of terms, their coefficients, and how far they can be trusted."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import reduce
 from numbers import Real
@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.model.data_range import DataRange
-from narrows.model.operations import Operations
-from narrows.model.sections import fields_of, sections_of
-from narrows.model.source import Source
+from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
+from narrows.results import Shown
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
 from narrows.terms.bank_forms import without_bank
@@ -29,8 +28,10 @@ if TYPE_CHECKING:
 
 # How a note begins that says so of the bank's coefficients of a model.
 UNSETTLED = "What the banks do is not settled by the tests"
+
 # The verdict that needs no word, and how the one begins that is no adjective.
 SETTLED, ALONE = "identified", "rests"
+
 NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
 
 
@@ -39,6 +40,55 @@ def _is_finite(value: object) -> bool:
         return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
     except OverflowError:  # An integer of more digits than floats have.
         return False
+
+
+# What the rooms above do with a model, as its methods: by the public face, which loads a room when it is asked for.
+class Operations(Shown):
+    """Simulation, derivatives and equations of a model, by methods."""
+
+    def derivative(self, state: Any, **given: Any) -> np.ndarray:
+        """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), as the engine has them."""
+        # state [m]
+        model: Any = self
+        return narrows.derivative(model, state, **given)
+
+    def step(self, state: Any, dt: float, **given: Any) -> np.ndarray:
+        """Return x, y, psi, u, v, r one step of the engine later, (6,)."""
+        # state [m]; dt [s]
+        model: Any = self
+        return narrows.step(model, state, dt, **given)
+
+    def linearize(self, **at: Any) -> "narrows.Jacobian":
+        """Return the exact derivatives of the motion about a state, a ``Jacobian``."""
+        model: Any = self
+        return narrows.jacobian(model, **at)
+
+    def simulate(self, *start: float, **given: Any) -> "narrows.Voyage":
+        """Simulate one voyage, to a ``Voyage``."""
+        # *start [m]
+        model: Any = self
+        return narrows.simulate(model, *start, **given)
+
+    def scale(self, length: float, **given: Any) -> "narrows.Scaled":
+        """Scale the model by Froude's law: a ``Scaled``, with the new model and what does not scale."""
+        # length [m]
+        model: Any = self
+        return narrows.scale_model(model, length, **given)
+
+    def with_canal(self, **changes: float) -> Any:
+        """Return the model in another canal, its coefficients as they are: ``nw.at_depth`` corrects those for depth."""
+        # **changes [m]
+        model: Any = self
+        canal = model.configuration.canal
+        for name in changes:
+            check_choice("canal", name, tuple(vars(canal)))
+        return replace(model, configuration=replace(model.configuration, canal=replace(canal, **changes)))
+
+    def latex(self, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
+        """Write the equations of the forces in LaTeX, a line a force."""
+        model: Any = self
+        coefficients = model.coefficients if numbers else None
+        return narrows.latex(model.terms, coefficients, forces)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

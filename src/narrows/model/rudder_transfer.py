@@ -7,9 +7,8 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.terms.about import TermKind
 from narrows.terms.helm import helm_terms, with_helm
-from narrows.terms.term import TermTable
+from narrows.terms.term import TermKind, TermTable
 
 
 def borrow_rudder(model: Model, lender: Model) -> Model:

@@ -2,22 +2,43 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange, Range
-from narrows.model.source import Source
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import actuator_sections, check_table, configuration_from
 from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable
 
 PARTS = ("ship", "canal", "water")
+
 REQUIRED = (*PARTS, "terms", "coefficients")
+
 OPTIONAL = ("covariance", "data_range", "source", "verdicts")
+
+
+# Where numbers come from.
+@dataclass(frozen=True)
+class Source:
+    """Where numbers come from.
+
+    Parameters
+    ----------
+    text : str
+        A citation, or how they were made.
+    table : str
+        File name of the table of tests.
+    sha256 : str
+        Hash of that file.
+    """
+
+    text: str = ""
+    table: str = ""
+    sha256: str = ""
 
 
 def sections_of(

@@ -11,7 +11,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import asked_by
 from narrows.results import Shown
 from narrows.ship.particulars import Configuration
-from narrows.terms.about import DepthLaw
+from narrows.terms.term import DepthLaw
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -2,8 +2,7 @@
 
 import math
 
-from narrows.quantities.constants import GRAVITY
-from narrows.quantities.names import Number
+from narrows.quantities.names import GRAVITY, Number
 
 
 def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:

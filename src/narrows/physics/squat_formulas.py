@@ -2,8 +2,7 @@
 
 import math
 
-from narrows.quantities.constants import GRAVITY, KNOT
-from narrows.quantities.names import Number
+from narrows.quantities.names import GRAVITY, KNOT, Number
 
 # Of beam times draft, where a ship's midship section is not known [1].
 MIDSHIP_SECTION = 0.98

@@ -28,6 +28,7 @@ MOTION = {
     "rdot": Quantity("rad/s2", "yaw acceleration"),
     "heave": Quantity("m", "midship sinkage z, positive down"),
 }
+
 PARTICULARS = {
     "length": Quantity("m", "length between perpendiculars L"),
     "beam": Quantity("m", "beam B"),
@@ -43,11 +44,13 @@ PARTICULARS = {
     "depth": Quantity("m", "water depth h"),
     "density": Quantity("kg/m3", "mass density of the water rho"),
 }
+
 FORCES = {
     "X": Quantity("N", "surge force, positive forward"),
     "Y": Quantity("N", "sway force, positive to starboard"),
     "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
 }
+
 # What the function of any term may ask for; actuators bring what is theirs.
 REGRESSOR_INPUTS = MOTION | PARTICULARS
 
@@ -61,3 +64,14 @@ def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
 def name_of(function: Callable[..., Number]) -> str:
     """Return what a function is called in print."""
     return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))
+
+
+# Constants of nature and of units.
+# Of the earth [m/s2].
+GRAVITY = 9.81
+
+# One nautical mile an hour [m/s].
+KNOT = 1852 / 3600
+
+# Mass density of the air at 15 degrees Celsius [kg/m3].
+AIR_DENSITY = 1.225

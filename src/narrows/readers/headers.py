@@ -7,8 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from narrows.errors import InputError
-from narrows.quantities.constants import KNOT
-from narrows.quantities.names import Quantity
+from narrows.quantities.names import KNOT, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,25 +1,47 @@
 """Tables of text, whole or in chunks, by the dialect that was found."""
 
+import codecs
+import csv
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from io import StringIO
-from itertools import islice
+from itertools import islice, zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.progress import opened
-from narrows.readers.dialect import REMARKS, Dialect
+from narrows.readers.headers import is_unit
 
 # What editors call the row under a header: the index of a frame counts from there.
 FIRST_ROW = 2
+
 # Bytes that are looked at together.
 BLOCK = 1 << 22
+
 # Before a line that is a comment or empty.
 BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
+
+
+class Head(NamedTuple):
+    """The top of a table."""
+
+    headers: tuple[str, ...]  # One for each column, with the unit where a row of units stands under them
+    first: int  # The line, or row of a sheet, with which the data begin, counted from 1
+    notes: tuple[str, ...]  # What there is to say of it
+
+
+class Dialect(NamedTuple):
+    """How a file is written."""
+
+    encoding: str  # Of its text
+    separator: str  # Of cells; a blank stands for any white space
+    decimal: str  # Point or comma
+    head: Head  # Header and first row
 
 
 def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
@@ -111,3 +133,230 @@ def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             if len(frame) == len(lines):  # Else a cell in quotes holds lines.
                 frame.index = pd.Index(np.array([number for number, _ in lines]) - FIRST_ROW)
             yield frame
+
+
+# Which row of a table is its header, which its units, and where its numbers begin.
+NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.IGNORECASE)
+
+# Of its cells that a row has at least, where it is no line of text above the table.
+MOST = 0.5
+
+# Of the cells under a header that read as units, where they are its units.
+UNITS = 0.6
+
+NO_UNIT = ("-", "--", "n/a", "none")
+
+Row = Sequence[str]
+
+
+def is_number(cell: str, decimal: str = ".") -> bool:
+    """Say whether a cell reads as a number."""
+    if decimal == ",":
+        cell = "" if "." in cell else cell.replace(",", ".")
+    return NUMBER.fullmatch(cell.strip()) is not None
+
+
+def width_of(rows: Sequence[Row]) -> int:
+    """Return how many cells most of the later rows have."""
+    return Counter(len(row) for row in rows[len(rows) // 2 :]).most_common(1)[0][0]
+
+
+def head_of(rows: Sequence[Row], lines: Sequence[int], decimal: str = ".", remark: Row = ()) -> Head:
+    """Find header, units and first row of a table."""
+    width = width_of(rows)
+    full = MOST * sorted(map(_filled, rows[len(rows) // 2 :]))[len(rows[len(rows) // 2 :]) // 2]
+    texts = [not any(is_number(cell, decimal) for cell in row) and _filled(row) >= full for row in rows]
+    is_data = [not text and _filled(row) >= full and len(row) >= width for row, text in zip(rows, texts, strict=True)]
+    first = is_data.index(True) if True in is_data else len(rows)
+    named = [i for i in range(first) if texts[i] and len(_trimmed(rows[i], width)) == width]
+    while len(named) > 1 and named[-1] - named[0] >= len(named):
+        named.pop(0)  # Only rows that stand together, directly above the numbers.
+    if not named or named[-1] != first - 1:
+        return _without_header(rows, lines, texts, first, width, remark)
+    top = named[0]
+    units = rows[top + 1] if len(named) > 1 and _are_units(rows[top + 1]) else ()
+    begin = top + 1 + bool(units)
+    above = (f"{lines[top] - 1} lines above the header were passed over",) if top else ()
+    headers = _headers(_trimmed(rows[top], width), _trimmed(units, width))
+    return Head(headers, lines[begin] if begin < len(rows) else lines[-1] + 1, above)
+
+
+def _without_header(
+    rows: Sequence[Row], lines: Sequence[int], texts: Sequence[bool], first: int, width: int, remark: Row
+) -> Head:
+    """Take the comment above the rows for header, or number them, unless a header of another length is there."""
+    if first == len(rows):  # There are no numbers at all.
+        return Head(_headers(rows[0], ()), lines[0] + 1, ())
+    if len(remark) == width:
+        return Head(_headers(remark, ()), lines[first], ())
+    if first and texts[first - 1] and len(rows[first - 1]) >= MOST * width:
+        fault = "more" if width > len(rows[first - 1]) else "fewer"
+        raise InputError(
+            f"row {lines[first]} has {fault} cells than the header, {width} where {lines[first - 1]} has "
+            f"{len(rows[first - 1])}; give each column one header, and commas to either cells or decimals"
+        )
+    numbered = tuple(f"column {i}" for i in range(1, width + 1))
+    return Head(
+        numbered, lines[first], ("no line heads the columns: they are called 'column 1', 'column 2' and so on",)
+    )
+
+
+def _filled(row: Row) -> int:
+    return sum(bool(cell.strip()) for cell in row)
+
+
+def _trimmed(row: Row, width: int) -> Row:
+    """A row without the empty cells at its end that no column has."""
+    return row[:width] if not any(cell.strip() for cell in row[width:]) else row
+
+
+def _are_units(row: Row) -> bool:
+    words = [_bare(cell) for cell in row if cell.strip()]
+    known = sum(word.lower() in NO_UNIT or is_unit(word) for word in words)
+    return bool(words) and known >= UNITS * len(words)
+
+
+def _bare(cell: str) -> str:
+    """A unit without its brackets."""
+    return cell.strip().strip("[]()").strip()
+
+
+def _headers(names: Row, units: Row) -> tuple[str, ...]:
+    """Names with their units, each once; a second of one name is told apart as pandas does."""
+    known: Counter[str] = Counter()
+    headers = []
+    for i, name in enumerate(names):
+        unit = _bare(units[i]) if i < len(units) else ""
+        name = name.strip() or f"column {i + 1}"
+        header = f"{name} [{unit}]" if unit and unit.lower() not in NO_UNIT and name[-1] not in "])" else name
+        headers.append(f"{header}.{known[header]}" if known[header] else header)
+        known[header] += 1
+    return tuple(headers)
+
+
+def seen(row: Row) -> str:
+    """Return the first cells of a row, for a sentence."""
+    return ", ".join(shown(cell.strip()) for cell in row[:5]) + (", ..." if len(row) > 5 else "")
+
+
+# How a table of text is written: its encoding, what parts cells and decimals, where header and rows begin.
+# Bytes that are looked at.
+SAMPLE = 1 << 18
+
+ROWS = 400
+
+# What may part cells; blanks are any white space.
+SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
+
+# With which a comment begins.
+REMARKS = ("#", "%")
+
+MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
+}  # fmt: skip
+
+LINE = re.compile(r"\r\n|\n|\r")
+
+
+class Split(NamedTuple):
+    """Lines parted at a separator."""
+
+    separator: str  # Of cells
+    rows: list[list[str]]  # The cells
+    decimal: str  # Point or comma, whichever makes more cells numbers
+    score: float  # Share of the later cells that are numbers in rows of one width [1]
+
+
+def dialect_of(path: Path) -> Dialect:
+    """Find how a table of text is written."""
+    encoding, numbered = _sample(path)
+    lines = [(number, line) for number, line in numbered if not line.lstrip().startswith(REMARKS)][:ROWS]
+    if not lines:
+        raise InputError("the table is empty; give a header and rows")
+    split = _best([line for _, line in lines])
+    numbers = [number for number, _ in lines]
+    if split.decimal == ",":
+        _check_decimals(split.rows, numbers)
+    head = head_of(split.rows, numbers, split.decimal, _remark(numbered, split))
+    return Dialect(encoding, split.separator, split.decimal, head)
+
+
+def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
+    """The encoding of a file, and its first lines with their numbers, empty ones left out."""
+    with path.open("rb") as file:
+        raw = file.read(SAMPLE)
+    encoding = _encoding(raw)
+    lines = LINE.split(raw.decode(encoding, errors="replace"))
+    whole = lines[:-1] if len(raw) == SAMPLE and len(lines) > 1 else lines
+    if any("\0" in line for line in whole):
+        kind = "a ZIP archive, as workbooks are (name it .xlsx)" if raw.startswith(b"PK") else "no text in UTF-8"
+        raise InputError(f"it holds bytes that are no characters: it is {kind}; export it as text")
+    return encoding, [(number, line) for number, line in enumerate(whole, 1) if line.strip()]
+
+
+def _encoding(raw: bytes) -> str:
+    """By its mark, else UTF-8 where it is that, else the Latin of measuring computers."""
+    for mark, encoding in MARKS.items():
+        if raw.startswith(mark):
+            return encoding
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(raw, final=len(raw) < SAMPLE)
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8"
+
+
+def _best(lines: list[str]) -> Split:
+    """Part the lines at what makes most cells numbers; where there are none, at what makes most cells."""
+    splits = [_split(lines, separator) for separator in SEPARATORS]
+    best = max(splits, key=lambda split: (round(split.score, 3), split.separator != " ", width_of(split.rows)))
+    if width_of(best.rows) < 2:
+        raise InputError(
+            f"no column is headed as a quantity, and no semicolon, tab, comma or bar parts the cells: line 1 reads "
+            f"{shown(lines[0])}; part them by one of these"
+        )
+    return best
+
+
+def _split(lines: list[str], separator: str) -> Split:
+    rows = list(cells_of(lines, separator))
+    width, later = width_of(rows), rows[len(rows) // 2 :]
+    if width < 2:
+        return Split(separator, rows, ".", 0.0)
+    counts = {
+        decimal: sum(is_number(cell, decimal) for row in later if len(row) == width for cell in row)
+        for decimal in (".", ",")
+    }
+    # Whole numbers read either way; a point is usual.
+    decimal = "," if counts[","] > counts["."] else "."
+    return Split(separator, rows, decimal, counts[decimal] / (width * len(later)))
+
+
+def _check_decimals(rows: list[list[str]], lines: list[int]) -> None:
+    """Raise where one column writes its decimals with commas here and with points there."""
+    for column in zip_longest(*rows, fillvalue=""):
+        commas, points = (
+            [i for i, cell in enumerate(column) if mark in cell and is_number(cell, mark)] for mark in (",", ".")
+        )
+        if commas and points:
+            raise InputError(
+                f"line {lines[commas[0]]} holds {shown(column[commas[0]])} and line {lines[points[0]]} "
+                f"{shown(column[points[0]])} in one column; write all decimals with commas, or all with points"
+            )
+
+
+def cells_of(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
+    """Part lines into cells."""
+    if separator == " ":
+        return (line.split() for line in lines)
+    return (next(csv.reader([line], delimiter=separator, skipinitialspace=True)) for line in lines)
+
+
+def _remark(numbered: list[tuple[int, str]], split: Split) -> list[str]:
+    """Cells of the last comment above the first line that is none, as NumPy writes headers."""
+    above: list[str] = []
+    for _, line in numbered:
+        if not line.lstrip().startswith(REMARKS):
+            break
+        above = [line.lstrip().lstrip("".join(REMARKS)).strip()]
+    return next(iter(cells_of(above, split.separator)), []) if above else []

@@ -1,3 +1,3 @@
 from .figures import figure_of as figure_of
 from .fit_page import write_report as write_report
-from .map_figures import map_figure as map_figure
+from .voyage_figures import map_figure as map_figure

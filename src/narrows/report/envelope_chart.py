@@ -1,5 +1,7 @@
 """The chart that a pilot would pin up: where the ship is safe, the rudder that holds it there, and a table of both."""
 
+import math
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -9,15 +11,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from rich.console import Console
+from rich.table import Table
 
-from narrows.quantities.constants import KNOT
-from narrows.report.envelope_column import draw_column
-from narrows.report.rules_view import draw_rudders, draw_speeds, draw_widths
+from narrows.quantities.names import KNOT
+from narrows.report.rules_view import draw_rudders, draw_speeds, draw_widths, rules_table
 from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture, given_axes, headed, titled
 from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
+
 UNTESTED = ".."
+
 # A4, lying [in].
 PAGE = (11.7, 8.3)
 
@@ -194,3 +199,112 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
         axes.axvspan(sign * (wall - side), sign * wall, color=GREY, alpha=0.35, lw=0)
         axes.axvline(sign * wall, color=BLACK, lw=3)
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
+
+
+# The right column of the page of a safe envelope: a table by offset to pin up, and what the answer rests on.
+HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held by one pilot;\none who knew", "rudder of 19\nin 20 [deg]",
+         "what limits it")  # fmt: skip
+
+WIDTHS = (0.1, 0.17, 0.25, 0.18, 0.3)
+
+# Heights as shares of the column: the head of the table, a row of it, a line of small print.
+HEAD, ROW, LINE = 0.055, 0.03, 0.0225
+
+# Letters of table and notes [pt]: what can be read on paper.
+SMALL = 7.2
+
+# In a line of small print.
+LETTERS = 72
+
+
+def draw_column(axes: Axes, envelope: SafeEnvelope) -> None:
+    """Lay out the table and the notes below it: as many rows as the notes leave room for, the middle among them."""
+    axes.axis("off")
+    notes = [line for note in envelope.notes for line in textwrap.wrap(note, LETTERS, subsequent_indent="  ")]
+    _draw_table(axes, _cells(envelope, max(1, int((0.97 - HEAD - LINE * len(notes)) / ROW))))
+    axes.text(0.0, 0.0, "\n".join(notes), fontsize=SMALL, va="bottom", transform=axes.transAxes)
+
+
+def _cells(envelope: SafeEnvelope, most: int) -> list[list[str]]:
+    rows = envelope.offset_rows()
+    stride = -(-len(rows) // most)
+    return [
+        [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]),
+         f"{100 * row['held']:.0f} %; {100 * row['known']:.0f} %", _degrees(row["rudder_95"]), row["limited_by"]]
+        for row in rows[(len(rows) // 2) % stride :: stride]
+    ]  # fmt: skip
+
+
+def _draw_table(axes: Axes, cells: list[list[str]]) -> None:
+    table = axes.table(cells, colLabels=HEADS, loc="upper center", cellLoc="center", colWidths=WIDTHS)
+    table.auto_set_font_size(False)
+    table.set_fontsize(SMALL)
+    for (row, _), cell in table.get_celld().items():
+        cell.set_linewidth(0.3)
+        cell.set_height(ROW if row else HEAD)
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:.1f} to {high:.1f}" if np.isfinite(low) and np.isfinite(high) else "-"
+
+
+def _degrees(angle: float) -> str:
+    return f"{angle:.0f}" if np.isfinite(angle) else "none"
+
+
+# The safe envelope in the terminal.
+def print_envelope(envelope: SafeEnvelope) -> None:
+    """Print the tables that a pilot reads: by offset, and by speed."""
+    console = Console(highlight=False, markup=False)
+    console.width = max(console.width, 130)
+    console.print(envelope.summary())
+    console.print(f"{envelope.description}; {envelope.weather}; {envelope.samples} cases tried at each place.")
+    console.print(_by_offset(envelope))
+    console.print()
+    console.print(_by_speed(envelope))
+    console.print("\nRules from outside, for comparison (* not all of its numbers were read by us):")
+    console.print(rules_table(envelope.rules))
+    for note in (*envelope.notes, *envelope.rules.notes):
+        console.print(f"- {note}", style="dim")
+
+
+def _by_offset(envelope: SafeEnvelope) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for head in (
+        "offset [m]",
+        "rudder [deg]",
+        "19 of 20 within [deg]",
+        "held",
+        "by one who knows it",
+        "safe [kn]",
+        "if it were known [kn]",
+        "in half the cases [kn]",
+    ):
+        table.add_column(head, justify="right")
+    table.add_column("limited by", no_wrap=True)
+    for row in envelope.offset_rows():
+        table.add_row(
+            f"{row['offset']:+.1f}", _cell(row["rudder"], "+.1f"), _cell(row["rudder_95"], ".1f"),
+            f"{100 * row['held']:.0f} %", f"{100 * row['known']:.0f} %",
+            _speeds(row["lowest_speed"], row["highest_speed"]), _cell(row["highest_speed_known"], ".1f"),
+            _cell(row["highest_speed_median"], ".1f"), row["limited_by"],
+        )  # fmt: skip
+    return table
+
+
+def _by_speed(envelope: SafeEnvelope) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for head in ("speed [kn]", "under the keel [m]", "safest offset [m]"):
+        table.add_column(head, justify="right")
+    for row in envelope.speed_rows():
+        under = _cell(row["keel_clearance"], ".2f") + ("" if row["keel_clear"] else " !")
+        table.add_row(f"{row['speed']:.1f}", under, _cell(row["safest_offset"], "+.1f"))
+    return table
+
+
+def _speeds(low: float, high: float) -> str:
+    return f"{low:.1f} to {high:.1f}" if math.isfinite(low) and math.isfinite(high) else "-"
+
+
+def _cell(value: float, form: str) -> str:
+    return f"{value:{form}}" if math.isfinite(value) else "-"

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from narrows.estimation.consistency import Consistency
-from narrows.estimation.estimated_track import EstimatedTrack
+from narrows.estimation.estimate import EstimatedTrack
 from narrows.estimation.states import STATES
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, notes_below, panels
 

@@ -11,10 +11,10 @@ from narrows.files import write_whole
 from narrows.identification import Comparison, Explanation
 from narrows.identification.shapley import KINDS
 from narrows.quantities.names import FORCES
+from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, render, section
 from narrows.report.fit_table import heading, print_fit
-from narrows.report.numbers import interval, readable
-from narrows.report.uncertainty_figures import comparison_figure
+from narrows.report.style import interval, readable
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:

@@ -21,21 +21,18 @@ from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
 from narrows.report.envelope_chart import envelope_chart
 from narrows.report.estimation_figures import consistency_figure, track_figure
-from narrows.report.fit_figures import intervals_figure
-from narrows.report.foresight_view import foresight_figure
-from narrows.report.log_figures import findings_figure, log_figure
+from narrows.report.fit_figures import comparison_figure, intervals_figure, motions_figure
+from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
 from narrows.report.model_figures import model_figure
-from narrows.report.motion_figures import motions_figure
-from narrows.report.pilot_page import pilot_page
+from narrows.report.pilot_page import foresight_figure, pilot_page
 from narrows.report.rules_view import rules_figure
-from narrows.report.steady_figures import change_figure, steady_figure
+from narrows.report.steady_report import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, ORANGE, drawing_on, panels
-from narrows.report.transit_figures import transit_figure
-from narrows.report.uncertainty_figures import comparison_figure
+from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
 from narrows.safety import OutsideRules, SafeEnvelope
-from narrows.simulation.linear_motion import Jacobian
+from narrows.simulation.derivative import Jacobian
 from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction

@@ -1,14 +1,33 @@
 """Pictures of a fit: forces measured and estimated, coefficients with their intervals, Shapley shares."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
-from narrows.identification import Fit
-from narrows.identification.identifiability.verdict import IDENTIFIED
+from narrows.identification import Comparison, Fit
+from narrows.identification.identifiability.diagnosis import Diagnosis
+from narrows.identification.identifiability.verdict import CONFOUNDED_VIF, IDENTIFIED, VIF_LIMIT
 from narrows.identification.shapley import KINDS
-from narrows.report.motion_figures import boundaries
-from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREEN, GREY, HATCHES, ORANGE, Margins, panels
+from narrows.identification.uncertainty.interval import t_quantile
+from narrows.model.data_range import Range
+from narrows.physics.clearance import delta, taper
+from narrows.report.style import (
+    BLACK,
+    BLUE,
+    DASHES,
+    FORCE_LABELS,
+    GREEN,
+    GREY,
+    HATCHES,
+    ORANGE,
+    PURPLE,
+    Margins,
+    panels,
+)
+from narrows.ship.particulars import Configuration
 
 
 def estimate(fit: Fit, tests: CaptiveTests, names: tuple[str, ...]) -> np.ndarray:
@@ -77,3 +96,244 @@ def shapley_figure(fit: Fit) -> Figure:
     axes[0, 0].set_ylabel("Shapley share [1]")
     axes[0, -1].legend(frameon=False)
     return figure
+
+
+# Pictures of delta, the pressure difference that the banks make.
+def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
+    """Draw delta and its taper across the canal (the paper's fig. Delta_fun)."""
+    # covered [m]
+    width, beam = configuration.canal.width, configuration.ship.beam
+    y = np.linspace(-1, 1, 801) * 0.97 * (width - beam) / 2
+    figure, axes = panels(1, 1, 3.0, Margins())
+    panel = axes[0, 0]
+    if covered:
+        panel.axvspan(-covered[1], covered[1], color=GREEN, alpha=0.15, label=f"data, |y| up to {covered[1]:.3g} m")
+    panel.plot(y, delta(y, 1.0, width, beam), color=BLUE, label="delta")
+    panel.plot(y, taper(y, width) * delta(y, 1.0, width, beam), color=ORANGE, linestyle="--", label="with taper")
+    panel.set(ylim=(-4.5, 4.5), xlabel="offset y [m]", ylabel="delta [1]")
+    panel.grid(alpha=0.3)
+    panel.legend(frameon=False)
+    return figure
+
+
+def delta_surface_figure(configuration: Configuration) -> Figure:
+    """Draw delta over offset and heading (the paper's fig. delta_surf), as contours that can be read off."""
+    width, beam = configuration.canal.width, configuration.ship.beam
+    y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
+    psi = np.linspace(-89, 89, 241)
+    values = delta(y[None, :], np.cos(np.radians(psi))[:, None], width, beam)
+    figure, axes = panels(1, 1, 3.2, Margins())
+    panel = axes[0, 0]
+    levels = [-4, -2, -1, -0.5, -0.2, -0.1, 0, 0.1, 0.2, 0.5, 1, 2, 4]
+    filled = panel.contourf(y, psi, values, levels=levels, cmap="PuOr", extend="both", norm="symlog")
+    lines = panel.contour(y, psi, values, levels=levels, colors="black", linewidths=0.5)
+    panel.clabel(lines, fontsize=7, fmt="%g")
+    figure.colorbar(filled, ax=panel, label="delta [1]")
+    panel.set(xlabel="offset y [m]", ylabel="heading [deg]")
+    return figure
+
+
+# Pictures of the columns: correlations, and variance inflation over all rows and within each speed.
+MARKERS = ("o", "^", "s", "D", "v", "P")
+
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
+
+
+def correlation_figure(fit: Fit) -> Figure:
+    """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr)."""
+    overall = fit.diagnostics.overall
+    sizes = [max(4, len(d.names)) for d in overall.values()]
+    margins = Margins(left=0.65, right=0.65, bottom=0.65, top=0.4, across=0.6)
+    figure, axes = panels(1, len(overall), 3.3, margins, width_ratios=sizes)
+    image = None
+    for panel, (force, diagnosis) in zip(axes[0], overall.items(), strict=True):
+        image = _matrix(panel, diagnosis)
+        condition = f"{diagnosis.condition:.0f}" if np.isfinite(diagnosis.condition) else "∞"
+        panel.set_title(
+            f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)},\ncondition {condition}", fontsize=8, y=1.0
+        )
+    if image is not None:
+        figure.colorbar(image, cax=figure.add_axes((0.925, 0.25, 0.012, 0.55)), label="correlation [1]")
+    return figure
+
+
+def _matrix(panel, diagnosis: Diagnosis):  # type: ignore[no-untyped-def]
+    values = diagnosis.correlation
+    panel.set_facecolor("#DDDDDD")
+    image = panel.imshow(values, cmap="PuOr", vmin=-1, vmax=1)
+    for i, row in enumerate(values):
+        for j, value in enumerate(row):
+            text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
+            panel.text(j, i, text, ha="center", va="center", fontsize=5.5, color=_ink(value))
+    panel.set_xticks(range(len(values)), diagnosis.names, rotation=90, fontsize=7)
+    panel.set_yticks(range(len(values)), diagnosis.names, fontsize=7)
+    return image
+
+
+def _ink(value: float) -> str:
+    return "white" if abs(value) > 0.7 else "black"
+
+
+def inflation_figure(fit: Fit) -> Figure:
+    """Draw the variance inflation of each coefficient, over all rows and within each speed."""
+    names = tuple(term.name for term in (*fit.terms.sway, *fit.terms.yaw))
+    figure, axes = panels(1, 1, 3.2, Margins(left=0.9, bottom=0.85, top=0.35))
+    panel = axes[0, 0]
+    everywhere = {n: d.vif[n] for d in fit.diagnostics.overall.values() for n in d.names}
+    panel.plot(range(len(names)), [_finite(everywhere[n]) for n in names], "k_", markersize=14, label="all rows")
+    for i, (speed, by_force) in enumerate(fit.diagnostics.by_speed.items()):
+        inflation = {n: d.vif[n] for d in by_force.values() for n in d.names}
+        style = {"color": COLOURS[i % 6], "marker": MARKERS[i % 6], "linestyle": "none", "markersize": 5}
+        panel.plot(range(len(names)), [_finite(inflation[n]) for n in names], label=f"{speed:.2f} m/s alone", **style)
+    for limit, dashes in ((VIF_LIMIT, "--"), (CONFOUNDED_VIF, ":")):
+        panel.axhline(limit, color=GREY, linestyle=dashes, linewidth=0.9)
+    panel.set(yscale="log", ylabel="variance inflation [1]", xlabel="coefficient [-]")
+    panel.yaxis.set_major_formatter("{x:g}")
+    panel.yaxis.set_minor_formatter(NullFormatter())
+    panel.set_xticks(range(len(names)), names, rotation=90)
+    panel.grid(alpha=0.3, axis="y")
+    panel.legend(frameon=False, ncols=4, loc="upper center", bbox_to_anchor=(0.5, 1.15))
+    return figure
+
+
+def _finite(value: float) -> float:
+    return value if np.isfinite(value) else np.nan
+
+
+# Pictures of how far coefficients can be trusted: profiles of the likelihood, and which test tells of which.
+PANELS_A_ROW, ROW_HEIGHT = 4, 1.45
+
+MOST_TESTS = 60
+
+
+def profiles_figure(fit: Fit) -> Figure | None:
+    """Draw the profile likelihood of each coefficient; None where none is identifiable."""
+    profiles = [profiles for name in fit.terms.names if (profiles := fit.profile(name))]
+    if not profiles:
+        return None
+    rows = -(-len(profiles) // PANELS_A_ROW)
+    figure, axes = panels(
+        rows, PANELS_A_ROW, ROW_HEIGHT * rows + 0.4, Margins(bottom=0.3, top=0.3, across=0.35, down=0.5)
+    )
+    for panel in axes.flat[len(profiles) :]:
+        panel.set_visible(False)
+    for panel, curve in zip(axes.flat, profiles, strict=False):
+        index = fit.terms.names.index(curve.name)
+        limit = float(t_quantile(fit.unbounded.counts[index])) ** 2
+        panel.plot(curve.values, curve.deviance, color=BLUE, linewidth=1.2)
+        panel.axhline(limit, color=GREY, linestyle=":", linewidth=0.9)
+        panel.axvline(fit.coefficients[curve.name], color=ORANGE, linestyle="--", linewidth=0.9)
+        panel.set_ylim(0, max(3 * limit, 1.0))
+        panel.set_title(f"{curve.name} [{fit.terms[curve.name].dimension.unit}]", fontsize=8, y=1.0)
+        panel.tick_params(labelsize=6)
+        panel.xaxis.set_major_locator(MaxNLocator(2))
+        panel.yaxis.set_major_locator(MaxNLocator(3))
+    figure.supylabel("deviance [1]", fontsize=8)
+    return figure
+
+
+def influence_figure(fit: Fit) -> Figure:
+    """Draw what share of what is known of each coefficient goes with each test."""
+    told = fit.influence
+    shown = np.argsort(-told.information.max(axis=1))[:MOST_TESTS]
+    shown = np.sort(shown)
+    left = 0.5 + 0.05 * max(len(told.tests[i]) for i in shown)
+    figure, axes = panels(1, 1, 1.6 + 0.13 * len(shown), Margins(left=min(left, 3.0), right=0.1, bottom=0.85))
+    panel = axes[0, 0]
+    image = panel.imshow(told.information[shown], cmap="Blues", vmin=0, vmax=1, aspect="auto")
+    panel.set_xticks(range(len(told.names)), told.names, rotation=90)
+    panel.set_yticks(range(len(shown)), [told.tests[i] for i in shown], fontsize=5.5)
+    panel.set(xlabel="coefficient [-]", ylabel="test [-]")
+    figure.colorbar(image, ax=panel, label="share of what is known that goes with the test [1]", shrink=0.8)
+    return figure
+
+
+def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) -> Figure:  # type: ignore[type-arg]
+    """Draw the error of each table of terms on what was left out, and of the fit."""
+    names = list(dict.fromkeys(row["table"] for row in rows))
+    figure, axes = panels(1, len(forces), 0.9 + 0.22 * len(names), sharey=True)
+    for panel, force in zip(axes[0], forces, strict=True):
+        by_table = {row["table"]: row for row in rows if row["force"] == force}
+        for kind, marker, colour, label in (
+            ("rmse", "|", GREY, "of the fit"),
+            ("rmse_left_out", "o", BLUE, "on tests left out"),
+            ("rmse_other_speeds", "x", ORANGE, "on speeds left out"),
+        ):
+            known = [
+                (by_table[n][kind], i) for i, n in enumerate(names) if n in by_table and np.isfinite(by_table[n][kind])
+            ]
+            if known:
+                panel.plot(*zip(*known, strict=True), marker, color=colour, label=label, markersize=5)
+        panel.set_xscale("log")
+        panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.xaxis.set_minor_formatter(NullFormatter())
+        panel.set(xlabel=f"RMSE of {force} [{'N m' if force == 'N' else 'N'}]")
+        panel.set_yticks(range(len(names)), names)
+        panel.grid(alpha=0.3)
+    axes[0, 0].invert_yaxis()
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, fontsize=7, loc="outside upper center", ncols=3)
+    return figure
+
+
+def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
+    """Draw the error of each form of the bank term on what was left out, over that of the best, for sets of tests."""
+    names = [name.removeprefix("bank only: ") for name in next(iter(comparisons.values())).fits]
+    figure, axes = panels(2, 1, 5.6, sharex=True)
+    for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
+        for i, (label, comparison) in enumerate(comparisons.items()):
+            errors = np.array([fit.left_out[force].rmse for fit in comparison.fits.values()])
+            style = {"marker": MARKERS[i % 6], "color": COLOURS[i % 6], "linestyle": "none", "markersize": 5}
+            panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
+        panel.set(yscale="log", ylabel=f"RMSE of {force} left out,\nover the best form's [1]")
+        panel.grid(alpha=0.3, axis="y")
+    axes[1, 0].set_xticks(range(len(names)), names)
+    axes[1, 0].set_xlabel("form of the bank term [-]")
+    axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
+    return figure
+
+
+# Pictures of captive tests: where the ship was towed, and what the gauges said.
+# Up to so many tests are drawn against time, each with a line of its own; more are drawn row by row.
+FEW = 4
+
+
+def motions_figure(tests: CaptiveTests) -> Figure:
+    """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces)."""
+    figure, axes = panels(5, 1, 7.6, Margins(), sharex=True)
+    shown = [("y", "offset y [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi)]
+    shown += [(force, label, 1.0) for force, label in FORCE_LABELS.items()]
+    for panel, (name, label, scale) in zip(axes[:, 0], shown, strict=True):
+        _draw(panel, tests, name, scale)
+        panel.set_ylabel(label)
+        panel.grid(alpha=0.3)
+    if _timed(tests):
+        axes[0, 0].legend(ncols=len(tests.names), frameon=False, loc="upper right")
+    axes[-1, 0].set_xlabel("time [s]" if _timed(tests) else "row of the table [1]; dashed: test boundaries")
+    return figure
+
+
+def _timed(tests: CaptiveTests) -> bool:
+    return "t" in tests.columns and len(tests.names) <= FEW
+
+
+def _draw(panel, tests: CaptiveTests, name: str, scale: float) -> None:  # type: ignore[no-untyped-def]
+    column = tests.columns.get(name)
+    if column is None:
+        panel.text(0.5, 0.5, f"no column {name}", ha="center", transform=panel.transAxes)
+        return
+    if not _timed(tests):
+        panel.plot(column * scale, color=BLUE, linewidth=0.8)
+        boundaries(panel, tests)
+        return
+    for i, (test, start, stop) in enumerate(zip(tests.names, tests.starts, tests.starts[1:], strict=False)):
+        rows = slice(int(start), int(stop))
+        style = {"color": (BLUE, ORANGE, GREY)[i % 3], "linestyle": DASHES[i % 4], "linewidth": 0.9}
+        panel.plot(tests.columns["t"][rows], column[rows] * scale, label=test, **style)
+
+
+def boundaries(panel, tests: CaptiveTests) -> None:  # type: ignore[no-untyped-def]
+    """Draw where one test ends and the next begins."""
+    across = {"transform": panel.get_xaxis_transform(), "color": GREY, "linestyles": "--", "linewidth": 0.4}
+    panel.vlines(tests.starts[1:-1], 0, 1, **across)

@@ -16,14 +16,20 @@ from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
 from narrows.model.data_range import Range
 from narrows.quantities.names import name_of
-from narrows.report.bank_figures import delta_figure, delta_surface_figure
-from narrows.report.collinearity_figures import correlation_figure, inflation_figure
-from narrows.report.fit_figures import forces_figure, intervals_figure, shapley_figure
+from narrows.report.fit_figures import (
+    correlation_figure,
+    delta_figure,
+    delta_surface_figure,
+    forces_figure,
+    inflation_figure,
+    influence_figure,
+    intervals_figure,
+    motions_figure,
+    profiles_figure,
+    shapley_figure,
+)
 from narrows.report.fit_table import heading, kkt_sentence
-from narrows.report.motion_figures import motions_figure
-from narrows.report.numbers import interval, readable
-from narrows.report.style import svg
-from narrows.report.uncertainty_figures import influence_figure, profiles_figure
+from narrows.report.style import interval, readable, svg
 from narrows.ship.particulars import Canal, Configuration, Ship
 
 ENVELOPE = {

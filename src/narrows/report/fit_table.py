@@ -8,7 +8,7 @@ from narrows.identification import Fit
 from narrows.identification.bank_answer import Answer, answer_of
 from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
-from narrows.report.numbers import interval, readable
+from narrows.report.style import interval, readable
 
 MOST_PAIRS = 5
 COLOURS = {

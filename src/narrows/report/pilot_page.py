@@ -1,6 +1,7 @@
 """One side of paper for whoever holds the legs: where, how fast, what to expect, what to write, when to break off."""
 
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,25 +9,45 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
+from rich.console import Console
+from rich.table import Table
 
 from narrows.files import form_of, save_figure, write_whole
-from narrows.logbook import SteadyPlan
-from narrows.logbook.standing import ON_TWINS
-from narrows.quantities.constants import KNOT
+from narrows.logbook import Foresight, SteadyPlan
+from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, LearnedCoefficient
+from narrows.quantities.names import KNOT
 from narrows.report.fit_page import figure as captioned
 from narrows.report.fit_page import render
-from narrows.report.style import BLACK, BLUE, FONT, GREY, ORANGE, Picture
+from narrows.report.style import (
+    BLACK,
+    BLUE,
+    DASHES,
+    FONT,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Margins,
+    Picture,
+    panels,
+    readable,
+)
 
 # A4, upright [in].
 PAGE = (8.27, 11.69)
+
 FORMS = (".html", ".pdf", ".svg", ".png")
+
 HEADS = (
     "leg", "offset from\nthe middle", "through\nthe water", "rudder\nto expect", "bow off course\nto expect",
     "offset [m]", "speed [kn]", "rudder [deg]\n+ starboard", "heading less\ncourse [deg]",
 )  # fmt: skip
+
 FIRST_BLANK, WIDTHS = 5, (0.055, 0.135, 0.085, 0.15, 0.155, 0.095, 0.095, 0.11, 0.12)
+
 # Yaw rate [deg/s] below which a leg is steady, and beams off its line beyond which it is broken off.
 MOST_TURNING, STRAYED = 0.02, 0.25
+
 # Characters in a line of the steps.
 WRAPPED, BOLD = 104, 88
 
@@ -187,3 +208,72 @@ def _foot(page: Figure, plan: SteadyPlan) -> None:
     ]
     wrapped = [part for text in lines for part in textwrap.wrap(text, 138)]
     page.text(0.06, 0.02, "\n".join(wrapped), fontsize=7.2, va="bottom", color=GREY)
+
+
+# What transits will tell, in the terminal and as a picture.
+COLOURS = (BLACK, BLUE, ORANGE, GREEN, PURPLE)
+
+
+def print_foresight(foresight: Foresight) -> None:
+    """Print how tight coefficients will get."""
+    console = Console(highlight=False, markup=False)
+    console.width = max(console.width, 110)
+    console.print(foresight.summary())
+    if foresight.kinds:
+        table = Table(box=None, pad_edge=False)
+        for head in ("transits", "", *(f"std {name}" for name in foresight.targets)):
+            table.add_column(head, justify="left" if head == "" else "right")
+        for row in foresight.rows():
+            stds = (f"{row[f'std {name}']:.2g}" for name in foresight.targets)
+            table.add_row(str(row["transits"]), row["excursion"], *stds)
+        console.print(table)
+    for note in foresight.notes:
+        console.print(f"- {note}", style="dim")
+
+
+def foresight_figure(foresight: Foresight) -> Figure:
+    """Draw standard errors by the number of transits, a line a kind."""
+    targets = foresight.targets
+    figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.35, top=0.25, across=0.75))
+    for panel, name in zip(axes[0], targets, strict=True):
+        panel.axhline(foresight.prior_std[name], color=GREY, ls="--", label="now")
+        for number, kind in enumerate(foresight.kinds):
+            style = DASHES[number % len(DASHES)]
+            panel.plot(foresight.transits, kind.std[name], color=COLOURS[number % len(COLOURS)], ls=style, marker="o",
+                       ms=3, label=kind.excursion.words)  # fmt: skip
+        panel.set(xscale="log", xlabel="transits", ylabel=f"standard error of {name}")
+        panel.set_xticks(foresight.transits, [str(count) for count in foresight.transits])
+        panel.minorticks_off()
+        panel.set_ylim(bottom=0)
+        panel.grid(alpha=0.3)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncols=1 + (len(labels) > 3), frameon=False, fontsize=7)
+    return figure
+
+
+# Coefficients before a record and after it, as a table has them.
+LEARNED_HEADS = ("", "before", "after", "95 % interval", "unit")
+
+# From here a number is written with a power of ten.
+LONG = 1e5
+
+
+def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[str, ...]]:
+    """Return what a table says of each coefficient that a record taught something of, the surest first."""
+    learned = sorted((c for c in coefficients.values() if c.word != PRIOR), key=lambda c: c.left)
+    return [
+        (c.name, f"{_short(c.prior, c.prior_std)} ± {_short(c.prior_std, c.prior_std)}",
+         f"{_short(c.value, c.std)} ± {_short(c.std, c.std)}",
+         " to ".join(_short(end, c.std) for end in c.interval), c.unit, c.verdict)
+        for c in learned
+    ]  # fmt: skip
+
+
+def with_truth(rows: list[tuple[str, ...]], truth: Mapping[str, float] | None) -> list[tuple[str, ...]]:
+    """Return rows with the truth of a twin as their last cell."""
+    return rows if truth is None else [(*row, f"{truth[row[0]]:.3g}") for row in rows]
+
+
+def _short(value: float, std: float) -> str:
+    """Metric tons and more in powers of ten."""
+    return f"{value:.3g}" if abs(value) >= LONG else readable(value, std)

@@ -6,12 +6,16 @@ from typing import Any
 from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.shapley import KINDS
-from narrows.report.bank_figures import delta_figure, delta_surface_figure
-from narrows.report.collinearity_figures import correlation_figure
-from narrows.report.fit_figures import forces_figure, shapley_figure
+from narrows.report.fit_figures import (
+    correlation_figure,
+    delta_figure,
+    delta_surface_figure,
+    forces_figure,
+    motions_figure,
+    shapley_figure,
+)
 from narrows.report.fit_page import figure, render
-from narrows.report.motion_figures import motions_figure
-from narrows.report.numbers import interval, readable
+from narrows.report.style import interval, readable
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.simulation.maps import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from rich.table import Table
 
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.report.style import BLACK, GREEN, panels
 from narrows.safety import OutsideRules
 from narrows.safety.channel_rules import READ, REMEMBERED

@@ -1,5 +1,6 @@
 """How pictures look: colours that the colour-blind tell apart, lines that survive a grey print."""
 
+import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -16,15 +17,22 @@ from narrows.errors import InputError
 
 # Okabe and Ito's.
 BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
+
 DASHES = ("-", "--", ":", "-.")
+
 HATCHES = ("", "///", "...")
+
 FORCE_LABELS = {"X": "surge force X [N]", "Y": "sway force Y [N]", "N": "yaw moment N [N m]"}
+
 FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsize": 8.0, "axes.spines.top": False,
         "axes.spines.right": False, "svg.fonttype": "path", "svg.hashsalt": "narrows"}  # fmt: skip
+
 # In a line of small print across a picture.
 CHARACTERS = 125
+
 # Of a title.
 LETTERS_AN_INCH = 14.2
+
 # Of a page's picture [in].
 WIDTH = 7.2
 
@@ -127,3 +135,19 @@ def svg(figure: Figure) -> str:
         figure.savefig(memory, format="svg", metadata={"Date": None})
     text = memory.getvalue()
     return text[text.index("<svg") :]
+
+
+# Numbers as people read them: as many digits as their uncertainty leaves.
+def readable(value: float, std: float = math.nan) -> str:
+    """Write a number to the second digit of its standard error, or to four digits."""
+    if not math.isfinite(value):
+        return "-" if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    if not (math.isfinite(std) and std > 0):
+        return f"{value:.4g}"
+    digits = max(0, 1 - math.floor(math.log10(std)))
+    return f"{round(value, digits):.{min(digits, 8)}f}"
+
+
+def interval(ends: tuple[float, float], std: float) -> str:
+    """Write an interval."""
+    return f"{readable(ends[0], std)} to {readable(ends[1], std)}"

@@ -1,17 +1,27 @@
 """A watched transit as one self-contained page, for training and for investigation."""
 
 import math
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from narrows.files import write_whole
 from narrows.report.fit_page import figure, render
-from narrows.report.transit_figures import transit_figure, transit_track_figure
-from narrows.warning.monitoring.watched_transit import WatchedTransit
+from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
+from narrows.ship.cross_section import half_swept
+from narrows.warning.alerts.alert import Priority
+from narrows.warning.monitoring.watched_transit import NEAR, WatchedTransit
 
 TRACK = (
     "The canal from above, unrolled, as wide as the keel has room, starboard down: the course of midship, and what the "
     "hull swept, coloured where an alert held."
 )
+
 HISTORY = (
     "Water beside the hull, chances of contact, times to contact and to the last chance of the most likely run, "
     "and the rudder beside the one that holds the ship where it is; shaded where an alert held."
@@ -32,3 +42,85 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
         notes=transit.notes,
     )
     write_whole(path, page)
+
+
+# Pictures of a watched transit: where it went, what was foretold, the rudder it needed, and when it was alerted.
+# Behind the curves, where an alert of that kind held.
+SHADES = {
+    Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
+}  # fmt: skip
+
+BANK_POINTS = 400
+
+
+def transit_figure(transit: WatchedTransit) -> Figure:
+    """Draw clearance, chances, times and rudder over time, shaded where it was alerted."""
+    figure, axes = panels(4, 1, 6.6, Margins(bottom=0.85, top=0.2, down=0.18), sharex=True)
+    told, t = transit.columns, transit.columns["t"]
+    curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
+        ("water beside\nthe hull [m]", ((told["clearance"], BLUE, "clearance"),)),
+        ("chance of\ncontact [%]", (
+            (100 * told["pilot_now"], BLUE, "a pilot takes over now"), (100 * told["soon"], GREY, "in 60 s, as it is"),
+        )),
+        ("time [s]", (
+            (told["contact"], ORANGE, "to contact, as it is"), (told["last_chance"], BLACK, "to the last chance"),
+        )),
+        ("rudder [deg]", (
+            (np.degrees(told["rudder"]), GREY, "rudder"), (np.degrees(told["rudder_needed"]), BLUE, "needed to stay"),
+        )),
+    )  # fmt: skip
+    for panel, (label, lines) in zip(axes[:, 0], curves, strict=True):
+        _shade(panel, t, told["level"])
+        for values, colour, words in lines:
+            panel.plot(t, np.where(np.isfinite(values), values, np.nan), color=colour, lw=1.2, label=words)
+        panel.set_ylabel(label)
+        panel.grid(alpha=0.3)
+        panel.legend(frameon=False, fontsize=7, loc="best")
+    axes[0, 0].axhline(NEAR, color=BLACK, lw=0.7, ls="--")
+    axes[-1, 0].set_xlabel("time since the watch began [s]")
+    figure.legend(handles=_patches(0.35), loc="lower center", ncols=4, frameon=False, fontsize=7)
+    return figure
+
+
+def transit_track_figure(transit: WatchedTransit) -> Figure:
+    """Draw from above where the hull went between the banks, along the waterway, starboard down."""
+    figure, axes = panels(1, 1, 2.6, Margins(bottom=0.9, top=0.3))
+    panel: Axes = axes[0, 0]
+    told, ship = transit.columns, transit.ship
+    x, y, reach = told["x"], told["y"], half_swept(ship, told["psi"])
+    for part, level in _levels(told["level"]):
+        colour = SHADES.get(level, GREY)
+        panel.fill_between(x[part], (y - reach)[part], (y + reach)[part], color=colour, alpha=0.5, lw=0)
+    panel.plot(x, y, color=BLACK, lw=1.0, label="midship")
+    first, last = np.nanmin(x) - ship.length, np.nanmax(x) + ship.length
+    along = np.linspace(max(float(first), 0.0), min(float(last), transit.waterway.line.length), BANK_POINTS)
+    room = transit.waterway.room(along, ship.draft)
+    for sign, words in ((-1, "banks"), (1, None)):
+        panel.plot(along, room.middle + sign * room.width / 2, color=BLUE, lw=1.8, label=words)
+    panel.set(xlim=(first, last), xlabel="along the waterway [m]", ylabel="y, to starboard [m]")
+    panel.invert_yaxis()
+    panel.set_title("from above, starboard down; not to scale")
+    panel.grid(alpha=0.3)
+    swept = Patch(facecolor=GREY, alpha=0.5, label="hull, no alert")
+    lines = panel.get_legend_handles_labels()[0]
+    figure.legend(handles=[*lines, swept, *_patches(0.5)], loc="lower center", ncols=4, frameon=False, fontsize=7)
+    return figure
+
+
+def _patches(alpha: float) -> list[Patch]:
+    return [Patch(facecolor=colour, alpha=alpha, label=priority.words) for priority, colour in SHADES.items()]
+
+
+def _levels(level: np.ndarray) -> Iterator[tuple[slice, Priority]]:
+    """From when to when each level held, the second after with it."""
+    edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(level)]
+    for first, last in pairwise(edges):
+        if first < last:
+            yield slice(first, last + 1), Priority(int(level[first]))
+
+
+def _shade(panel: Axes, t: np.ndarray, level: np.ndarray) -> None:
+    """The times over which a level held."""
+    for part, held in _levels(level):
+        if colour := SHADES.get(held):
+            panel.axvspan(t[part][0], t[part][-1], color=colour, alpha=0.35, lw=0)

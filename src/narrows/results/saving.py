@@ -1,20 +1,14 @@
 """What goes into files, by suffix: tables, datasets, tracks, pictures."""
 
-from collections.abc import Callable, Mapping
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from narrows.files import (
-    PICTURES,
-    form_of,
-    matlab_of,
-    netcdf_of,
-    parquet_of,
-    picture_of,
-    write_whole,
-    write_zarr,
-)
-from narrows.results.plain_values import to_json
+import numpy as np
+
+from narrows.files import PICTURES, form_of, matlab_of, netcdf_of, parquet_of, picture_of, write_whole, write_zarr
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,8 +16,10 @@ if TYPE_CHECKING:
 
 # Makes what goes into a file, or writes a folder itself.
 Form = Callable[[], str | bytes | None]
+
 # Gives what is said of a table, by name.
 Words = Callable[[], dict[str, str]]
+
 # Suffixes by what libraries call the form, as in ``to_netcdf``.
 FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
 
@@ -126,3 +122,41 @@ def _column(array: "xarray.DataArray") -> dict[str, Any]:
 def csv_of(frame: Any, **options: Any) -> str:
     """Return a table as text; rows that have no names are not numbered."""
     return str(frame.to_csv(**{"index": frame.index.names != [None], **options}))
+
+
+# The one way from a result to JSON.
+def plain(value: Any) -> Any:
+    """Return a value as JSON can hold it: None for NaN and infinity, lists for arrays.
+
+    Parameters
+    ----------
+    value : Any
+        Mappings, sequences, arrays, numbers, words, True, False, None.
+
+    Raises
+    ------
+    TypeError
+        Where there is anything else in it.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(name): plain(part) for name, part in value.items()}
+    if isinstance(value, Iterable):
+        return [plain(part) for part in value]
+    raise TypeError(f"{type(value).__name__} has no place in JSON")
+
+
+def to_json(value: Any) -> str:
+    """Write a value, or what a result's ``to_dict`` gives, as JSON.
+
+    Parameters
+    ----------
+    value : Any
+        As in ``plain``.
+    """
+    return json.dumps(plain(value), indent=2, allow_nan=False)

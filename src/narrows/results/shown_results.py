@@ -1,13 +1,14 @@
 """What every result can do."""
 
+from collections.abc import Iterator
+from functools import partial
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import narrows
 from narrows.files import write_whole
-from narrows.results.described import Described
-from narrows.results.plain_values import to_json
-from narrows.results.saving import FORMS, csv_of, forms_of, write
+from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
 
 if TYPE_CHECKING:
     import xarray
@@ -49,6 +50,62 @@ class Result(Protocol):
         path : str or Path
             Where to.
         """
+
+
+def table_has(name: str) -> bool:
+    """Return whether data frames do what is called so."""
+    import pandas as pd
+
+    return hasattr(pd.DataFrame, name)
+
+
+def _given_or_written(content: str | bytes | None, path: str | Path | None) -> Any:
+    if path is None:
+        return content
+    if content is not None:
+        write_whole(path, content)
+    return None
+
+
+def answer(thing: Any, name: str) -> Any:
+    """Return what a thing has under another name, by what that is called elsewhere."""
+    known = {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
+    for ours, theirs in SAME.items():
+        attribute = ours.removesuffix(CALL)
+        if attribute in known and (name in theirs or name + CALL in theirs):
+            value = getattr(thing, attribute)
+            called, calls = name + CALL in theirs, ours.endswith(CALL)
+            if called == calls:
+                return value
+            return partial(getattr, thing, attribute) if called else value()
+    remedy = next((it for it in ANOTHER.get(name, ()) if it.partition("(")[0] in known), None)
+    if remedy is None:
+        return object.__getattribute__(thing, name)
+    raise AttributeError(f"a {type(thing).__name__} has no {name!r}; write {remedy}", name=None, obj=None)
+
+
+# What a thing says of itself.
+class Described:
+    """Something that says in a line what it is, in a notebook in more, and answers to names of elsewhere.
+
+    It has ``summary()``; ``to_dataframe()`` and ``notes`` where there is something to put there.
+    """
+
+    def __repr__(self) -> str:
+        said: Any = self
+        return f"<{type(self).__name__}: {shortened(said.summary())}>"
+
+    def _repr_html_(self) -> str:
+        said: Any = self
+        lines = "<br>".join(escape(line) for line in said.summary().splitlines())
+        notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(said, "notes", ()))
+        table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
+        return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")
+
+    if not TYPE_CHECKING:  # What is checked is the attributes that there are.
+
+        def __getattr__(self, name: str) -> Any:
+            return answer(self, name)
 
 
 class Shown(Described):
@@ -139,16 +196,76 @@ class Shown(Described):
             return super().__getattr__(name)
 
 
-def table_has(name: str) -> bool:
-    """Return whether data frames do what is called so."""
-    import pandas as pd
+def shortened(text: str, most: int = 120) -> str:
+    """Return the first line of a text, cut where it is long.
 
-    return hasattr(pd.DataFrame, name)
+    Parameters
+    ----------
+    text : str
+        Lines.
+    most : int
+        Characters of it.
+    """
+    line = text.partition("\n")[0].rstrip(".")
+    return line if len(line) <= most else f"{line[: most - 3]}..."
 
 
-def _given_or_written(content: str | bytes | None, path: str | Path | None) -> Any:
-    if path is None:
-        return content
-    if content is not None:
-        write_whole(path, content)
-    return None
+# What other libraries call the same things: names that are answered, and names for which there is another way.
+CALL = "()"
+
+# Names of ours by what is called the same elsewhere; brackets after whatever is called.
+SAME = {
+    "coefficients": ("params", "coef_", "coef", "popt"),
+    "std": ("bse", "stderr", "standard_errors", "std_errors"),
+    "covariance": ("pcov", "cov()", "cov_params()"),
+    "intervals": ("confidence_intervals", "ci"),
+    "residuals": ("resid",),
+    "predict()": ("fittedvalues", "fitted"),
+    "corr()": ("correlation", "correlation_matrix"),
+    "latex()": ("to_latex()", "equations()"),
+    "poles()": ("eigenvalues()", "eigvals()"),
+    "with_coefficients()": ("replace()", "set_params()", "assign()", "set_coefficients()", "with_values()"),
+    "with_parts()": ("replace()",),
+    "to_dataframe()": ("df", "to_frame()", "to_pandas()"),
+    "save()": ("write()", "dump()", "to_toml()", "to_file()"),
+    "t": ("time", "times"),
+    "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
+}  # fmt: skip
+
+# What does not mean the same, and what is written here instead.
+ANOTHER = {
+    **dict.fromkeys(("success", "status", "message"), ("outcome",)),
+    **dict.fromkeys(("show", "figure"), ("plot()",)),
+    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), ("verdicts",)),
+    **dict.fromkeys(("aic", "bic", "llf"), ("left_out",)),
+    **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
+    **dict.fromkeys(("data", "values_"), ("to_dataframe()",)),
+    "tests": ("test(name)",), "speed": ("u",),
+}  # fmt: skip
+
+
+# A result whose data are rows of a table.
+class Tabulated(Shown):
+    """A result whose data are rows: what it does not do itself, the data frame of its rows does.
+
+    What reads tables by Arrow (Polars, DuckDB, Altair) reads it as one.
+    """
+
+    def __iter__(self) -> Iterator[Any]:
+        """The rows, each a tuple with names."""
+        table: Any = self
+        return iter(table.to_dataframe().reset_index().itertuples(index=False, name="Row"))
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        table: Any = self
+        return table.to_dataframe().reset_index().__arrow_c_stream__(requested_schema)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name.startswith("_") or not (table_has(name) or name in self.__dict__.get("columns", ())):
+                    raise
+                return getattr(self.to_dataframe(), name)

@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.results import Shown
-from narrows.safety.causes import RANGE, cause
-from narrows.safety.edges import first_run
-from narrows.safety.headline import headline
-from narrows.safety.outside_rules import OutsideRules, rules_of
+from narrows.safety.channel_rules import OutsideRules, rules_of
+from narrows.safety.headline import RANGE, cause, first_run, headline
 
 if TYPE_CHECKING:
     import pandas as pd

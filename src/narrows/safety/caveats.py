@@ -1,16 +1,22 @@
 """What a safe envelope rests on and leaves out: the attributes that travel with its data into file and chart."""
 
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
+from narrows.quantities.names import KNOT
 from narrows.safety.answer import SURE_SHARE, SafeEnvelope
-from narrows.safety.bolder import bolder_than
-from narrows.safety.outside_rules import outside_rules
+from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
 from narrows.safety.pilots import PILOTS
-from narrows.safety.question import EnvelopeQuestion
-from narrows.safety.tested import beyond_tests, tested_ranges, untested_section
-from narrows.safety.underkeel import Keel
+from narrows.safety.question import EnvelopeQuestion, Keel
 
 # Below this [m] a hull is taken for a model's.
 SHIP_LENGTH = 30.0
+
 SQUARED = (
     "every force of these terms goes with the square of the speed, so the rudder that holds the ship is the same at "
     "any: what makes a fast ship harder to hold, beside squat and choking, is not in them"
@@ -69,3 +75,115 @@ def _propulsion(model: Model, most: float | None) -> str:
     if most is None:
         return f"the speed is held: {turning}, however fast that is; give the engine's most revolutions to bound it"
     return f"the speed is held: {turning}, up to {most:g} revolutions a second"
+
+
+# Where an answer of ours is bolder than a rule from outside, and why.
+WHY_WIDER = (
+    "those widths have room for a hand at the wheel, for wind and for current; the pilot of these trials knows offset, "
+    "heading and drift exactly, and feels no more than the weather above"
+)
+
+WHY_RUDDER = "here the steady rudder is to leave a reserve for the unforeseen, which is tried, and not to stay small"
+
+WHY_FASTER = "those limits guard banks and traffic too, which is not asked here"
+
+
+def bolder_than(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
+    """Say where the model has a ship safe beyond what a rule allows, and why, a sentence each."""
+    data = data.transpose("y", "u", ...)
+    safe = ((data["held"] >= share) & data["clear"]).to_numpy()
+    if not safe.any():
+        return ()
+    rows = rules.rows()
+    return tuple(filter(None, (_wider(data, safe, rows), _harder(data, safe, rows), _faster(data, safe, rows))))
+
+
+def _wider(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
+    """The rules of widths beyond which a place is safe, each at the speeds where it is most so."""
+    y, knots = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
+    worst: dict[str, tuple[float, str]] = {}
+    for row in rows:
+        if row["width"] is None:
+            continue
+        asked = (knots >= row["slowest"]) & (knots <= (row["fastest"] or np.inf))
+        far = y[safe[:, asked].any(axis=1)]
+        fits = row["starboard"] is not None
+        limits = (row["port"], row["starboard"]) if fits else (0.0, 0.0)
+        over = max((limits[0] - far.min(), far.max() - limits[1])) if far.size else -1.0
+        if far.size and (over > 0 or not fits):
+            place = float(far[np.abs(far).argmax()])
+            allowed = f"{limits[1] if place > 0 else limits[0]:+.0f} m" if fits else "nowhere"
+            doubt = "" if row["standing"] == READ else ", in part from memory"
+            words = f"{row['rule']} ({allowed} instead of {place:+.0f} m{doubt})"
+            worst[row["rule"]] = max(worst.get(row["rule"], (-np.inf, "")), (over, words))
+    listed = " and ".join(words for _, words in worst.values())
+    return f"Bolder than {listed}: {WHY_WIDER}." if worst else ""
+
+
+def _harder(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
+    """The rule of rudders, where more is kept on in half of the cases."""
+    most = float(np.degrees(np.abs(data["rudder"].to_numpy()[safe]).max()))
+    rules = [row for row in rows if row["rudder"] is not None and most > row["rudder"]]
+    listed = " and ".join(f"{row['rule']} ({row['rudder']:g} instead of {most:.0f} degrees)" for row in rules)
+    return f"Bolder than {listed}: {WHY_RUDDER}." if rules else ""
+
+
+def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
+    """The speed limits over which a speed is safe."""
+    fastest = float(data["u"].to_numpy()[safe.any(axis=0)].max()) / KNOT
+    over = [row for row in rows if row["speed_limit"] is not None and fastest > row["speed_limit"]]
+    listed = ", ".join(f"{row['rule']} ({row['speed_limit']:.1f} knots)" for row in over)
+    return f"By the model safe to {fastest:.1f} knots, over the limits of {listed}: {WHY_FASTER}." if over else ""
+
+
+# What of an envelope lies within the tests behind its model.
+# How ranges of the data are spoken of on a bridge.
+IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
+
+SECTION = ("depth_to_draft", "width_to_beam")
+
+
+def within_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """Return which offsets and speeds the tests covered, (offsets, speeds); all where they do not say."""
+    # offsets (n,) [m]; speeds (m,) [m/s]
+    # A place nearer to the middle than the tests were is inside.
+    known = _to_the_middle(model)
+    off, fast = known.outside("abs_y", np.abs(offsets)), known.outside("speed", speeds)
+    return np.asarray(~np.asarray(off)[:, None] & ~np.asarray(fast)[None])
+
+
+def _to_the_middle(model: Model) -> DataRange:
+    """What the tests covered, the offsets nearer to the middle than theirs with them."""
+    known = model.data_range
+    return replace(known, abs_y=known.abs_y and (0.0, known.abs_y[1]))
+
+
+def tested_ranges(model: Model) -> dict[str, list[float]]:
+    """Return the speeds [m/s] and offsets [m] that the tests covered, as far as they are known."""
+    ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
+    return {name: list(covered) for name, covered in ranges.items() if covered is not None}
+
+
+def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
+    """Say in what a question goes beyond the tests, or that they do not say what they covered."""
+    # offsets (n,) [m]; speeds (m,) [m/s]
+    asked = {"speed": speeds, "abs_y": np.abs(offsets).max(), **_section(model)}
+    return extrapolation(_to_the_middle(model), asked, IN_KNOTS, unknown=True)
+
+
+def untested_section(model: Model) -> str:
+    """Say in what the section of water is none that was tested; nothing where it is one, or that is not known."""
+    known = model.data_range
+    there = [
+        f"{IN_KNOTS[name].words} {IN_KNOTS[name].shown(value, value)} ({IN_KNOTS[name].shown(*getattr(known, name))} "
+        "was tested)"
+        for name, value in _section(model).items()
+        if known.outside(name, value)
+    ]
+    return " and ".join(there)
+
+
+def _section(model: Model) -> dict[str, float]:
+    ship, canal = model.configuration.ship, model.configuration.canal
+    depth = {} if canal.depth is None else {"depth_to_draft": canal.depth / ship.draft}
+    return {**depth, "width_to_beam": canal.width / ship.beam}

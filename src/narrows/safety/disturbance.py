@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.errors import InputError
-from narrows.quantities.constants import AIR_DENSITY
+from narrows.quantities.names import AIR_DENSITY
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,28 @@
 """The safe envelope: how fast, and how far off the middle of a canal, a ship is still in hand."""
 
-from dataclasses import replace
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+import xarray as xr
 
-from narrows.control.steady_course import check_rudder
+from narrows.control.self_propulsion import with_propulsion
+from narrows.control.steady_course import check_rudder, steady_course
+from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
-from narrows.safety.answer import SafeEnvelope
-from narrows.safety.bounds import bounds_of, rudder_of_a_kick
-from narrows.safety.caveats import with_caveats
+from narrows.safety.answer import MEDIAN, SURE_SHARE, SafeEnvelope
+from narrows.safety.caveats import with_caveats, within_tests
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.held_trials import trials
-from narrows.safety.pilot_choice import check_pilot, choose_pilot
-from narrows.safety.question import Walls, envelope_question
-from narrows.safety.shares import likely_shares, settled_trials, shares_of
+from narrows.safety.held_trials import ChosenPilot, trials
+from narrows.safety.pilots import PILOTS
+from narrows.safety.question import EnvelopeQuestion, Keel, Walls, envelope_question, keel_at
 from narrows.simulation.inputs import check_workers
 
 # Of disturbances alone, that the ship of the most likely coefficients is tried in.
 LIKELY_SAMPLES = 200
+
 # Of the rudder, to be left when the ship is steady.
 RESERVE = 1 / 3
 
@@ -93,3 +97,193 @@ def safe_envelope(
         data = data.assign(rudder_kick=rudder_of_a_kick(question, bounds.under))
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
     return with_caveats(SafeEnvelope(data), question, bounds.under, tried.sizes["sample"])
+
+
+# What bounds a safe envelope before any trial: the keel, the choking of the canal, the engine, the tests.
+@dataclass(frozen=True)
+class Bounds:
+    """Where keel, canal, engine and tests leave a ship."""
+
+    under: Keel  # Water under the keel at each speed
+    driven: np.ndarray  # (speeds,) Whether the engine turns the propeller as fast as the speed asks
+    clear: np.ndarray  # (speeds,) The same, and whether the keel is clear and the canal not choked
+    tested: np.ndarray  # (offsets, speeds) Whether the tests covered it
+
+    def columns(self) -> dict[str, tuple[object, ...]]:
+        """Return them as variables of the answer, with their dimensions."""
+        return {
+            "clearance": ("u", self.under.clearance, {"units": "m"}),
+            "clear": ("u", self.clear),
+            "driven": ("u", self.driven),
+            "tested": (("y", "u"), self.tested),
+        }
+
+
+def bounds_of(question: EnvelopeQuestion) -> Bounds:
+    """Return what bounds the answer to a question before any trial."""
+    model, speeds = question.model, question.speeds
+    under, driven = keel_at(model, speeds), _driven(model, speeds, question.most_revolutions)
+    floating = (under.clearance >= question.clearance) | (model.configuration.canal.depth is None)
+    clear = floating & (speeds < under.choke) & driven
+    return Bounds(under, driven, clear, within_tests(model, question.offsets, speeds))
+
+
+def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
+    """Whether the engine turns the propeller as fast as each speed asks; true where nothing says how fast it turns."""
+    if most is None:
+        return np.ones(len(speeds), bool)
+    if not model.terms.propelled:
+        raise InputError(f"most_revolutions = {most} 1/s, but this model has no terms of a propeller; leave it out")
+    if not 0 < most < math.inf:
+        raise InputError(f"most_revolutions = {most} 1/s drive no ship; give a number over 0")
+    asked: object = with_propulsion(model, {"u": speeds})["revolutions"]
+    return np.asarray(asked, float) <= most
+
+
+def rudder_of_a_kick(question: EnvelopeQuestion, under: Keel) -> xr.DataArray:
+    """Return the steady rudder with the engine at its most, over offsets and speeds [rad]."""
+    course = steady_course(
+        question.model, y=question.offsets, u=question.speeds, heave=xr.DataArray(under.midship, dims="u"),
+        revolutions=question.most_revolutions,
+    )  # fmt: skip
+    return course["rudder"].transpose("y", "u").drop_vars(["y", "u"], errors="ignore")
+
+
+# Which tuning of a pilot is tried: the one that holds most of other samples than those it is judged by.
+# Of the trials that choose, and at how many places.
+SAMPLES, OFFSETS, SPEEDS = 200, 5, 2
+
+# Sets the samples that choose apart from those that judge.
+ASIDE = 13
+
+
+def check_pilot(name: str) -> None:
+    """Raise where there is no pilot of a name."""
+    check_choice("controller", name, PILOTS)
+
+
+def choose_pilot(question: EnvelopeQuestion, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
+    """Choose the tuning of a pilot that holds most samples at a few of the offsets and speeds asked about."""
+    pilot = PILOTS[question.pilot]
+    if len(pilot.tunings) == 1:
+        return ChosenPilot(pilot, pilot.tunings[0])
+    open_to = np.flatnonzero(bounds.clear) if bounds.clear.any() else np.arange(len(question.speeds))
+    speeds, offsets = open_to[_spread(len(open_to), SPEEDS)], _spread(len(question.offsets), OFFSETS)
+    other_seed = int(np.random.SeedSequence((abs(seed), ASIDE)).generate_state(1)[0])
+    shares = []
+    for tuning in pilot.tunings:
+        tried = trials(
+            question.model, question.offsets[offsets], question.speeds[speeds], bounds.under.midship[speeds],
+            question.disturbance, SAMPLES, other_seed, question.walls, ChosenPilot(pilot, tuning), knowing=False,
+            workers=workers,
+        )  # fmt: skip
+        safe = (np.abs(tried["rudder"]) <= question.rudder_limit) & tried["held"]
+        shares.append(float(safe.mean()))
+    return ChosenPilot(pilot, pilot.tunings[int(np.argmax(shares))])
+
+
+def _spread(size: int, most: int) -> np.ndarray:
+    """At most so many places of a row, evenly, none at its ends where there are more."""
+    if size <= most:
+        return np.arange(size)
+    return np.unique(np.round((np.arange(most) + 0.5) * size / most - 0.5).astype(int))
+
+
+# Trials of many samples as shares and quantiles, and as many samples as settle the edge.
+# Tried at first where no number is given, and doubled until the edge is settled, up to so many.
+FIRST_SAMPLES, MOST_SAMPLES = 400, 6400
+
+# Trials of so many ``samples`` from a ``seed``, over y, u and sample.
+Trial = Callable[..., xr.Dataset]
+
+
+def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float, clear: np.ndarray) -> xr.Dataset:
+    """Return trials of so many samples, or of twice as many again and again until the edge is settled."""
+    # limit [rad]; clear (offsets, speeds)
+    if samples is not None:
+        return try_more(samples=samples, seed=seed)
+    tried, rounds = try_more(samples=FIRST_SAMPLES, seed=seed), 0
+    while (count := tried.sizes["sample"]) < MOST_SAMPLES:
+        held = safely(tried, limit, "held").mean("sample").transpose("y", "u").to_numpy()
+        if is_settled(*share_interval(held, count), SURE_SHARE, clear):
+            break
+        rounds += 1
+        another = int(np.random.SeedSequence((seed, rounds)).generate_state(1)[0])
+        tried = xr.concat([tried, try_more(samples=count, seed=another)], "sample")
+    return tried
+
+
+def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
+    """Return shares and quantiles of the samples over y and u."""
+    # tried [rad]; limit [rad]
+    # A sample without a course counts as beyond hard over, on the side of the others.
+    found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
+    shares = {"found": found.mean("sample"), "holds": holds.mean("sample")}
+    for name in ("held", "known"):
+        shares |= _counted(name, safely(tried, limit, name))
+    counted = {name: share.assign_attrs(units="1") for name, share in shares.items()}
+    return xr.Dataset(_quantiles(tried["rudder"]) | counted).transpose("y", "u")
+
+
+def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
+    """Return in which trials a ship is held on a course that leaves the reserve."""
+    # limit [rad]
+    return (np.abs(tried["rudder"]) <= limit) & tried[name]
+
+
+def likely_shares(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
+    """Return what the ship of the most likely coefficients says, over y and u: ``certain``, ``rudder_likely``."""
+    # limit [rad]
+    share = safely(tried, limit, "known").mean("sample").assign_attrs(units="1")
+    return {"certain": share, "rudder_likely": tried["rudder"].isel(sample=0).assign_attrs(units="rad")}
+
+
+def _counted(name: str, counted: xr.DataArray) -> dict[str, xr.DataArray]:
+    """The share of the samples in which something holds, and its interval for so many of them."""
+    share = counted.mean("sample")
+    low, high = (share.copy(data=end) for end in share_interval(share.to_numpy(), counted.sizes["sample"]))
+    return {name: share, f"{name}_low": low, f"{name}_high": high}
+
+
+def _quantiles(rudder: xr.DataArray) -> dict[str, xr.DataArray]:
+    beyond = np.sign(rudder.median("sample")).fillna(1.0) * np.inf
+    filled, size = rudder.fillna(beyond.where(beyond != 0, np.inf)), np.abs(rudder).fillna(np.inf)
+    middle = _quantile(filled, MEDIAN, "midpoint")
+    return {
+        "rudder": middle.where(np.isfinite(middle)).assign_attrs(units="rad"),
+        "rudder_low": _quantile(filled, 1 - SURE_SHARE, "lower"),
+        "rudder_high": _quantile(filled, SURE_SHARE, "higher"),
+        "rudder_95": _quantile(size, SURE_SHARE, "higher"),
+    }
+
+
+def _quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
+    with np.errstate(invalid="ignore"):
+        quantiles = values.quantile(share, "sample", method=method).drop_vars("quantile")
+    return quantiles.assign_attrs(units="rad")
+
+
+# How far a share of samples can be trusted, and whether more of them would move an edge.
+# Standard deviations either way, 95 % of a normal distribution.
+SURE = 1.959964
+
+
+def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the 95 % interval of a share that was counted, low and high [1]."""
+    # Wilson (1927), Probable inference, the law of succession, and statistical inference.
+    square = SURE**2 / count
+    middle = (share + square / 2) / (1 + square)
+    half = SURE * np.sqrt(share * (1 - share) / count + square / (4 * count)) / (1 + square)
+    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+
+
+def is_settled(low: np.ndarray, high: np.ndarray, share: float, clear: np.ndarray) -> bool:
+    """Say whether the edge of what is safe is known to a step of the grid."""
+    # low, high (offsets, speeds); clear (offsets, speeds)
+    sure, perhaps = (low >= share) & clear, (high >= share) & clear
+    near = sure.copy()
+    near[1:] |= sure[:-1]
+    near[:-1] |= sure[1:]
+    near[:, 1:] |= sure[:, :-1]
+    near[:, :-1] |= sure[:, 1:]
+    return not (perhaps & ~near).any()

@@ -1,11 +1,11 @@
 """Where a ship is safe, in a sentence or three that no caveat is left out of."""
 
+import math
+
 import numpy as np
 import xarray as xr
 
-from narrows.quantities.constants import KNOT
-from narrows.safety.causes import AT_LENGTH, RANGE, cause
-from narrows.safety.edges import crossing, largest_rectangle
+from narrows.quantities.names import KNOT
 
 NOWHERE = (
     "At no offset and speed does a pilot who does not know the ship hold it in nineteen cases of twenty, with rudder "
@@ -123,3 +123,87 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
         return [f"With {data.attrs['samples']} cases tried this is not certain anywhere; try more."]
     count = f"{data.attrs['samples']} cases were tried: that leaves the edges open"
     return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
+
+
+# What ends the range in which a ship is safe, in words.
+CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
+
+NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "what throws it off"
+
+KNOWLEDGE, PILOT, TESTS, RANGE = "what the tests know", "the pilot", "the tests end", "faster was not asked"
+
+# The same in a sentence.
+AT_LENGTH = {
+    CHOKED: "the choking of the canal",
+    AGROUND: "the water under the keel",
+    ENGINE: "the engine",
+    NONE: "the rudder, of which none is enough",
+    RUDDER: "the rudder, whose reserve is used up",
+    UPSET: "what throws the ship off, against which even the most likely ship is not held by one who knows it",
+    KNOWLEDGE: "what the tests know of the ship (the most likely one would be held)",
+    PILOT: "the pilot (one who knew the ship would hold it)",
+    TESTS: "the end of the tests",
+    RANGE: "what was asked",
+}
+
+
+def cause(here: xr.Dataset, share: float, limit: float) -> str:
+    """Say what keeps a ship from being safe at an offset and a speed."""
+    # limit [rad]
+    if not bool(here["clear"]):
+        return _blocked(here)
+    if float(here["held"]) >= share:
+        return TESTS
+    if float(here["known"]) >= share:
+        return PILOT
+    if float(here["certain"]) >= share:
+        return KNOWLEDGE
+    rudder = float(here["rudder_likely"])
+    return NONE if math.isnan(rudder) else RUDDER if abs(rudder) > limit else UPSET
+
+
+def _blocked(here: xr.Dataset) -> str:
+    if not bool(here.get("driven", True)):
+        return ENGINE
+    return CHOKED if math.isnan(float(here["clearance"])) else AGROUND
+
+
+# Edges of what is safe on a grid of offsets and speeds.
+def first_run(safe: np.ndarray) -> tuple[int, int] | None:
+    """Return the first and the last place of the first run of true; None where nothing is."""
+    # safe (n,)
+    if not safe.any():
+        return None
+    first = int(safe.argmax())
+    after = np.flatnonzero(~safe[first:])
+    return first, first + int(after[0]) - 1 if after.size else len(safe) - 1
+
+
+def largest_rectangle(safe: np.ndarray, y: np.ndarray, u: np.ndarray) -> tuple[slice, slice] | None:
+    """Return the block of offsets and speeds of the largest area in which everything is safe; None where nothing is."""
+    # safe (offsets, speeds)
+    wide, high = (np.gradient(values) if len(values) > 1 else np.ones(1) for values in (y, u))
+    area, block = 0.0, None
+    for first in range(len(y)):
+        held = np.ones(len(u), bool)
+        for last in range(first, len(y)):
+            held &= safe[last]
+            for low, up in _runs(held):
+                covered = float(wide[first : last + 1].sum() * high[low : up + 1].sum())
+                if covered > area:
+                    area, block = covered, (slice(first, last + 1), slice(low, up + 1))
+    return block
+
+
+def _runs(held: np.ndarray) -> list[tuple[int, int]]:
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
+    return [(int(a), int(b) - 1) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+
+
+def crossing(y: np.ndarray, share: np.ndarray, inside: int, outside: int, least: float) -> float:
+    """Return the offset between two places where a share falls to its least, straight between them."""
+    # y (n,) [m]; share (n,)
+    if share[outside] >= least:
+        return float(y[inside])
+    part = (share[inside] - least) / (share[inside] - share[outside])
+    return float(y[inside] + part * (y[outside] - y[inside]))

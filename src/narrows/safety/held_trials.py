@@ -15,12 +15,12 @@ from narrows.control.steady_course import solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar
+from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.disturbance import Disturbance
-from narrows.safety.judged_law import JudgedLaw
 from narrows.safety.likely_courses import LikelyCourses
 from narrows.safety.pilots import PILOTS, Pilot, regulator_of
 from narrows.safety.question import Walls
-from narrows.simulation.controllers import ControlLaw
+from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
@@ -29,13 +29,19 @@ from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
 # Ship lengths that a trial lasts after a gust, and the last of them, through which the ship is to be back.
 LENGTHS, LATE = 15.0, 3.0
+
 STEPS_A_LENGTH = 40
+
 BLOCK = 65_536
+
 # Points of one call: beyond it the answer does not fit in memory.
 MOST = 50_000_000
+
 KEPT = ("rudder", "held", "known")
+
 # What the columns call what throws a ship off, the numbers of the pilot, and the gains of one who knows it.
 OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
+
 Columns = Mapping[str, Any]
 
 
@@ -185,3 +191,27 @@ class _Sail:
         line = self.held_course["y"]
         late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - line))
         return np.asarray(sailed & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2))
+
+
+# A pilot under trial: its law, and how far off its line the ship was through the last part of the trial.
+@dataclass(frozen=True)
+class JudgedLaw:
+    """Any control law that remembers how far off a line the ship was from a time on."""
+
+    law: ControlLaw  # That steers
+    y: Any  # The line [m]
+    late_from: Any  # From when it counts [s]
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return the law's numbers, the line, and from when it counts."""
+        return {**self.law.parameters(), "judged_y": self.y, "late_from": self.late_from}
+
+    def memory(self, start: Named) -> Named:
+        """Return the law's memory, and how far off the ship was so far."""
+        return {**self.law.memory(start), "farthest": 0.0}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the law's order, and how far off the ship was."""
+        orders, memory = self.law.orders(at)
+        counted = choice(at.t + at.dt / 2 - at.late_from, abs(at.y - at.judged_y), 0.0)
+        return orders, {**memory, "farthest": maximum(at.farthest, counted)}

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from narrows.errors import InputError
+from narrows.ship.particulars import Ship
 
 Point = tuple[float, float]
 
@@ -59,3 +62,10 @@ def _below(before: Point, after: Point, depth: float) -> float:
     crossing = start + (stop - start) * (depth - low) / (high - low)
     wet = crossing - start if low < high else stop - crossing
     return wet * (min(low, high) + depth) / 2 + (stop - start - wet) * depth
+
+
+# How much room a hull takes across its way.
+def half_swept(ship: Ship, heading: np.ndarray | float) -> np.ndarray:
+    """Return how far to either side of midship the corners of a hull are [m]."""
+    # heading [rad]
+    return np.asarray(ship.length / 2 * np.abs(np.sin(heading)) + ship.beam / 2 * np.cos(heading))

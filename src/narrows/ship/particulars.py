@@ -6,8 +6,7 @@ from typing import Any
 
 from narrows.errors import InputError, shown
 from narrows.results import Described
-from narrows.ship.actuator import Part, free
-from narrows.ship.actuators import STANDARD, Propeller, Rudder, SteeringGear
+from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear, free
 from narrows.ship.checks import check_fields, check_particulars
 
 

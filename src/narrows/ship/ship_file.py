@@ -8,8 +8,7 @@ from typing import Any
 
 from narrows.errors import InputError, did_you_mean, path_of, shown
 from narrows.files import reading
-from narrows.ship.actuator import Actuator, Part
-from narrows.ship.actuators import STANDARD
+from narrows.ship.actuators import STANDARD, Actuator, Part
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 
 # Sections that every file is read for; made of their defaults where they are absent.

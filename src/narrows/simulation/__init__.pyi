@@ -5,11 +5,11 @@ from .controllers import Controller as Controller
 from .controllers import RudderSchedule as RudderSchedule
 from .controllers import VoyageState as VoyageState
 from .controllers import Zigzag as Zigzag
+from .derivative import Jacobian as Jacobian
 from .derivative import derivative as derivative
+from .derivative import jacobian as jacobian
 from .derivative import step as step
 from .ensemble import ensemble as ensemble
-from .linear_motion import Jacobian as Jacobian
-from .linear_motion import jacobian as jacobian
 from .maps import grounding_distance as grounding_distance
 from .maps import grounding_probability as grounding_probability
 from .outcome import Outcome as Outcome

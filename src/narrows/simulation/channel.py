@@ -9,8 +9,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from narrows.codegen.choices import COLUMNS, ROW
+from narrows.codegen.free_motion import OPEN, Outline
 from narrows.codegen.run import NOWHERE, WaterTable
-from narrows.codegen.shapes import OPEN, Outline
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
@@ -83,8 +83,7 @@ def _tabulated(
     waterway: "Waterway", draft: float, step: float, outline: tuple[tuple[float, float], ...]
 ) -> "tuple[WaterwayTable, np.ndarray]":
     """The table of a waterway, and its cells as the engine looks them up."""
-    from narrows.waterway.nearest import least_walls
-    from narrows.waterway.table import tabulate
+    from narrows.waterway.table import least_walls, tabulate
 
     known = _TABLES.setdefault(waterway.line, {})
     key = (draft, step, outline, waterway.level, id(waterway.starboard), id(waterway.port), id(waterway.depths))

@@ -2,12 +2,20 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS
 from narrows.errors import InputError, did_you_mean
+from narrows.model.model import Model
+from narrows.model.squat import choke_speed
+from narrows.quantities.names import GRAVITY
+from narrows.ship.actuators import places_of
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
+from narrows.simulation.inputs import INPUTS as PUSHED
+from narrows.simulation.inputs import START
 from narrows.simulation.march import March, near_the_bank
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
@@ -16,6 +24,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 POSE = ("x", "y", "psi", "u", "v", "r")
+
 # The shortest step [s], to see whether one can be taken: in none at all what moves without a limit would go 0 times
 # infinity.
 INSTANT = math.ulp(0.0)
@@ -97,3 +106,66 @@ def _check_afloat(march: March, start: tuple[float, ...]) -> None:
     if not all(map(math.isfinite, march.stepped(start, INSTANT)[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
+
+
+# What plays a part in a voyage: what would change nothing is refused, for whoever gives it means something by it.
+OF_THE_HULL = ("length", "beam", "width")
+
+# What a Coriolis force asks for.
+OF_THE_BODY = ("mass", "inertia", "x_g")
+
+# What changes nothing where it is 0, whatever the model.
+NOTHING_AT_REST = ("X", "rudder", "heave")
+
+
+def check_felt(ship: SimulatedShip, asked: Mapping[str, Any]) -> None:
+    """Raise where something is given that changes nothing."""
+    terms = ship.model.terms
+    felt = {*START, *PUSHED, *terms.inputs, *terms.names, *OF_THE_HULL, *places_of(terms.actuators)}
+    felt |= {actuator.name for actuator in terms.actuators} | (set(OF_THE_BODY) if ship.coriolis else set())
+    felt -= {"X"} if ship.surge == "held" else set()
+    for name, value in asked.items():
+        if name not in felt and not (name in NOTHING_AT_REST and not np.any(value)):
+            remedy = "give surge='free', or leave it out" if name == "X" else "leave it out"
+            why = "the speed is held" if name == "X" else "no term of this model feels it"
+            raise InputError(f"{name} changes nothing here: {why}; {remedy}")
+
+
+# What a voyage takes where nothing is said: a speed, a time, a step and offsets that suit the size of the ship.
+# Of the speed, over the ship's length.
+FROUDE = 0.16
+
+# Of the speed that chokes the canal, which is not passed.
+OF_CHOKING = 0.7
+
+# Ship lengths of a voyage, and steps in each.
+LENGTHS, STEPS_A_LENGTH = 15.0, 200.0
+
+# Of the way from the middle to where the side of the hull meets a bank.
+ASIDE = 0.78
+
+
+class UsualVoyage(NamedTuple):
+    """What suits a ship."""
+
+    speed: float  # Within what the tests covered, and below choking [m/s]
+    duration: float  # Of fifteen ship lengths [s]
+    dt: float  # Of a two hundredth of a ship length [s]
+    offset: float  # Farthest off the middle where a map starts [m]
+
+
+def usual_voyage(model: Model, speed: float | None = None) -> UsualVoyage:
+    """Return what suits the ship of a model in its canal, each to two digits."""
+    # speed [m/s]
+    ship, canal = model.configuration.ship, model.configuration.canal
+    u = _speed(model) if speed is None else abs(speed) or _speed(model)
+    pace = ship.length / u
+    offset = max(canal.width - ship.beam, 0.0) / 2 * ASIDE
+    return UsualVoyage(*(float(f"{value:.2g}") for value in (u, LENGTHS * pace, pace / STEPS_A_LENGTH, offset)))
+
+
+def _speed(model: Model) -> float:
+    ship, known = model.configuration.ship, model.data_range.speed
+    low, high = known or (0.0, math.inf)
+    most = OF_CHOKING * choke_speed(model.configuration) if model.configuration.canal.depth else math.inf
+    return min(max(FROUDE * math.sqrt(GRAVITY * ship.length), low), high, most)

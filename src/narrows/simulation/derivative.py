@@ -2,17 +2,24 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.codegen.free_motion import INPUTS, STATE, Surge
+from narrows.codegen.free_motion import INPUTS as PUSHES
+from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
+from narrows.results import Shown
 from narrows.simulation.departure import POSE, check_positions, departure
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 OF_SHIP = ("surge", "surge_inertia", "coriolis")
 
@@ -115,3 +122,119 @@ def state_of(state: Any) -> dict[str, Number]:
     if np.ndim(state) == 0 or len(state) != len(POSE):
         raise InputError(f"state = {shown(state)} is not {', '.join(POSE)}; give these six, or some of them by name")
     return dict(zip(POSE, state, strict=True))
+
+
+# The motion about a state as matrices with names: what control and stability start from.
+@dataclass(frozen=True, repr=False, eq=False)
+class Jacobian(Shown):
+    """Derivatives of the rates of x, y, psi, u, v, r at a state, exact.
+
+    Parameters
+    ----------
+    A : array (6, 6)
+        By the state: SI units of rate over state.
+    B : array (6, inputs)
+        By the inputs: forces from outside X, Y [N], N [N m] and positions of actuators.
+    G : array (6, coefficients)
+        By the coefficients of the model.
+    states, inputs, coefficients : tuple of str
+        What rows and columns stand for.
+    state : mapping of str to float
+        Where: x, y [m], psi [rad], u, v [m/s], r [rad/s].
+    notes : tuple of str
+        What is open of the banks.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    G: np.ndarray
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    coefficients: tuple[str, ...]
+    state: dict[str, Number]
+    notes: tuple[str, ...]
+
+    def poles(self) -> np.ndarray:
+        """Return the eigenvalues of A [1/s], the most unstable first."""
+        found = np.linalg.eigvals(self.A)
+        return np.asarray(found[np.argsort(-found.real, kind="stable")])
+
+    def summary(self) -> str:
+        """Say where, and how fast what is off grows or dies out."""
+        where = ", ".join(f"{name} = {float(value):.3g}" for name, value in self.state.items() if value)
+        return f"Motion about {where or 'rest'}: the largest growth rate is {self.poles()[0].real:.3g} 1/s."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the matrices and their names."""
+        poles = [[float(pole.real), float(pole.imag)] for pole in self.poles()]
+        names = {name: getattr(self, name) for name in ("state", "states", "inputs", "coefficients", "A", "B", "G")}
+        return {**names, "poles": poles, "summary": self.summary(), "notes": list(self.notes)}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give A and B side by side: a row a rate, a column a state or an input."""
+        import pandas as pd
+
+        rows = pd.Index([f"d{name}/dt" for name in self.states], name="rate")
+        return pd.DataFrame(np.hstack([self.A, self.B]), index=rows, columns=[*self.states, *self.inputs])
+
+
+def jacobian(
+    model: Model, y: float = 0.0, u: float = 1.0, *, x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
+    X: float = 0.0, Y: float = 0.0, N: float = 0.0, surge: Surge = "held", surge_inertia: float | None = None,
+    coriolis: bool = False, **positions: float,
+) -> Jacobian:  # fmt: skip
+    """Differentiate the motion of the free ship at a state, exactly.
+
+    Small changes of state, inputs and coefficients change the rates by A, B and G times them.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    y : float [m]
+        Midship to starboard of the centreline.
+    u : float [m/s]
+        Surge velocity.
+    x : float [m]
+        Along the canal.
+    psi : float [rad]
+        Heading.
+    v : float [m/s]
+        Sway velocity.
+    r : float [rad/s]
+        Yaw rate.
+    X, Y : float [N]
+        Surge and sway force from elsewhere.
+    N : float [N m]
+        Yaw moment from elsewhere.
+    surge : str
+        ``held``: the speed stays; ``free``: it changes.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+    coriolis : bool
+        Add the rigid body's Coriolis force.
+    **positions : float
+        Of actuators, by their names: rudder [rad], revolutions [1/s]; at rest unless given.
+
+    Returns
+    -------
+    Jacobian
+        With ``A``, ``B``, ``G`` and what their rows and columns stand for.
+
+    Raises
+    ------
+    InputError
+        Where a number is not finite, or an actuator is unknown.
+    """
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis)
+    check_positions(positions, ship)
+    state = state_of((x, y, psi, u, v, r))
+    numbers = finite_numbers(**state, X=X, Y=Y, N=N, **positions)
+    pushes = {PUSHES[force]: numbers[force] for force in FORCES}
+    values = {**ship.values(**positions), **pushes}
+    linear = ship.linearisation(values)
+    at = {**state, **pushes, **{own.name: values.get(own.name, 0.0) for own in ship.actuators}}
+    matrix = linear.linear(at)
+    a, b = matrix[:, : len(LINEARISED)], matrix[:, len(LINEARISED) :]
+    inputs = (*FORCES, *(own.name for own in ship.actuators))
+    return Jacobian(a, b, linear.coefficients(at), LINEARISED, inputs, linear.names, state, model.bank_notes)

@@ -8,29 +8,41 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
+from narrows.quantities.names import Number
 from narrows.ship.checks import LARGEST
 
 # State at the start, and what it is unless said otherwise.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
+
 # Constant surge force, sway force and yaw moment.
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
+
 # Sinkage and rudder angle, held through a voyage.
 STEADY = {"heave": 0.0, "rudder": 0.0}
+
 # What of the hull meets a bank, where it is no outline.
 Contact = Literal["corners", "midship", "none"]
+
 # Of a lane.
 Precision = Literal["float64", "float32"]
+
 # A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first.
 Schedule = float | Sequence[Sequence[float]]
+
 # Steps of a voyage, which keeps each of them.
 MOST_ROWS = 5_000_000
+
 # Steps of each voyage of an ensemble, which keeps only its end.
 MOST_STEPS = 1_000_000_000
+
 # What a step takes at best [s].
 STEP_TIME = 1e-8
+
 MOST_WORKERS = 4096
+
 # Of an outline, which is a part of the program.
 MOST_POINTS = 1000
+
 # Voyages of an ensemble, some 60 bytes each.
 MOST_IN_MEMORY, MOST_STORED = 100_000_000, 100_000_000_000
 
@@ -179,3 +191,11 @@ def check_vessels(vessels: int, stored: bool) -> None:
         )
     if vessels > MOST_STORED:
         raise InputError(f"{vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
+
+
+# A heading from its cosine and sine, whole turns counted.
+def counted_heading(cosine: Number, sine: Number, near: Number) -> np.ndarray:
+    """Return the angle of a cosine and a sine that is nearest to another [rad]."""
+    # near [rad]
+    angle = np.arctan2(sine, cosine)
+    return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

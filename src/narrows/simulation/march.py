@@ -7,18 +7,21 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from narrows.codegen.choices import LENGTH, SHARE, Choices
+from narrows.codegen.free_motion import MIDSHIP, OPEN
 from narrows.codegen.kernels import event
-from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.steering import PARAMETER
 
 # What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
+
 # How near to contact the end is placed [m].
 CONTACT_TOLERANCE = 1e-9
+
 # Of the width: a hull that runs away so near a bank has met it, for at midship the suction ends infinite.
 NEAR_THE_BANK = 1e-3
+
 # What arithmetic of floats raises where a compiled one gives infinity or no number.
 WRONG = (ZeroDivisionError, OverflowError, ValueError)
 
@@ -202,3 +205,28 @@ def near_the_bank(values: Mapping[str, Any]) -> float:
     """Return how near a bank a motion that runs away has met it [m]."""
     # values [m]
     return NEAR_THE_BANK * float(values["width"])
+
+
+# Whether a time step was short enough: what one step errs by, told by two halves of it.
+# Steps of a voyage that are taken again.
+SAMPLES = 16
+
+# What a step of order 4 errs by, over its difference from two halves.
+ORDER_4 = 16 / 15
+
+
+def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
+    """Estimate how far off a voyage's track is at its end for the length of its time step [m]."""
+    # dt [s]
+    # The error of a step is that of a few, taken again in two halves with the rudder held; steps add up, and what the
+    # motion itself makes of an error is left out.
+    march.set(rudder_rate=0.0, revolutions_rate=0.0)
+    whole = [row.state for row in rows[:-1] if row.ahead == dt]
+    errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // SAMPLES)]]
+    return (rows[-1].t - rows[0].t) / dt * sum(errors) / max(len(errors), 1)
+
+
+def _step_error(march: March, state: tuple[float, ...], dt: float) -> float:
+    whole = march.stepped(state, dt)[0]
+    halves = march.stepped(march.stepped(state, dt / 2)[0], dt / 2)[0]
+    return ORDER_4 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])

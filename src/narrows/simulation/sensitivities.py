@@ -1,15 +1,28 @@
 """How a voyage moves with its start, its coefficients and its inputs: the exact tangent of every step that it took."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.codegen.choices import COUNTED, LENGTH
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.lines import FUNCTIONS
+from narrows.codegen.system import System
+from narrows.codegen.tape import tape_of
+from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import Shown
-from narrows.simulation.tangent_march import TangentMarch
+from narrows.simulation.departure import departure
+from narrows.simulation.inputs import INPUTS as PUSHED
+from narrows.simulation.inputs import START, finite_numbers, stretches
+from narrows.simulation.march import March
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import MEMORY, PARAMETER, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
@@ -164,3 +177,200 @@ def sensitivities(
     sailed = simulate(model, y, u, duration, dt, **voyage)
     march = TangentMarch.of(model, names, {"y": y, "u": u, **voyage})
     return Sensitivities(sailed, names, march.slopes(sailed.t), march.values, model)
+
+
+# A voyage sailed again with its tangent: which input of the lines moves with what is asked for.
+OPTIONS = ("surge", "surge_inertia", "coriolis", "contact")
+
+PUSH_MARGIN = 1e-9
+
+
+@dataclass(frozen=True)
+class TangentMarch:
+    """A march, and the slopes of its start and of its inputs."""
+
+    ship: SimulatedShip  # The ship
+    steering: Steering | None  # What gives orders
+    march: March  # Every number that its lines ask for
+    start: tuple[float, ...]  # The state that it begins in
+    numbers: Mapping[str, float]  # Pose, velocities and positions of actuators at the start
+    schedules: Mapping[str, Any]  # X, Y and N from elsewhere
+    by: tuple[str, ...]  # What is differentiated by
+    waterway: bool  # Whether the section of the water changes
+
+    @classmethod
+    def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentMarch":
+        """Return the march of a voyage."""
+        rest = dict(voyage)
+        ship = SimulatedShip(model, **{name: rest.pop(name) for name in OPTIONS if name in rest})
+        steering, waterway = steering_of(rest.pop("controller", None), ship.actuators), rest.pop("waterway", None)
+        if steering and steering.asked:
+            raise InputError(
+                f"a {type(steering.asked).__name__} cannot be differentiated; write it as a law in arithmetic (with "
+                "`parameters`, `memory` and `orders`)"
+            )
+        schedules = {name: rest.pop(name, 0.0) for name in PUSHED}
+        numbers = {**START, "rudder": 0.0, **finite_numbers(**rest)}
+        pushed = any(name in by or np.any(schedule) for name, schedule in schedules.items())
+        march, start = departure(ship, steering, numbers, waterway, pushed)
+        return cls(ship, steering, march, start, numbers, schedules, tuple(by), waterway is not None)._checked()
+
+    def _checked(self) -> "TangentMarch":
+        for name in self.by:
+            if name not in self.values:
+                raise InputError(f"a voyage has no {name!r} to differentiate by{did_you_mean(name, list(self.values))}")
+        if len(set(self.by)) < len(self.by):
+            raise InputError("a name to differentiate by stands twice; give each once")
+        return self
+
+    @cached_property
+    def _ship_values(self) -> dict[str, Any]:
+        positions = {name: value for name, value in self.numbers.items() if name not in START}
+        return self.ship.values(**positions)
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """Everything that can be differentiated by, and what it is."""
+        parameters = self._system.parameters
+        particulars = {name: self._ship_values[name] for name in parameters if name in self._particulars}
+        law = self.steering.parameters if self.steering else {}
+        return {
+            **{name: self.numbers[name] for name in START},
+            **{actuator.name: self._position(actuator.name) for actuator in self.ship.actuators},
+            **{name: float(value) for name, value in particulars.items() if value is not None},
+            **self.ship.model.coefficients,
+            **{name: float(np.mean(_values(self.schedules[name]))) for name in PUSHED},
+            **({"current": float(self.march.inputs["current"])} if self.waterway else {}),
+            **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
+        }
+
+    @property
+    def _schedules(self) -> tuple[Any, Any, Any]:
+        surge, sway, yaw = (self.schedules[name] for name in PUSHED)
+        return surge, sway, yaw
+
+    @cached_property
+    def _particulars(self) -> tuple[str, ...]:
+        return tuple(self.ship.model.configuration.values())
+
+    @cached_property
+    def _system(self) -> System:
+        choices = self.march.choices
+        return self.ship.system(choices.waterway, choices.law, choices.pushed)
+
+    def _position(self, name: str) -> float:
+        kept = self.march.choices.kept
+        return self.start[kept.index(name)] if name in kept else float(self._ship_values.get(name) or 0.0)
+
+    def _unit(self, name: str) -> np.ndarray:
+        return np.array([float(name == other) for other in self.by])
+
+    def start_slopes(self) -> np.ndarray:
+        """Return the slopes of what is kept at the start, (kept, by)."""
+        cosine, sine = math.cos(self.numbers["psi"]), math.sin(self.numbers["psi"])
+        turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: 1.0}
+        slopes = {name: self._unit(name) for name in self.march.choices.kept}
+        slopes |= {name: factor * self._unit("psi") for name, factor in turned.items()}
+        slopes |= self._memory_slopes(slopes)
+        return np.array([slopes[name] for name in self.march.choices.kept])
+
+    def _memory_slopes(self, slopes: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """What a law keeps may begin with what the state is."""
+        law = self.march.choices.law
+        if self.steering is None or law is None or not law.memory:
+            return {}
+        import sympy
+
+        controller, names = self.steering.controller, (*STATE, *(actuator.name for actuator in self.ship.actuators))
+        tape = tape_of(
+            lambda at: controller.memory({name: getattr(at, name) for name in names}),
+            dict(zip(names, names, strict=True)),
+            "what a control law keeps",
+        )
+        begun = dict(zip(self.march.choices.kept, self.start, strict=True))
+        symbols = {name: sympy.Symbol(name, real=True) for name in tape.inputs}
+        here = {symbol: begun.get(name, 0.0) for name, symbol in symbols.items()}
+        none = np.zeros(len(self.by))
+
+        def moved(value: Any) -> np.ndarray:
+            along = (float(value.diff(symbol).subs(here)) * slopes.get(name, none) for name, symbol in symbols.items())
+            return sum(along, none)
+
+        kept = tape.replay(symbols, sympy.Float, FUNCTIONS)
+        return {MEMORY(name): moved(sympy.sympify(value)) for name, value in kept.items()}
+
+    def input_slopes(self) -> dict[str, np.ndarray]:
+        """Return the slopes of the inputs of the lines that move, by name, each (by,)."""
+        parameters = {name: self._unit(name) for name in self.by}
+        for actuator in self.ship.actuators:
+            if actuator.angle and actuator.name not in self.march.choices.kept:
+                angle = self._position(actuator.name)
+                parameters[f"cos_{actuator.name}"] = -math.sin(angle) * self._unit(actuator.name)
+                parameters[f"sin_{actuator.name}"] = math.cos(angle) * self._unit(actuator.name)
+        constants = self._system.constants_slopes(self._ship_values, parameters)
+        law = {PARAMETER(name): self._unit(name) for name in self.by}
+        pushes = {INPUTS[name]: self._unit(name) for name in PUSHED}
+        moving = {**constants, **parameters, **law, **pushes}
+        return {name: np.broadcast_to(slope, len(self.by)) for name, slope in moving.items() if np.any(slope)}
+
+    def slopes(self, times: np.ndarray) -> np.ndarray:
+        """Return the derivatives of x, y, psi, u, v, r at the times of the voyage, (times, 6, by)."""
+        # times (times,) [s]
+        kept, slopes = self._marched(np.asarray(times, float))
+        names = self.march.choices.kept
+        column = {name: slopes[:, i] for i, name in enumerate(names)}
+        state = dict(zip(names, kept.T, strict=True))
+        turned = state["cos_psi"][:, None] * column["sin_psi"] - state["sin_psi"][:, None] * column["cos_psi"]
+        return np.stack([column["x"], column["y"], turned, *(column[name] for name in ("u", "v", "r"))], axis=1)
+
+    def _marched(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        pushed = dict(zip(INPUTS.values(), self._pushes(times).T, strict=True))
+        whole = np.array([0, len(times) - 1])
+        return self.segments(np.array([self.start]), self.start_slopes()[None], whole, pushed, np.diff(times))
+
+    def segments(
+        self, starts: np.ndarray, start_slopes: np.ndarray, first: np.ndarray, orders: Mapping[str, np.ndarray],
+        lengths: np.ndarray, **others: float,
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        """Sail from several starts in one call; return what is kept, and its slopes, at each sample of each."""
+        # starts (segments, kept); start_slopes (segments, kept, by); first (segments + 1,); lengths (steps,) [s]
+        moving, module = self._input_slopes, self._module
+        inputs = {LENGTH: 0.0, **self.march.inputs, **others}
+        values = np.array([float(inputs[name]) for name in module.INPUTS])
+        along = np.array([moving.get(name, np.zeros(len(self.by))) for name in module.INPUTS[: module.MOVING]])
+        known = [name for name in module.INPUTS if name in orders]
+        places = np.array([module.INPUTS.index(name) for name in known], np.int64)
+        changing = np.array([orders[name] for name in known], float).reshape(len(known), len(lengths))
+        count, by = len(lengths) + len(starts), len(self.by)
+        states, slopes = np.empty((count, module.KEPT)), np.empty((count, module.KEPT, by))
+        module.march(
+            np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
+            values, along.reshape(module.MOVING, by), places, np.ascontiguousarray(changing.T), lengths, 1,
+            self.march.channel.water.table, states, slopes,
+        )  # fmt: skip
+        return states, slopes
+
+    @cached_property
+    def _input_slopes(self) -> dict[str, np.ndarray]:
+        return self.input_slopes()
+
+    @cached_property
+    def _module(self) -> ModuleType:
+        return self._system.tangent(tuple(filter(self._may_move, self._system.scalar.STEP_INPUTS)))
+
+    def _may_move(self, name: str) -> bool:
+        """Whether an input of the lines can have a slope: all that can have one, so that few modules are ever made."""
+        law = self.steering.parameters if self.steering else {}
+        constants = self._system.scalar.CONSTANTS
+        return name in (*constants, *law, *INPUTS.values(), *self._particulars, "current")
+
+    def _pushes(self, times: np.ndarray) -> np.ndarray:
+        """X, Y and N from elsewhere in each step, (steps, 3)."""
+        pieces = stretches(*self._schedules, float(times[-1]) or 1.0)
+        begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + PUSH_MARGIN, side="right") - 1
+        return np.array([pieces[i].forces for i in begun]).reshape(-1, len(PUSHED))
+
+
+def _values(schedule: Any) -> np.ndarray:
+    values = np.asarray(schedule, float)
+    return values if values.ndim == 0 else values[:, 1]

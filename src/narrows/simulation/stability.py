@@ -9,7 +9,7 @@ from narrows.codegen.free_motion import INPUTS as PUSHES
 from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
-from narrows.simulation.felt import check_felt
+from narrows.simulation.departure import check_felt
 from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.ship import SimulatedShip

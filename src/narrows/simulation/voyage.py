@@ -7,20 +7,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.choices import COUNTED
-from narrows.codegen.free_motion import INPUTS, STATE, Surge
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, Surge
 from narrows.codegen.kernels import event
-from narrows.codegen.shapes import MIDSHIP, OPEN
 from narrows.errors import InputError, check_choice
+from narrows.model.data_range import MEASURES, DataRange
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.results import Tabulated
-from narrows.ship.actuator import Actuator
+from narrows.ship.actuators import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
-from narrows.simulation.departure import check_positions, departure
-from narrows.simulation.felt import check_felt
-from narrows.simulation.heading import counted_heading
+from narrows.simulation.departure import check_felt, check_positions, departure
 from narrows.simulation.inputs import (
     MOST_ROWS,
     Contact,
@@ -28,16 +26,14 @@ from narrows.simulation.inputs import (
     check_steps,
     check_times,
     check_waterway,
+    counted_heading,
     finite_numbers,
     stretches,
 )
-from narrows.simulation.march import March, Row
-from narrows.simulation.outcome import Outcome
+from narrows.simulation.march import March, Row, track_error
+from narrows.simulation.outcome import Outcome, Track
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
-from narrows.simulation.step_error import track_error
-from narrows.simulation.track import Track
-from narrows.simulation.validity import beyond_envelope
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,9 +43,12 @@ if TYPE_CHECKING:
 
 # Of a voyage [s] where nothing is said of it.
 LONGEST = 60.0
+
 # Of the beam, by which a track may be off without a word.
 COARSE = 0.02
+
 COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
+
 # A room that counts as closed [m].
 CONTACT = 1e-6
 
@@ -183,7 +182,7 @@ class Voyage(Tabulated):
                 "a track on the map needs a waterway that knows where on earth it is (--waterway canal.geojson); "
                 "sail in one, or save the voyage as .csv or .nc"
             )
-        from narrows.waterway.projection import unprojected
+        from narrows.waterway.centreline import unprojected
 
         positions, heading = self.waterway.to_map(self.x, self.y, self.psi)
         longitude, latitude = unprojected(positions, np.array(self.waterway.origin)).T
@@ -350,3 +349,25 @@ class _Log:
         if not error > COARSE * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)
+
+
+# Where a voyage leaves what the model's data covered.
+def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
+    """Say in what a voyage went beyond the data of its model."""
+    seen = {
+        "speed": columns["u"],
+        "abs_y": np.abs(columns["y"]),
+        "abs_psi": np.abs(columns["psi"]),
+        "abs_r": np.abs(columns["r"]),
+    }
+    sentences = [_sentence(name, known, seen[name], columns["t"]) for name in seen]
+    return tuple(sentence for sentence in sentences if sentence)
+
+
+def _sentence(name: str, known: DataRange, values: np.ndarray, t: np.ndarray) -> str:
+    outside = known.outside(name, values)
+    if not outside.any():
+        return ""
+    measure, first = MEASURES[name], int(np.argmax(outside))
+    there, covered = measure.shown(values[first], values[first]), measure.shown(*getattr(known, name))
+    return f"From {t[first]:.2f} s its {measure.words} of {there} is outside the data ({covered})."

@@ -9,10 +9,9 @@ from narrows.physics.bank import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
 from narrows.results import Described
-from narrows.terms.about import ScaleEffect, TermKind
 from narrows.terms.helm import WITH_HELM
 from narrows.terms.regressors import Composed
-from narrows.terms.term import LETTERS, Term, TermTable
+from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
 
 # What the name of a table says where it has no terms of the bank.
 OPEN_WATER = "open_water"

@@ -6,8 +6,7 @@ from narrows.errors import InputError
 from narrows.physics import rudder
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
-from narrows.terms.about import TermKind
-from narrows.terms.term import NONNEGATIVE, Term, TermTable
+from narrows.terms.term import NONNEGATIVE, Term, TermKind, TermTable
 
 # What the name of a table says where it has the terms of a rudder.
 WITH_HELM = "helm"

@@ -1,23 +1,194 @@
 """The tables of terms that come with the package, by name: a base, a form of its bank term, a rudder."""
 
+from collections.abc import Callable
 from functools import cache
 
 from narrows.errors import InputError, did_you_mean
-from narrows.terms.bank_forms import FORMS, OPEN_WATER, with_bank, without_bank
-from narrows.terms.canal_tables import CROSSFLOW, MIXED, PAPER, SPEED
+from narrows.physics import damping, hull, inertia, propeller, rudder
+from narrows.physics.hull import HullPower
+from narrows.physics.propeller import PropellerQuantities
+from narrows.physics.rudder import RudderQuantities
+from narrows.quantities import dimensions as dim
+from narrows.quantities.dimensions import NUMBER
+from narrows.quantities.names import Number
+from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
 from narrows.terms.helm import WITH_HELM, with_helm
-from narrows.terms.mmg import MMG
 from narrows.terms.pooled import AT, pooled
-from narrows.terms.term import TermTable
+from narrows.terms.regressors import Grouped
+from narrows.terms.term import (
+    DRIFT_FORCE,
+    DRIFT_MOMENT,
+    FREE,
+    NONNEGATIVE,
+    YAW_MOMENT,
+    ScaleEffect,
+    Term,
+    TermKind,
+    TermTable,
+)
 
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
 
+# The paper's table of terms, and those of the hull that data have asked for beside it.
+USUAL = "the usual 3-DOF models, as in Fossen (2011), section 6.5"
+
+INERTIA, RESISTANCE, DAMPING, LIFT, CROSS = (
+    TermKind.INERTIA, TermKind.RESISTANCE, TermKind.DAMPING, TermKind.LIFT, TermKind.CROSSFLOW,
+)  # fmt: skip
+
+FRICTION, DRAG, TEST_SPEED = ScaleEffect.FRICTION, ScaleEffect.CROSSFLOW_DRAG, ScaleEffect.TEST_SPEED
+
+SURGE = (
+    Term("a_udot", r"a_{\dot u}", inertia.surge_inertia, dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),
+    Term("a_u", r"a_u", damping.linear_surge, dim.KG_PER_S, NONNEGATIVE, RESISTANCE, PAPER_TEXT),
+    Term("a_uu", r"a_{|u|u}", damping.quadratic_surge, dim.KG_PER_M, NONNEGATIVE, RESISTANCE, PAPER_TEXT,
+         scale_effect=FRICTION),
+)  # fmt: skip
+
+SWAY = (
+    Term("b_vdot", r"b_{\dot v}", inertia.sway_inertia, dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),
+    Term("b_rdot", r"b_{\dot r}", inertia.yaw_inertia, dim.KG_M, FREE, INERTIA, PAPER_TEXT),
+    Term("b_v", r"b_v", damping.linear_sway, dim.KG_PER_S, NONNEGATIVE, DAMPING, PAPER_TEXT, DRIFT_FORCE, TEST_SPEED),
+    Term("b_r", r"b_r", damping.linear_yaw, dim.KG_M_PER_S, FREE, DAMPING, PAPER_TEXT, scale_effect=TEST_SPEED),
+    Term("b_vv", r"b_{|v|v}", damping.quadratic_sway, dim.KG_PER_M, NONNEGATIVE, DAMPING, PAPER_TEXT,
+         scale_effect=DRAG),
+    Term("b_rr", r"b_{|r|r}", damping.quadratic_yaw, dim.KG_M, FREE, DAMPING, PAPER_TEXT),
+    *FORMS["delta"].sway,
+)  # fmt: skip
+
+YAW = (
+    Term("c_vdot", r"c_{\dot v}", inertia.sway_inertia, dim.KG_M, FREE, INERTIA, PAPER_TEXT),
+    Term("c_rdot", r"c_{\dot r}", inertia.yaw_inertia, dim.KG_M2, NONNEGATIVE, INERTIA, PAPER_TEXT),
+    Term("c_v", r"c_v", damping.linear_sway, dim.KG_M_PER_S, FREE, DAMPING, PAPER_TEXT, DRIFT_MOMENT, TEST_SPEED),
+    Term("c_r", r"c_r", damping.linear_yaw, dim.KG_M2_PER_S, NONNEGATIVE, DAMPING, PAPER_TEXT, YAW_MOMENT, TEST_SPEED),
+    Term("c_vv", r"c_{|v|v}", damping.quadratic_sway, dim.KG, FREE, DAMPING, PAPER_TEXT, scale_effect=DRAG),
+    Term("c_rr", r"c_{|r|r}", damping.quadratic_yaw, dim.KG_M2, NONNEGATIVE, DAMPING, PAPER_TEXT),
+    *FORMS["delta"].yaw,
+)
+
+# The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
+# they are masses and inertias, so the table has them.
+# The terms of Mikkelsen et al. (2025).
+PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
+
+# The paper's terms and, beside its linear damping, the parts that grow with the speed: u v and u r.
+MIXED = PAPER.with_terms(
+    "mixed",
+    sway=[
+        Term("b_uv", r"b_{uv}", damping.sway_lift, dim.KG_PER_M, FREE, LIFT, USUAL, DRIFT_FORCE),
+        Term("b_ur", r"b_{ur}", damping.yaw_lift, dim.KG, FREE, LIFT, USUAL),
+    ],
+    yaw=[
+        Term("c_uv", r"c_{uv}", damping.sway_lift, dim.KG, FREE, LIFT, USUAL, DRIFT_MOMENT),
+        Term("c_ur", r"c_{ur}", damping.yaw_lift, dim.KG_M, FREE, LIFT, USUAL, YAW_MOMENT),
+    ],
+)
+
+# The paper's terms with u v and u r in place of v and r: at one speed the same, at several the hull's lift.
+SPEED = MIXED.without("speed", lambda term: term.scale_effect is TEST_SPEED)
+
+# Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge.
+CROSSFLOW = SPEED.with_terms(
+    "crossflow",
+    surge=[
+        Term("a_vv", r"a_{vv}", damping.sway_squared, dim.KG_PER_M, FREE, LIFT, USUAL),
+        Term("a_vr", r"a_{vr}", damping.sway_yaw, dim.KG, FREE, LIFT, USUAL),
+        Term("a_rr", r"a_{rr}", damping.yaw_squared, dim.KG_M, FREE, LIFT, USUAL),
+    ],
+    sway=[
+        Term("b_vr", r"b_{|v|r}", damping.yaw_in_crossflow, dim.KG, FREE, CROSS, USUAL),
+        Term("b_rv", r"b_{|r|v}", damping.sway_in_crossflow, dim.KG, FREE, CROSS, USUAL),
+    ],
+    yaw=[
+        Term("c_vr", r"c_{|v|r}", damping.yaw_in_crossflow, dim.KG_M, FREE, CROSS, USUAL),
+        Term("c_rv", r"c_{|r|v}", damping.sway_in_crossflow, dim.KG_M, FREE, CROSS, USUAL),
+    ],
+)
+
 # The terms of ``crossflow`` and a rudder.
 STEERED = with_helm(CROSSFLOW, "steered")
+
 # The tables of a hull without a rudder, with the paper's bank term.
 BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
+
+# The MMG standard method as a table of terms.
+SOURCE = "Yasukawa and Yoshimura (2015)"
+
+LETTERS = ("X", "Y", "N")
+
+SURGE_POWERS = (("vv", (2, 0)), ("vr", (1, 1)), ("rr", (0, 2)), ("vvvv", (4, 0)))
+
+# Powers of v' and r' in the hull's forces.
+TURNING_POWERS = (
+    ("v", (1, 0)), ("r", (0, 1)), ("vvv", (3, 0)), ("vvr", (2, 1)), ("vrr", (1, 2)), ("rrr", (0, 3)),
+)  # fmt: skip
+
+# The powers of what a bluff section drags.
+CROSSFLOW_DRAG = (3, 0)
+
+# Of the derivatives that are known to grow as the water gets shallow.
+DEPTH_LAWS = {"Y_v": DRIFT_FORCE, "N_v": DRIFT_MOMENT, "N_r": YAW_MOMENT}
+
+WAKE = ScaleEffect.WAKE
+
+
+def _mass(name: str, symbol: str, regressor: Callable[..., Number]) -> Term:
+    return Term(name, symbol, regressor, NUMBER, NONNEGATIVE, TermKind.INERTIA, SOURCE)
+
+
+def _polynomial(letter: str, powers: tuple[tuple[str, tuple[int, int]], ...], lever: int = 0) -> tuple[Term, ...]:
+    return tuple(
+        Term(
+            f"{letter}_{word}", f"{letter}_{{{word}}}'", HullPower(*exponents, lever=lever), NUMBER, FREE,
+            TermKind.HULL, SOURCE, DEPTH_LAWS.get(f"{letter}_{word}"),
+            scale_effect=ScaleEffect.CROSSFLOW_DRAG if exponents == CROSSFLOW_DRAG else None,
+        )
+        for word, exponents in powers
+    )  # fmt: skip
+
+
+def _rudder(name: str, symbol: str, force: Callable[[RudderQuantities], Number]) -> Term:
+    regressor = Grouped(force, RudderQuantities)
+    return Term(name, symbol, regressor, NUMBER, NONNEGATIVE, TermKind.RUDDER, SOURCE, scale_effect=WAKE)
+
+
+THRUST = Grouped(propeller.thrust, PropellerQuantities)
+
+# The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its slipstream.
+MMG = TermTable(
+    "mmg",
+    surge=(
+        _mass("X_mass", r"m", hull.rigid_surge),
+        _mass("X_mx", r"m_x'", hull.added_surge),
+        _mass("X_my", r"m_y'", hull.added_sway_turning),
+        Term(
+            "R_0", r"R_0'", HullPower(0, 0, sign=-1), NUMBER, NONNEGATIVE, TermKind.RESISTANCE, SOURCE,
+            scale_effect=ScaleEffect.FRICTION,
+        ),
+        *_polynomial("X", SURGE_POWERS),
+        Term("X_thrust", r"1 - t_P", THRUST, NUMBER, NONNEGATIVE, TermKind.PROPELLER, SOURCE, scale_effect=WAKE),
+        _rudder("X_rudder", r"1 - t_R", rudder.rudder_surge),
+    ),
+    sway=(
+        _mass("Y_mass", r"m", hull.rigid_sway),
+        _mass("Y_my", r"m_y'", hull.added_sway),
+        _mass("Y_mx", r"m_x'", hull.added_surge_turning),
+        *_polynomial("Y", TURNING_POWERS),
+        _rudder("Y_rudder", r"1 + a_H", rudder.rudder_sway),
+    ),
+    yaw=(
+        _mass("N_mass", r"I_z", hull.rigid_yaw),
+        _mass("N_jz", r"J_z'", hull.added_yaw),
+        *_polynomial("N", TURNING_POWERS, lever=1),
+        _rudder("N_rudder", r"-(x_R' + a_H x_H')", rudder.rudder_yaw),
+    ),
+    ties=(("X_mass", "Y_mass"), ("X_mass", "N_mass"), ("X_mx", "Y_mx"), ("X_my", "Y_my")),
+    letters=LETTERS,
+)  # fmt: skip
+
 # The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
+
 # Other names for some of them.
 SHORT = {"tapered": "paper+tapered"}
 

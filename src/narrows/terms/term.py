@@ -3,29 +3,35 @@
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import cached_property
 from keyword import iskeyword
 from typing import TYPE_CHECKING
 
 from narrows.errors import InputError, did_you_mean, shown
+from narrows.physics import shallow
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
 from narrows.results import Described
-from narrows.ship.actuator import Actuator
-from narrows.ship.actuators import PROPELLER, STANDARD
-from narrows.terms.about import DepthLaw, ScaleEffect, TermKind
+from narrows.ship.actuators import PROPELLER, STANDARD, Actuator
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Bound = tuple[float, float]
+
 FREE: Bound = (float("-inf"), float("inf"))
+
 NONNEGATIVE: Bound = (0.0, float("inf"))
+
 # What says where the banks are, and how deep the water is.
 BANKS, DEPTH = "width", "depth"
+
 # Of a coefficient: nothing that Python keeps for itself, and no blank.
 NAME = re.compile(r"(?!__)\S+")
+
 ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
+
 # What a regressor may write instead of functions, by their names.
 INSTEAD = {
     "sin cos tan": "sin_psi and cos_psi (quantities, as y and u are) for sine and cosine of the heading, and "
@@ -37,9 +43,46 @@ INSTEAD = {
     "min max minimum maximum clip where heaviside": "minimum(x, y), maximum(x, y) or clip(x, most)",
     "pow power square": "x ** 2 for a power",
 }
+
 BRANCH = "choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an if"
+
 # What the names of the paper's coefficients begin with, by force.
 LETTERS = ("a", "b", "c")
+
+
+# What is known of a term beside its regressor: what it describes, how it changes with depth, what does not scale.
+class TermKind(StrEnum):
+    """What a term describes."""
+
+    INERTIA = "inertia"
+    RESISTANCE = "resistance"
+    DAMPING = "damping"
+    LIFT = "lift"
+    CROSSFLOW = "crossflow"
+    HULL = "hull polynomial"
+    BANK = "bank"
+    RUDDER = "rudder"
+    PROPELLER = "propeller"
+    THRUSTER = "thruster"
+    OTHER = "other"
+
+
+class ScaleEffect(StrEnum):
+    """What of a coefficient does not follow Froude's law."""
+
+    FRICTION = "friction"
+    CROSSFLOW_DRAG = "drag of crossflow"
+    TEST_SPEED = "speed of the tests"
+    WAKE = "wake at the propeller"
+    BANK_SHAPE = "shape of the banks"
+
+
+@dataclass(frozen=True)
+class DepthLaw:
+    """How a coefficient grows over deep water."""
+
+    factor: Callable[..., Number]  # Of names of the ship's particulars and ``depth``; 1 in deep water
+    verified: bool = True  # Whether it was read in its source
 
 
 @dataclass(frozen=True, repr=False)
@@ -333,3 +376,10 @@ def uncompiled(term: Term, error: Exception) -> InputError:
 
 def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
     return tuple({term.name: term for term in (*old, *new)}.values())
+
+
+DRIFT_FORCE = DepthLaw(shallow.kijima_drift_force)
+
+DRIFT_MOMENT = DepthLaw(shallow.kijima_drift_moment, verified=False)
+
+YAW_MOMENT = DepthLaw(shallow.kijima_yaw_moment)

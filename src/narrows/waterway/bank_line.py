@@ -1,21 +1,80 @@
 """A bank as it is drawn on a map, and how far off it is along the normals of a centreline."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.waterway.centreline import FARTHEST, Centreline
-from narrows.waterway.crossings import with_crossings
-from narrows.waterway.normals import Normals
 
 # Share of the centreline at either end beside which a bank need not be drawn.
 SLACK = 0.01
+
 # Places between two corners at which distances are checked.
 BETWEEN = 8
+
 # Places along a bank at which its side of the line is checked.
 ALONG = 4000
+
+
+@dataclass(frozen=True)
+class Normals:
+    """The normals of a centreline to one side, and a polyline beside it, or several end to end."""
+
+    line: Centreline  # The centreline
+    points: np.ndarray  # (n, 2) East and north of the polyline's points, no two in a row one place [m]
+    sign: int  # 1 for normals to starboard, -1 to port
+    # Pieces between two points that are not drawn, where one polyline ends and the next begins
+    gaps: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+
+    def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
+        """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther."""
+        # s [m]
+        position, ahead = self.line.frame(s)
+        across = self.sign * np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
+        start, stop = self.points[piece] - position, self.points[piece + 1] - position
+        before, after = (start * ahead).sum(axis=-1), (stop * ahead).sum(axis=-1)
+        share = np.clip(before / np.where(before == after, 1.0, before - after), 0, 1)
+        return np.asarray((1 - share) * (start * across).sum(axis=-1) + share * (stop * across).sum(axis=-1))
+
+    def first(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far off the normals at places meet the polyline first [m], and which piece of it."""
+        # s (n,) [m]
+        # Infinite and -1 where they meet none.
+        distance, first = np.full(len(s), np.inf), np.full(len(s), -1)
+        for part in self._parts(len(s)):
+            crossed = np.diff(self._behind(s[part]), axis=1)
+            crossed[:, self.gaps] = False
+            normal, piece = np.nonzero(crossed)
+            met = self.met(s[part][normal], piece)
+            normal, piece, met = normal[met > 0], piece[met > 0], met[met > 0]
+            order = np.lexsort((met, normal))
+            normals, at = np.unique(normal[order], return_index=True)
+            distance[part.start + normals], first[part.start + normals] = met[order][at], piece[order][at]
+        return distance, first
+
+    def corners(self) -> np.ndarray:
+        """Return where normals pass a point of the polyline that they may see, and the line's ends [m]."""
+        # Between two of them the normals meet one and the same piece first, or none.
+        fine, places = self.line.fine, [np.array([0.0, self.line.length])]
+        for part in self._parts(len(fine) - 1):
+            cell, point = np.nonzero(np.diff(self._behind(fine[part.start : part.stop + 1]), axis=0))
+            cell += part.start
+            s, n = self.line.foot((fine[cell] + fine[cell + 1]) / 2, self.points[point])
+            # A bank beyond the centre of a bend is refused: what is there needs no corners.
+            places.append(s[(self.sign * n > 0) & (self.line.curvature(s) * n < 1)])
+        return np.unique(np.clip(np.concatenate(places), 0, self.line.length))
+
+    def _parts(self, count: int) -> Iterator[slice]:
+        many = max(1, AT_ONCE // len(self.points))
+        return (slice(start, min(start + many, count)) for start in range(0, count, many))
+
+    def _behind(self, s: np.ndarray) -> np.ndarray:
+        """Which points are behind the normals at places, (places, points)."""
+        position, ahead = self.line.frame(s)
+        return np.asarray(ahead @ self.points.T <= (position * ahead).sum(axis=1, keepdims=True))
 
 
 @dataclass(frozen=True)
@@ -109,3 +168,44 @@ class BankLine:
         if wrong.any():
             along = float(s[int(wrong.argmax())])
             raise InputError(f"the {self.side} bank crosses the centreline at {along:.0f} m along it; mend it there")
+
+
+# Polylines that cross themselves, as hand-drawn and digitised ones do.
+def with_crossings(points: np.ndarray) -> np.ndarray:
+    """Return the points of a polyline with those between where it crosses itself."""
+    # points (n, 2) [m]
+    one, other = _beside(points)
+    start, way = points[:-1], np.diff(points, axis=0)
+    across = _cross(way[one], way[other])
+    one, other, across = one[across != 0], other[across != 0], across[across != 0]
+    apart = start[other] - start[one]
+    share, share_other = _cross(apart, way[other]) / across, _cross(apart, way[one]) / across
+    inside = (share > 0) & (share < 1) & (share_other > 0) & (share_other < 1) & (np.abs(one - other) > 1)
+    piece, share = np.concatenate([one[inside], other[inside]]), np.concatenate([share[inside], share_other[inside]])
+    order = np.lexsort((share, piece))
+    piece, share = piece[order], share[order]
+    return np.insert(points, piece + 1, start[piece] + share[:, None] * way[piece], axis=0)
+
+
+def _beside(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of pieces that overlap along the longer way of the whole."""
+    column = points[:, int(np.ptp(points, axis=0).argmax())]
+    low, high = np.minimum(column[1:], column[:-1]), np.maximum(column[1:], column[:-1])
+    order = np.argsort(low)
+    low, high, pairs = low[order], high[order], [np.empty((2, 0), int)]
+    for offset in range(1, len(order)):
+        near = np.flatnonzero(low[offset:] <= high[:-offset])
+        if not near.size:
+            break
+        pairs.append(order[np.stack([near, near + offset])])
+    one, other = np.concatenate(pairs, axis=1)
+    return one, other
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+# The normals of a centreline, and where they first meet a polyline on one side of it.
+# Pairs of a normal and a point looked at together.
+AT_ONCE = 4_000_000

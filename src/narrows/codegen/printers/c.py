@@ -1,16 +1,23 @@
 """Lines as C99: numbers of structures unpacked before their first use, then an assignment a line."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import ast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
+import sympy
+
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Program
-from narrows.codegen.printers.python import Arithmetic, statements
+from narrows.codegen.lines import Lines, Program, reads_table, rounds
+from narrows.codegen.printers.lanes import LaneFields
+from narrows.codegen.printers.python import Arithmetic, PlainSource, statements
+from narrows.codegen.printers.translation import Translation
 
 WIDTH, TIED = 108, "\0=\0"
+
 # Functions of <math.h> by what lines and plain functions call them.
 LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
            "floor": "floor", "hypot": "hypot", "cos": "cos", "sin": "sin"}  # fmt: skip
+
 # Words that no number can be called by.
 TAKEN = frozenset({
     "auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern",
@@ -54,3 +61,251 @@ def unpacked(names: Iterable[str], places: Mapping[str, str]) -> list[str]:
     values = ", ".join(f"{c_name(name)} = {places[name]}" for name in names if name != places[name])
     whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration.
     return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []
+
+
+# Plain functions as C99: one static function each.
+TYPES = {
+    "Array": "double *{}",
+    "Book": "double *{}",
+    "Filled": "double *{}",
+    "float": "double {}",
+    "int": "int {}",
+    "bool": "bool {}",
+}
+
+STRUCTURES = {"Inputs": "inputs", "Constants": "constants", "Place": "waterway"}
+
+
+class CTranslation(Translation):
+    """Plain functions in C; a tuple is written to an array that the caller brings."""
+
+    def __init__(self, source: PlainSource, prefix: str) -> None:
+        super().__init__(source)
+        self.prefix = prefix
+
+    def head(self) -> str:
+        """The line that begins the function."""
+        arguments = [text for one in self.parameters() for text in self._declared(one)]
+        if self._size(self.function):
+            arguments.append("double *result")
+        returns = self.function.returns
+        kind = returns.id if isinstance(returns, ast.Name) else "void"
+        text = f"static inline {kind.replace('float', 'double')} {self.prefix}_{self.function.name}"
+        return f"{text}({', '.join(arguments)}) {{"
+
+    def _declared(self, argument: ast.arg) -> Iterator[str]:
+        kind = ast.unparse(argument.annotation) if argument.annotation else ""
+        if kind.startswith("Sequence"):
+            yield f"const double *{argument.arg}"
+            yield f"int {argument.arg}_length"
+        elif kind in STRUCTURES:
+            yield f"const {self.prefix}_{STRUCTURES[kind]} *{argument.arg}"
+        else:
+            constant = "const " if kind == "Array" and argument.arg not in self._written() else ""
+            yield constant + TYPES[kind].format(self.variable(argument.arg))
+
+    def variable(self, name: str) -> str:
+        """A variable or argument by its name."""
+        return name if name in STRUCTURES.values() or name in ("state", "after") else c_name(name)
+
+    def _written(self) -> set[str]:
+        """Arrays that the function writes to, or has written to."""
+        written = {"closeness", "end", "after"}
+        stored = (node for node in ast.walk(self.function) if isinstance(node, ast.Subscript))
+        return written | {
+            node.value.id for node in stored if isinstance(node.ctx, ast.Store) and isinstance(node.value, ast.Name)
+        }
+
+    @staticmethod
+    def _size(function: ast.FunctionDef) -> int:
+        """Numbers of the tuple that a function returns; 0 where it returns none."""
+        returns = function.returns
+        if not isinstance(returns, ast.Subscript):
+            return 0
+        return len(returns.slice.elts) if isinstance(returns.slice, ast.Tuple) else 1
+
+    def declarations(self) -> list[str]:
+        """Every variable of the function, before its first statement."""
+        names = {one.arg for one in self.parameters()}
+        variables = {name: values for name, values in self.assigned().items() if name not in names}
+        whole = self._whole(variables)
+        truths = {name for name, values in variables.items() if all(_is_truth(value) for value in values)}
+        unused = names - {one.id for one in ast.walk(self.function) if isinstance(one, ast.Name)}
+        kinds = {name: "int" if name in whole else "bool" if name in truths else "double" for name in variables}
+        return [f"(void){name};" for name in sorted(unused)] + [
+            f"{kind} {', '.join(own)};"
+            for kind in ("int", "bool", "double")
+            if (own := [name for name in variables if kinds[name] == kind])
+        ]
+
+    def _whole(self, variables: Mapping[str, Sequence[ast.expr | None]]) -> set[str]:
+        """The variables that only ever hold whole numbers."""
+        parameters = {one.arg for one in self.parameters() if one.annotation and ast.unparse(one.annotation) == "int"}
+        whole = set(variables)
+        while True:
+            kept = {
+                n for n in whole if all(value and self._is_whole(value, whole | parameters) for value in variables[n])
+            }
+            if kept == whole:
+                return whole
+            whole = kept
+
+    def _is_whole(self, value: ast.expr, whole: set[str]) -> bool:
+        if isinstance(value, ast.Constant):
+            return isinstance(value.value, int) and not isinstance(value.value, bool)
+        if isinstance(value, ast.Name):
+            known = self.source.constants.get(value.id, 0.0)
+            return value.id in whole or (isinstance(known, int) and not isinstance(known, bool))
+        if isinstance(value, ast.UnaryOp):
+            return self._is_whole(value.operand, whole)
+        if isinstance(value, ast.BinOp):
+            return all(self._is_whole(one, whole) for one in (value.left, value.right))
+        if isinstance(value, ast.IfExp):
+            return all(self._is_whole(one, whole) for one in (value.body, value.orelse))
+        if isinstance(value, ast.Tuple):
+            return all(self._is_whole(one, whole) for one in value.elts)
+        return isinstance(value, ast.Call) and self._gives_whole(value)
+
+    def _gives_whole(self, call: ast.Call) -> bool:
+        name = call.func.id if isinstance(call.func, ast.Name) else ""
+        function = self.source.functions.get(name)
+        returned = function.returns if function else None
+        return name in ("int", "len", "range") or (isinstance(returned, ast.Name) and returned.id == "int")
+
+    def array(self, name: str, size: str) -> str:
+        """The line that makes an array of zeros."""
+        return f"double {name}[{size}] = {{0.0}};"
+
+    def held(self, name: str, value: str) -> str:
+        """The line that keeps a number for the next lines."""
+        return f"const double {name} = {value};"
+
+    def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
+        """Lines that take apart the tuple that a call returns."""
+        assert isinstance(call.func, ast.Name)
+        name, self.held_numbers = f"held_{self.held_numbers}", self.held_numbers + 1
+        yield self.array(name, str(len(targets)))
+        yield f"{self._call_of(call.func.id, self.arguments(call), name)};"
+        for number, (target, whole) in enumerate(zip(targets, self.whole_results(call), strict=True)):
+            yield f"{self.expression(target)} = {'(int)' if whole else ''}{name}[{number}];"
+
+    def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
+        """Lines that return a tuple."""
+        for number, value in enumerate(values):
+            yield f"result[{number}] = {self.expression(value)};"
+        yield "return;"
+
+    def over_tuple(self, node: ast.For) -> Iterator[str]:
+        """Lines that begin a loop over a tuple of numbers, or of tuples of them."""
+        assert isinstance(node.iter, ast.Tuple)
+        targets = node.target.elts if isinstance(node.target, ast.Tuple) else [node.target]
+        rows = [row.elts if isinstance(row, ast.Tuple) else [row] for row in node.iter.elts]
+        name, self.held_numbers = f"turn_{self.held_numbers}", self.held_numbers + 1
+        yield f"for (int {name} = 0; {name} < {len(rows)}; ++{name}) {{"
+        for number, target in enumerate(targets):
+            values = [self.expression(row[number]) for row in rows]
+            kind = "int" if all(value.lstrip("-").isdigit() for value in values) else "double"
+            listed = f"(const {kind}[]){{{', '.join(values)}}}"
+            yield f"    {self.expression(target)} = {listed}[{name}];"
+
+    def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
+        """A call of a function."""
+        if name == "len":
+            return self._length(arguments[0])
+        texts = [self.expression(one) for one in arguments]
+        if name in ("int", "float"):
+            return f"({'int' if name == 'int' else 'double'})({texts[0]})"
+        if name in LIBRARY:
+            return f"{LIBRARY[name]}({', '.join(texts)})"
+        if name in ("min", "max"):
+            return f"{self.prefix}_{name}({', '.join(texts)})"
+        return self._call_of(name, arguments, None)
+
+    def _call_of(self, name: str, arguments: Sequence[ast.expr], result: str | None) -> str:
+        function = self.source.functions.get(name)
+        texts = []
+        known = [one for one in function.args.args if one.arg not in self.source.absent] if function else []
+        for number, argument in enumerate(arguments):
+            texts.append(self.expression(argument))
+            kind = known[number].annotation if known else None
+            if kind is not None and ast.unparse(kind).startswith("Sequence"):
+                texts.append(self._length(argument))
+        return f"{self.prefix}_{name}({', '.join([*texts, *([result] if result else [])])})"
+
+    def _length(self, array: ast.expr) -> str:
+        return f"{self.expression(array)}_length"
+
+    def attribute(self, structure: str, name: str) -> str:
+        """A field of a structure."""
+        return f"{structure}->{name}"
+
+    def constant(self, name: str) -> str:
+        """A constant of the modules by its name."""
+        self.used.add(name)
+        return f"{self.prefix.upper()}_{name}"
+
+    def whole_quotient(self, left: str, right: str) -> str:
+        """How often one whole number goes into another."""
+        return f"{left} / {right}"
+
+    def remainder(self, left: str, right: str) -> str:
+        """What is left of one number that is not negative by another."""
+        return f"fmod({left}, {right})"
+
+
+def _is_truth(value: ast.expr | None) -> bool:
+    if isinstance(value, ast.Constant):
+        return isinstance(value.value, bool)
+    if isinstance(value, ast.Call):
+        return isinstance(value.func, ast.Name) and value.func.id == "is_sane"
+    return isinstance(value, ast.Compare | ast.BoolOp)
+
+
+# A step as C over a block of vessels: the lines of one vessel in loops over lanes, which compilers vectorise.
+# Functions of <math.h> that processors have instructions for.
+PLAIN = ("fabs", "sqrt", "floor")
+
+CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
+
+
+def c_block(
+    lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: CArithmetic, lanes: str
+) -> list[str]:
+    """Write a program over a block as statements of C."""
+    # places [lane]
+    # Calls of the library and reads of a waterway's table have loops of their own, so that the others vectorise.
+    values = tuple(map(sympy.sympify, results.values()))
+    parts = rounds(lines.needed_for(values), lambda value: reads_table(value) or _calls(value, printer))
+    layout = LaneFields(parts, values)
+    shared = [name for name in _asked(layout) if "[lane]" not in places[name]]
+    scratch = [f"double rows[{layout.size}][{lanes}];"] if layout.size else []
+    body = [*unpacked(shared, places), *scratch]
+    for number in range(len(parts)):
+        last = tuple(results) if number == len(parts) - 1 else ()
+        body += [f"for (int lane = 0; lane < {lanes}; ++lane) {{"]
+        body += [f"    {line}" for line in _round(layout, number, last, places, printer)]
+        body += ["}"]
+    return body
+
+
+def _asked(layout: LaneFields) -> list[str]:
+    """What the rounds read and none of them makes."""
+    made = {str(target) for part in layout.parts for target, _ in part}
+    return sorted({name for number in range(len(layout.parts)) for name in layout.read(number)} - made)
+
+
+def _round(
+    layout: LaneFields, number: int, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic
+) -> Iterator[str]:
+    kept = {name: f"rows[{field}][lane]" for name, field in layout.fields.items()}
+    read = {name: kept.get(name, places.get(name, name)) for name in layout.read(number)}
+    yield from unpacked(sorted(name for name, where in read.items() if "[lane]" in where), read)
+    for target, value in layout.parts[number]:
+        yield f"const double {c_name(str(target))} = {printer.doprint(value)};"
+    for name in layout.stored(number):
+        yield f"{kept[name]} = {c_name(name)};"
+    yield from (f"{target} = {printer.doprint(value)};" for target, value in zip(targets, layout.results, strict=False))
+
+
+def _calls(value: Expr, printer: CArithmetic) -> bool:
+    return any(name in printer.doprint(value) for name in CALLED)

@@ -1,16 +1,24 @@
 """A ship beside its line: derivatives of the rates of y, psi, v, r, rudder, in a bend and a current too."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
+from narrows.model.model import Model
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
 
 # The state of a plan; the speed is held through it, and the rudder's rate drives it.
 HELD = ("y", "psi", "v", "r", "rudder")
+
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
+
 PSI, RUDDER = HELD.index("psi"), HELD.index("rudder")
+
 # What forces accelerate.
 FORCED = slice(HELD.index("v"), HELD.index("r") + 1)
 
@@ -40,3 +48,62 @@ def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarr
     square = step @ step
     integral = unit + step / 2 + square / 6 + square @ (step / 24 + square / 120)
     return unit + step @ integral, time * integral
+
+
+# The water ahead of a ship, place by place: the section as the terms ask for it, the room for the keel.
+COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
+
+# What the terms are told of it.
+SECTION = ("width", "depth")
+
+
+@dataclass(frozen=True)
+class WaterAhead:
+    """Equal cells along the line, straight between their nodes; beyond the ends the water goes on as it is there."""
+
+    nodes: np.ndarray  # (nodes, 6) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m]
+    step: float  # Length of a cell [m]
+    current: float = 0.0  # Along the line [m/s]
+    straight: bool = False  # Whether this is the model's own canal
+
+    @property
+    def length(self) -> float:
+        """From end to end [m]; the model's own canal has none."""
+        return 0.0 if self.straight else self.step * (len(self.nodes) - 1)
+
+    def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
+        """Return every column at places."""
+        # x (places,) [m]
+        if self.straight:
+            return dict(zip(COLUMNS, np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x))), strict=True))
+        last = len(self.nodes) - 1
+        position = np.minimum(np.maximum(x / self.step, 0.0), last)
+        cell = np.minimum(position.astype(int), last - 1)
+        start = self.nodes[cell]
+        rows = start + (position - cell)[:, None] * (self.nodes[cell + 1] - start)
+        return dict(zip(COLUMNS, rows.T, strict=True))
+
+
+def share_of(y: np.ndarray, there: dict[str, np.ndarray]) -> np.ndarray:
+    """Return places between the walls: -1 at the port one, 1 at the starboard one."""
+    # y [m]
+    return np.asarray((y - there["middle"]) / (there["width"] / 2))
+
+
+def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
+    """Return the water of a waterway, or of the model's own canal."""
+    ship, canal = model.configuration.ship, model.configuration.canal
+    own_depth = np.nan if canal.depth is None else canal.depth
+    if waterway is None:
+        values = model.configuration.values()
+        walls = [float(values.get(name, canal.width / 2)) for name in ("wall_starboard", "wall_port")]
+        row = np.array([canal.width, 0.0, own_depth, 0.0, *walls])
+        return WaterAhead(np.stack([row, row]), canal.width, straight=True)
+    from narrows.waterway.table import tabulate
+
+    waterway.check_fits(ship)
+    table = tabulate(waterway, ship.draft, waterway.step or ship.beam)
+    depth = np.full_like(table.s, own_depth) if np.isnan(table.depth).all() else table.depth
+    width, middle = table.starboard + table.port, (table.starboard - table.port) / 2
+    columns = [width, middle, depth, table.curvature, table.keel_starboard, table.keel_port]
+    return WaterAhead(np.stack(columns, axis=1), table.step, waterway.current)

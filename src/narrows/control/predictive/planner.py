@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED, JacobianBatch
-from narrows.control.predictive.clearance_rows import clearance_rows, corner_offsets
-from narrows.control.predictive.condensing import condensed
-from narrows.control.predictive.horizon import Horizon, later
-from narrows.control.predictive.line_frame import FORCED, MOVED, RUDDER, line_slopes, over_interval
+from narrows.control.predictive.line_frame import (
+    FORCED,
+    HELD,
+    MOVED,
+    RUDDER,
+    SECTION,
+    WaterAhead,
+    line_slopes,
+    over_interval,
+    share_of,
+)
 from narrows.control.predictive.linear_quadratic import Weights
 from narrows.control.predictive.prediction_lanes import PredictionLanes
 from narrows.control.predictive.push_estimate import Push
-from narrows.control.predictive.quadratic_program import (
-    QuadraticProgram,
-    program_of,
-    rudder_rows,
-    solution,
-    tracking_cost,
-)
-from narrows.control.predictive.water_ahead import SECTION, WaterAhead, share_of
+from narrows.errors import InputError, check_count, needs
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
@@ -29,10 +29,13 @@ if TYPE_CHECKING:
 
 # The steady states that a plan is drawn to, (places, 5), at places along the line.
 Reference = Callable[[np.ndarray], np.ndarray]
+
 MOST_HEADING = np.radians(25.0)
+
 # Heading off [rad], room to a bank in half beams, sway velocity over speed and yaw rate by half length over speed,
 # beyond which no plan is linearised.
 LEAST_ROOM, MOST_DRIFT, MOST_TURN = 0.2, 0.5, 1.0
+
 # Half beams of room beyond the margin from which a corner needs no row: from one plan to the next none is used up.
 SPARE = 4.0
 
@@ -57,6 +60,31 @@ class RudderPlan:
         places[0], states[0] = x, state
         rates = later(np.append(self.rates, 0.0), share)[:-1]
         return RudderPlan(places, states, rates)
+
+
+@dataclass(frozen=True)
+class QuadraticProgram:
+    """Minimise z' H z / 2 + f' z where bounds hold; z are the changes of the rates, and the shortness of clearance."""
+
+    H: np.ndarray  # (n, n) Positive definite
+    f: np.ndarray  # (n,) Of the cost
+    rows: np.ndarray  # (m, n) Of the constraints
+    lower: np.ndarray  # (n + m,) Of z, then of the rows
+    upper: np.ndarray  # (n + m,) Of z, then of the rows
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Equal intervals ahead, in each of which the rudder turns at one rate."""
+
+    intervals: int  # How many
+    interval: float  # Of each [s]
+    period: float  # Between one plan and the next [s]
+
+    @property
+    def time(self) -> float:
+        """How far ahead it reaches [s]."""
+        return self.intervals * self.interval
 
 
 @dataclass(frozen=True)
@@ -168,3 +196,159 @@ def planner_of(
         horizon, PredictionLanes(ship, waterway, horizon.intervals, **positions), linear.batch(horizon.intervals),
         water, margins, (hull.length / 2, hull.beam / 2), (gear.limit, gear.rate), weights, positions,
     )  # fmt: skip
+
+
+# Room between the hull's corners and the banks, as rows of a quadratic program.
+# Of the hull's rectangle: half lengths forward, half beams to starboard.
+CORNERS = ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+
+FORWARD, SIDES = np.array(CORNERS).T[:, :, None]
+
+
+def corner_offsets(
+    states: np.ndarray, half_length: float, half_beam: float, curvature: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """Return where corners are off the line, what that changes by the heading, and how far ahead they are."""
+    # states (nodes, 5); half_length, half_beam [m]; curvature (nodes,) [1/m]
+    # In a bend the line falls away from what is ahead and astern by half its curvature times the distance squared.
+    forward, aside = half_length * FORWARD, half_beam * SIDES
+    sine, cosine = np.sin(states[:, 1]), np.cos(states[:, 1])
+    ahead = forward * cosine - aside * sine
+    across = forward * sine + aside * cosine
+    off = states[:, 0] + across - curvature * ahead**2 / 2
+    return off, ahead + curvature * ahead * across, ahead
+
+
+def clearance_rows(
+    corners: tuple[np.ndarray, np.ndarray], e: np.ndarray, G: np.ndarray, room: tuple[np.ndarray, np.ndarray],
+    spare: float,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return rows and bounds: rows @ change of the rates <= bounds keeps every corner off the banks."""
+    # corners (4, nodes) [m]; e, G (nodes, 5); room (4, nodes) [m]; spare [m]
+    off, lever = corners
+    y, psi = HELD.index("y"), HELD.index("psi")
+    now = SIDES * (off + e[:, y] + lever * e[:, psi])
+    bounds = np.where(SIDES > 0, room[0], room[1]) - now
+    corner, node = np.nonzero(~(bounds > spare))  # what is no number among them, for a program to refuse
+    rows = SIDES[corner] * (G[node, y] + lever[corner, node, None] * G[node, psi])
+    return rows, bounds[corner, node]
+
+
+# A plan's states as an affine function of the rudder's rates alone: what is left of the dynamics in the program.
+def condensed(
+    A: np.ndarray, B: np.ndarray, defects: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return e and G, by which states after each interval are off their nodes: e + G @ change of the rates."""
+    # A (intervals, n, n); B (intervals, n); defects (intervals, n); start (n,)
+    # Of off_(k+1) = A_k off_k + B_k change_k + defect_k.
+    intervals, n = B.shape
+    step = np.zeros((intervals, n + 1, n + 1))
+    step[:, :n, :n], step[:, :n, n], step[:, n, n] = A, defects, 1.0
+    both = np.zeros((intervals + 1, n + 1, intervals + 1))
+    both[0, :n, -1], both[0, n, -1] = start, 1.0
+    for k in range(intervals):
+        np.dot(step[k], both[k], out=both[k + 1])
+        both[k + 1, :n, k] = B[k]
+    return both[1:, :n, -1], both[1:, :n, :-1]
+
+
+# A plan as a quadratic program in the changes of the rudder's rates, and DAQP, which solves it.
+# Costs of a clearance that is short by half a beam: by the length, and by its square.
+SHORT, SHORT_SQUARED = 50.0, 10.0
+
+MOST_ITERATIONS = 500
+
+WITHOUT_BOUND = 1e20
+
+
+def tracking_cost(
+    off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: Weights, beyond: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return H and f of what it costs to be off the reference and to turn the rudder."""
+    # off (intervals, 5); G (intervals, 5, intervals); rates (intervals,) [rad/s]; beyond (5, 5)
+    felt = np.flatnonzero(weights.states)
+    root = np.sqrt(weights.states[felt])
+    moved = (G[:-1, felt] * root[:, None]).reshape(-1, len(rates))
+    wrong = (off[:-1, felt] * root).ravel()
+    last = beyond @ G[-1]
+    H = moved.T @ moved + G[-1].T @ last
+    H.flat[:: len(rates) + 1] += weights.rate
+    return H, moved.T @ wrong + last.T @ off[-1] + weights.rate * rates
+
+
+def program_of(
+    cost: tuple[np.ndarray, np.ndarray], rates: np.ndarray, rudders: tuple[np.ndarray, np.ndarray],
+    clearance: tuple[np.ndarray, np.ndarray], limits: tuple[float, float], half_beam: float,
+) -> QuadraticProgram:  # fmt: skip
+    """Put cost and constraints together; clearance may fall short, for a price."""
+    # rates (intervals,) [rad/s]; rudders (intervals,); limits [rad, rad/s]; half_beam [m]
+    n = len(rates)
+    H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, SHORT)
+    H[:n, :n], f[:n] = cost
+    H[n, n] = SHORT_SQUARED
+    (angle, by_rate), (rows, bounds), (most, fastest) = rudders, clearance, limits
+    A = np.zeros((n + len(rows), n + 1))
+    A[:n, :n], A[n:, :n], A[n:, n] = by_rate, rows, -half_beam
+    lower = np.concatenate([-fastest - rates, [0.0], -most - angle, np.full(len(rows), -WITHOUT_BOUND)])
+    upper = np.concatenate([fastest - rates, [WITHOUT_BOUND], most - angle, bounds])
+    return QuadraticProgram(H, f, A, lower, upper)
+
+
+def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
+    """Solve by DAQP: z, or None where it finds no answer, in time."""
+    # seconds [s]
+    # Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using
+    # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
+    with needs("control", "a predictive helm"):
+        import daqp
+    if not all(map(np.isfinite, (program.H.sum(), program.f.sum(), program.rows.sum(), program.upper.sum()))):
+        return None
+    z, _, flag, _ = daqp.solve(
+        program.H, program.f, program.rows, program.upper, program.lower, None,
+        iter_limit=MOST_ITERATIONS, time_limit=seconds,
+    )  # fmt: skip
+    return z if flag > 0 and np.isfinite(z).all() else None
+
+
+def rudder_rows(states: np.ndarray, e: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rudder after each interval, and how changes of the rates move it."""
+    # states (intervals, 5)
+    return states[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
+
+
+# How far a predictive helm looks ahead, in what steps, and what is left of a plan when time has passed.
+# Ship lengths ahead that a plan reaches, unless a time is given.
+LENGTHS = 2.4
+
+INTERVALS = 30
+
+MOST_INTERVALS = 60
+
+# New plans are made this often, unless a time between them is given.
+PLANS_AN_INTERVAL = 5
+
+
+def horizon_of(passing: float, horizon: float | None, intervals: int, period: float | None) -> Horizon:
+    """Return the horizon of a ship."""
+    # passing [s]; horizon [s]; period [s]
+    check_count("intervals", intervals, 2, MOST_INTERVALS)
+    for name, value in (("horizon", horizon), ("period", period)):
+        if value is not None and not 0 < value < np.inf:
+            raise InputError(f"{name} = {value} must be a positive time in seconds")
+    interval = (LENGTHS * passing if horizon is None else horizon) / intervals
+    between = interval / PLANS_AN_INTERVAL if period is None else period
+    if between > interval:
+        raise InputError(
+            f"a plan every {between:g} s is too seldom for intervals of {interval:.3g} s; shorten the period or "
+            "lengthen the horizon"
+        )
+    return Horizon(intervals, interval, between)
+
+
+def later(nodes: np.ndarray, share: float) -> np.ndarray:
+    """Return a plan's nodes as they are a share of an interval later, the last staying."""
+    # nodes (nodes, ...)
+    whole = min(int(share), len(nodes) - 1)
+    shifted = np.concatenate([nodes[whole:], *[nodes[-1:]] * whole]) if whole else nodes.copy()
+    shifted[:-1] += (share - int(share)) * np.diff(shifted, axis=0)
+    return shifted

@@ -1,15 +1,34 @@
 """A ship made ready for its page: a helm where it has a rudder, WebAssembly where there is a compiler."""
 
-from narrows.errors import InputError
+import base64
+import json
+import re
+import subprocess
+import sys
+import zlib
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from narrows.codegen.printers.javascript import javascript_name
+from narrows.errors import InputError, needs
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.page.page_helm import helm_of
-from narrows.export.page.page_text import page_text
-from narrows.export.page.wasm_build import SHIP, lacks_zig, wasm_of
+from narrows.export.page.page_sliders import ASSUMED, COEFFICIENTS, Slider, both_ways, covered, deviation, sliders_of
+from narrows.export.rendering import c_text
+from narrows.export.scripts import javascript_text
+from narrows.model.model import Model
 from narrows.quantities.names import Number
+from narrows.simulation.controllers import SwitchedLaw
+from narrows.simulation.departure import usual_voyage
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
-from narrows.simulation.usual import usual_voyage
+from narrows.web import asset, without_exports
 
 
 def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[str, tuple[str, ...]]:
@@ -25,3 +44,279 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
     wasm = None if lacking else wasm_of(exported)
     own = title or f"{ship.model.configuration.ship.name} between the banks of a canal: every line is one ship"
     return page_text(exported, u, own, why, wasm), tuple(filter(None, [lacking, why]))
+
+
+# The one file of a page: markup, styles, numbers, the exported model, scripts, and WebAssembly as text.
+BARE_DEFLATE = -15
+
+# What both the page and its workers run.
+FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
+
+# Signs of the model's text, which has no words between quotes, that need no blank beside them.
+SUMS = re.compile(r" ([+-]) (?![+-])")
+
+# Which the page's numbers say already.
+DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
+
+# Fields of a structure unpacked one after another.
+UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
+
+# Behind a number of the model's text.
+MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
+
+# Lines of the model's text that name a number each.
+IN_A_ROW = re.compile(r"(?:^const \w+=.*;\n){2,}", re.MULTILINE)
+
+MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
+
+
+def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:
+    """Return the page of a ship."""
+    # speed [m/s]
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    from narrows.web import asset
+
+    data = json.dumps(page_data(exported, speed, title) | {"wasm": packed(wasm) if wasm else ""}, separators=(",", ":"))
+    template = Environment(loader=PackageLoader("narrows.export.page", "."), undefined=StrictUndefined)
+    known: set[str] = set()
+    given = {"model.js": model_script(exported)}
+    return template.get_template("page.html.j2").render(
+        title=title, foot=_foot(exported), helm=helm, data=data.replace("<", "\\u003c"),
+        style=smaller(asset("palette.css") + own_style()),
+        shared="".join(bundled(name, given, known) for name in FIRST),
+        worker=bundled("worker.js", given, set(known)), script=bundled("page.js", given, known),
+    )  # fmt: skip
+
+
+def own_style() -> str:
+    """Return the style of the page itself."""
+    from importlib.resources import files
+
+    return (files("narrows.export.page") / "page.css").read_text("utf-8")
+
+
+def model_script(exported: ExportedShip) -> str:
+    """Return the exported model as a module that gives what a page asks for."""
+    text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
+    text = UNPACKED.sub(_destructured, DEFAULTS.sub("", MEANING.sub("", text)))
+    return MODEL.format(IN_A_ROW.sub(_together, SUMS.sub(r"\1", text)))
+
+
+def _together(match: re.Match[str]) -> str:
+    return match[0][:-1].replace(";\nconst ", ",\n") + "\n"
+
+
+def _destructured(match: re.Match[str]) -> str:
+    names = re.findall(r"^const (\w+)", match[0], re.MULTILINE)
+    return f"const {{ {', '.join(names)} }} = {match[2]};\n"
+
+
+def packed(wasm: bytes) -> str:
+    """Return bytes as text: deflated, base 64."""
+    press = zlib.compressobj(9, zlib.DEFLATED, BARE_DEFLATE)
+    return base64.b64encode(press.compress(wasm) + press.flush()).decode()
+
+
+def _foot(exported: ExportedShip) -> str:
+    model = exported.ship.model
+    return (
+        f"{model.configuration.summary()}. {model.source.text + '. ' if model.source.text else ''}Sailed here, by the "
+        f"equations of the package: Runge-Kutta steps of a 200th of a ship length, 100th on the map. The speed is "
+        f"{'held' if exported.ship.surge == 'held' else 'free'}. Written by narrows {version('narrows')}."
+    )
+
+
+# ES modules that import each other, as text that stands by itself in a page: each a function that gives its names.
+IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)
+
+SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\n', re.MULTILINE)
+
+EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
+
+COMMENTS = re.compile(r"^[ \t]*(?://.*|/\*\*.*?\*/)[ \t]*\n", re.MULTILINE)
+
+BLOCK = re.compile(r"/\*\*.*?\*/\n", re.DOTALL)
+
+# Words between quotes, which stay as they are, and signs that need no blank beside them.
+SPACED = re.compile(r"""("[^"\n]*"|`[^`]*`)|[ ]*([=*/<>?:,{}();&|]+)[ ]*""")
+
+INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
+
+
+def bundled(entry: str, given: Mapping[str, str], known: set[str]) -> str:
+    """Return a script with all that it imports, in order."""
+    return "".join(_modules(entry, given, known))
+
+
+def _modules(name: str, given: Mapping[str, str], known: set[str]) -> Iterator[str]:
+    if name in known:
+        return
+    known.add(name)
+    text = given.get(name) or _read(name)
+    for match in (*IMPORT.finditer(text), *SHARED.finditer(text)):
+        yield from _modules(match[2], given, known)
+    yield _as_function(name, text)
+
+
+def _read(name: str) -> str:
+    path = files("narrows.export.page") / "script" / name
+    return path.read_text("utf-8") if path.is_file() else asset(name)
+
+
+def _as_function(name: str, text: str) -> str:
+    exported = [word for match in EXPORT.finditer(text) for word in re.split(r"\W+", match[1] or match[2])]
+    body = without_exports(IMPORT.sub(_taken, SHARED.sub(_taken, text)))
+    return f"const {_variable(name)} = (() => {{\n{smaller(body)}return {{ {', '.join(exported)} }};\n}})();\n"
+
+
+def _taken(match: re.Match[str]) -> str:
+    return f"const {{ {match[1].replace(' as ', ': ')} }} = {_variable(match[2])};\n"
+
+
+def _variable(name: str) -> str:
+    return f"module_{name.removesuffix('.js')}"
+
+
+def smaller(text: str) -> str:
+    """Return a script or a style without comments, indentation and blanks beside signs."""
+    bare = INDENT.sub("", COMMENTS.sub("", BLOCK.sub("", text)))
+    return re.sub(r"\n+", "\n", SPACED.sub(lambda match: match[1] or match[2], bare))
+
+
+# What a page knows of its ship: numbers in the order of the exported model, sliders, caveats.
+# Ship lengths that are looked at.
+LENGTHS = 7.0
+
+# Of fleet.c: ships of a task, those whose paths are kept, and points of a path.
+MOST, PATHS, SAMPLES = 4096, 1024, 96
+
+UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
+
+
+def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any]:
+    """Return everything that the scripts of a page ask for."""
+    # speed [m/s]
+    model, kept = exported.ship.model, exported.portable.kept
+    ship, sliders = model.configuration.ship, sliders_of(exported, speed, exported.steering is not None)
+    names = [slider.name for slider in sliders if slider.group == COEFFICIENTS]
+    speeds = next(slider for slider in sliders if slider.name == "u")
+    return {
+        "title": title, "picture": "narrows.png", "lengths": LENGTHS,
+        "ship": {"length": ship.length, "beam": ship.beam},
+        "shape": {
+            "states": len(kept), "parameters": len(exported.parameters), "most": MOST, "paths": PATHS,
+            "samples": SAMPLES, "rudder": kept.index("rudder") if "rudder" in kept else -1,
+        },
+        "names": {
+            "parameters": [javascript_name(one.name) for one in exported.parameters],
+            "inputs": [javascript_name(one.name) for one in exported.inputs],
+        },
+        "parameters": [one.value for one in exported.parameters], "inputs": [one.value for one in exported.inputs],
+        "coefficients": [{"name": name, "bounds": _bounds(model, name)} for name in names],
+        "root": _written(root_of(model, names)), "share": ASSUMED,
+        "assumed": UNSURE if model.covariance is None else "",
+        "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
+        "tested": {"u": covered(model.data_range.speed), "y": both_ways(model.data_range.abs_y)},
+        "notes": _notes(model, sliders),
+    }  # fmt: skip
+
+
+def _written(root: np.ndarray) -> list[Any]:
+    """The rows of a matrix to ten digits; its diagonal alone where there is nothing else."""
+    diagonal = np.diag(root)
+    if np.array_equal(root, np.diag(diagonal)):
+        return [float(f"{value:.10g}") for value in diagonal]
+    return [[float(f"{value:.10g}") for value in row] for row in root]
+
+
+def _bounds(model: Model, name: str) -> list[float | None]:
+    return [float(end) if np.isfinite(end) else None for end in model.terms[name].bound]
+
+
+def _notes(model: Model, sliders: list[Slider]) -> list[str]:
+    """What the model says of itself, and what its data do not say."""
+    said = {slider.name for slider in sliders if slider.tested}
+    unsaid = [words for name, words in (("u", "speeds"), ("y", "offsets")) if name not in said]
+    silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if unsaid else ""
+    return [*model.notes, *filter(None, [silent])]
+
+
+def root_of(model: Model, names: list[str]) -> np.ndarray:
+    """Return the symmetric root of the covariance of some coefficients, by their correlations as in ``samples``."""
+    size = np.array([deviation(model, name) for name in names])
+    if model.covariance is None:
+        return np.diag(size)
+    places = [model.terms.names.index(name) for name in names]
+    scale = np.where(size > 0, size, 1.0)
+    share, axes = np.linalg.eigh(model.covariance[np.ix_(places, places)] / np.outer(scale, scale))
+    return np.asarray((axes * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
+
+
+# The helm of a page: a regulator that can be switched on and off, and a rudder that stays where it is put.
+def helm_of(model: Model, speed: float) -> tuple[SwitchedLaw | None, str]:
+    """Return what holds a ship in the middle of its canal, or why nothing does."""
+    # speed [m/s]
+    from narrows.control.regulator import regulator
+
+    if not any(actuator.name == "rudder" for actuator in model.terms.actuators):
+        return None, "This model has no rudder: nothing steers."
+    try:
+        return SwitchedLaw(regulator(model, 0.0, speed)), ""
+    except InputError as error:
+        return None, f"No helm: {error}."
+
+
+# The exported C, with what sails fleets of it, as WebAssembly.
+FLAGS = (
+    "-std=gnu99", "-O3", "-msimd128", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off", "-mllvm",
+    "-inline-threshold=5000", "-nostdlib", "-Wl,--no-entry", "-Wl,--strip-all", "-Wl,-z,stack-size=65536",
+)  # fmt: skip
+
+SOURCES = ("fleet.c", "lanes.c", "math.h")
+
+NUMBER = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)(?![\w.])")
+
+FUNCTION = re.compile(r"(?<![\w.])(exp|log|pow|sin|cos|hypot|fmod|floor|trunc|fabs|sqrt|atan2)\(")
+
+LANE, SHIP = "lane", "ship"
+
+
+def lacks_zig() -> str:
+    """Return what to do for a page that sails by WebAssembly where its compiler is not here, else nothing."""
+    try:
+        with needs("fmu", "WebAssembly"):
+            import ziglang  # noqa: F401
+    except InputError as error:
+        return f"the page sails by plain JavaScript, a few times slower: {error}"
+    return ""
+
+
+def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
+    """Return a module that sails fleets of a ship, 64 side by side."""
+    ship = c_text(exported)
+    lane = re.sub(rf"\b{SHIP}_", f"{LANE}_", re.sub(rf"\b{SHIP.upper()}_", f"{LANE.upper()}_", ship))
+    texts = {"ship.h": ship, "lane.h": in_single_precision(lane) if single else lane}
+    texts |= {name: (files("narrows.export.page") / "fleet" / name).read_text("utf-8") for name in SOURCES}
+    with TemporaryDirectory(prefix="narrows-page-") as folder:
+        for name, text in texts.items():
+            Path(folder, name).write_text(text, encoding="utf-8")
+        return _compiled(Path(folder), ("-DSTEERED",) * ("rudder" in exported.portable.kept), single)
+
+
+def in_single_precision(text: str) -> str:
+    """Return C with every ``double``, number and function of <math.h> in single precision."""
+    text = FUNCTION.sub(r"\1f(", NUMBER.sub(r"\1f", text))
+    return re.sub(r"\bdouble\b", "float", text)
+
+
+def _compiled(folder: Path, more: tuple[str, ...], single: bool) -> bytes:
+    target = folder / "fleet.wasm"
+    zig = (sys.executable, "-m", "ziglang", "cc", "-target", "wasm32-freestanding")
+    real = f"-DLANE_REAL={'float' if single else 'double'}"
+    command = [*zig, *FLAGS, *more, real, f"-I{folder}", str(folder / "fleet.c"), "-o", str(target)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode or not target.exists():
+        line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
+        raise InputError(f"the compiler for WebAssembly fails ({line.strip()[:200]}); nothing was written")
+    return target.read_bytes()

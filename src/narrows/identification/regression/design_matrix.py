@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from narrows.captive.lacking import check_given
+from narrows.captive.columns import check_given
 from narrows.captive.tests import Block, Tests
 from narrows.identification.regression.normal_equations import ONE
 from narrows.quantities.names import FORCES, Number, asked_by

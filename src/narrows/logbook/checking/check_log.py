@@ -5,20 +5,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from narrows.errors import InputError
-from narrows.logbook.checking.agreement import SURE
-from narrows.logbook.checking.clock_checks import check_clock
-from narrows.logbook.checking.even_motion import even_motion
-from narrows.logbook.checking.examined import Examined
-from narrows.logbook.checking.finding import Finding
+from narrows.logbook.checking.agreement import SURE, even_motion
+from narrows.logbook.checking.clock_and_unit_checks import check_clock, check_place, check_units
+from narrows.logbook.checking.finding import Examined, Finding, LogFindings
 from narrows.logbook.checking.heading_checks import check_heading, judge_yaw_rates, rate_shown
-from narrows.logbook.checking.log_findings import LogFindings
-from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, rudder_effect
-from narrows.logbook.checking.model_rates import model_rates
-from narrows.logbook.checking.place_checks import check_place
-from narrows.logbook.checking.sensor_checks import check_rudder_moves, check_sensors
-from narrows.logbook.checking.unit_checks import check_units
+from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, model_rates, rudder_effect
+from narrows.logbook.checking.sensor_checks import check_rudder_moves, check_sensors, check_wind
 from narrows.logbook.checking.velocity_checks import check_velocities
-from narrows.logbook.checking.wind_checks import check_wind
 from narrows.logbook.ship_record import ShipRecord
 from narrows.model.model import Model
 from narrows.waterway import Waterway

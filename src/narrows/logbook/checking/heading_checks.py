@@ -4,10 +4,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from narrows.logbook.checking.agreement import SURE, Estimates, Factor, factor_of, least_squares, nearest, pooled
-from narrows.logbook.checking.even_motion import EvenMotion, changes
-from narrows.logbook.checking.examined import Examined
-from narrows.logbook.checking.finding import Finding
+from narrows.logbook.checking.agreement import (
+    SURE,
+    Estimates,
+    EvenMotion,
+    Factor,
+    changes,
+    factor_of,
+    least_squares,
+    nearest,
+    pooled,
+)
+from narrows.logbook.checking.finding import Examined, Finding
 
 FULL_TURN = 2 * np.pi
 # Yaw rate beyond all ships', in radians a ship length.

@@ -4,11 +4,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from narrows.logbook.checking.agreement import Turned, factor_of, nearest, turned_of
-from narrows.logbook.checking.even_motion import changes
-from narrows.logbook.checking.examined import Examined
-from narrows.logbook.checking.finding import Finding
-from narrows.quantities.constants import KNOT
+from narrows.logbook.checking.agreement import Turned, changes, factor_of, nearest, turned_of
+from narrows.logbook.checking.finding import Examined, Finding
+from narrows.quantities.names import KNOT
 
 # Of the windows, in times for a ship length.
 LENGTHS = 1.0

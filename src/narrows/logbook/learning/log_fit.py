@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.logbook.learned_answer import LearnedAnswer
-from narrows.logbook.learned_coefficient import LEARNED, PRIOR, LearnedCoefficient, pairs
+from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, PRIOR, LearnedAnswer, LearnedCoefficient, pairs
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.logbook.shooting.noise_left import NoiseLeft
-from narrows.logbook.standing import ON_TWINS
 from narrows.model.model import Model
 
 # What stands beside the label of this room where no bank is felt.

@@ -17,7 +17,7 @@ from narrows.logbook.learning.refined_search import Refined
 from narrows.logbook.shooting.push_chain import SWAY, YAW
 from narrows.model.data_range import Range
 from narrows.model.model import Model
-from narrows.terms.about import TermKind
+from narrows.terms.term import TermKind
 
 
 def log_result(

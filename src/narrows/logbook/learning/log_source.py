@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.logbook.ship_record import ShipRecord
 from narrows.model.model import Model
-from narrows.model.source import Source
+from narrows.model.sections import Source
 
 # Digits of a hash in a sentence.
 SHORT = 12

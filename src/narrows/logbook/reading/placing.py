@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.reading.log_mapping import LogMapping
-from narrows.logbook.reading.record_split import RawRecord
-from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.signals import SIGNALS, TURNING, Signal
+from narrows.logbook.reading.log_columns import LogMapping
+from narrows.logbook.reading.log_rows import RawRecord
+from narrows.logbook.ship_record import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.waterway import Waterway
-from narrows.waterway.projection import projected
+from narrows.waterway.centreline import projected
 
 # Directions from north, for those from the axes of the record.
 BY_MAP = {"psi": "heading", "course": "course_over_ground", "wind_direction": "wind_from"}

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.codegen.compiled_loops import compiled_loops
+from narrows.codegen.cache import compiled_loops
 from narrows.logbook.shooting import window_loops
 
 

@@ -7,8 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.signals import MEETING, TURNING, Signal
+from narrows.logbook.ship_record import MEETING, TURNING, ShipRecord, Signal
 
 # Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from narrows.results.described import Described
+from narrows.results.shown_results import Described
 from narrows.simulation.controllers import Named
 
 # What the law calls the position that an actuator has at the end of the step.

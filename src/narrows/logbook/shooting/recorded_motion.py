@@ -11,8 +11,8 @@ from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
 from narrows.logbook.shooting.recorded_helm import RECORDED, RUDDER, RUDDER_OFFSET, RecordedHelm, unlimited
 from narrows.model.model import Model
+from narrows.simulation.sensitivities import TangentMarch
 from narrows.simulation.steering import PARAMETER
-from narrows.simulation.tangent_march import TangentMarch
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 PUSHES = ("X", "Y", "N")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from narrows.codegen.compiled_loops import compiled_loops
+from narrows.codegen.cache import compiled_loops
 from narrows.logbook.shooting import window_loops
 from narrows.logbook.shooting.log_problem import STEADY, LogProblem
 from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y, PREDICTED, PredictedSignal, SeenStates

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from narrows.codegen.compiled_loops import compiled_loops
+from narrows.codegen.cache import compiled_loops
 from narrows.logbook.shooting import window_loops
 from narrows.logbook.shooting.bordered_band import BorderedBand
 from narrows.logbook.shooting.log_problem import LogProblem

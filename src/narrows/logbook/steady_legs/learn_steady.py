@@ -6,10 +6,8 @@ from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import learned_coefficients
 from narrows.logbook.learned_model import learned_model
-from narrows.logbook.steady_legs.steady_checks import steady_checks
-from narrows.logbook.steady_legs.steady_conditions import SteadyConditions
-from narrows.logbook.steady_legs.steady_fit import SteadyFit, shared_of
-from narrows.logbook.steady_legs.steady_readings import ReadingErrors, steady_readings
+from narrows.logbook.steady_legs.steady_fit import SteadyFit, shared_of, steady_checks
+from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, steady_readings
 from narrows.logbook.steady_legs.steady_update import SteadyProblem
 from narrows.model.model import Model
 

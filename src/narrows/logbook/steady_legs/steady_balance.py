@@ -10,7 +10,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.control.self_propulsion import self_propulsion
 from narrows.model.model import Model
 from narrows.quantities.names import Number
-from narrows.safety.underkeel import keel_at
+from narrows.safety.question import keel_at
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
 

@@ -9,9 +9,8 @@ import xarray as xr
 from narrows.control.steady_course import steady_course
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.quantities.constants import KNOT
-from narrows.safety.question import KEEL_SHARE
-from narrows.safety.underkeel import keel_at
+from narrows.quantities.names import KNOT
+from narrows.safety.question import KEEL_SHARE, keel_at
 
 # Of offsets to either side about, and what one is a power of ten times.
 STEPS, NICE = 20, (1.0, 2.0, 2.5, 5.0, 10.0)

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.logbook.standing import ON_TWINS
-from narrows.logbook.steady_legs.steady_conditions import SteadyConditions
-from narrows.logbook.steady_legs.steady_readings import ReadingErrors
+from narrows.logbook.learned_coefficient import ON_TWINS
+from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions
 from narrows.model.model import Model
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.results import Shown
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ import numpy as np
 
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
+from narrows.logbook.learned_coefficient import learnable
 from narrows.logbook.learning.foretold import foretold_records
 from narrows.logbook.learning.log_posterior import said_alike
 from narrows.logbook.learning.posed_log import posed_log
@@ -15,9 +16,7 @@ from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import check_covariance
 from narrows.logbook.steady_legs.steady_candidates import usual_offsets, usual_speeds
-from narrows.logbook.targets import learnable
-from narrows.logbook.transits.foresight import ForeseenTransit, Foresight
-from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
+from narrows.logbook.transits.planned_transit import Excursion, ForeseenTransit, Foresight, PlannedTransit
 from narrows.logbook.transits.transit_conditions import TransitConditions
 from narrows.logbook.transits.transit_twins import recorded
 from narrows.model.model import Model

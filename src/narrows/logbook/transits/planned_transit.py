@@ -1,5 +1,6 @@
 """A transit before it is sailed: an aim that wanders and goes aside, and the voyage of the most likely ship."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -7,18 +8,25 @@ import numpy as np
 
 from narrows.control.self_propulsion import self_propulsion
 from narrows.errors import InputError
-from narrows.logbook.transits.transit_conditions import TransitConditions, wandering
-from narrows.logbook.transits.transit_pilot import TransitPilot
+from narrows.logbook.learned_coefficient import ON_TWINS
+from narrows.logbook.sensor_grades import SensorGrade
+from narrows.logbook.transits.transit_conditions import TransitConditions, TransitPilot, wandering
 from narrows.model.model import Model
+from narrows.quantities.names import KNOT
+from narrows.results import Shown
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from narrows.waterway.waterway import Waterway
 
 # Of the time of a ship length, that one piece of an aim is long.
 AIMED = 0.2
+
 # Of a schedule of gusts, in the time that a gust stays.
 PIECES = 5
+
 # Of the voyage, in the time of a ship length; and how long one is at most [s].
 STEPS, LONGEST_STEP = 100, 2.0
 
@@ -103,4 +111,135 @@ class PlannedTransit:
         gusts = wandering(1.0, memory, piece, len(times), draw, 2) @ self.conditions.gust_push(self.model).T
         return {
             name: list(zip(times, column, strict=True)) for name, column in zip("YN", gusts.T.tolist(), strict=True)
+        }
+
+
+# How tight coefficients will get before any transit is sailed: by number of transits, and by excursion.
+@dataclass(frozen=True)
+class ForeseenTransit:
+    """What transits of one kind will tell.
+
+    Parameters
+    ----------
+    excursion : Excursion
+        From the middle; the first kind of a foresight has none.
+    std : mapping of str to array (transits,)
+        Standard error of each target after so many, in the coefficient's unit.
+    alike : mapping of str to float [1]
+        Of its square after the most, what errs alike in every transit.
+    """
+
+    excursion: Excursion
+    std: Mapping[str, np.ndarray]
+    alike: Mapping[str, float]
+
+
+@dataclass(frozen=True, repr=False)
+class Foresight(Shown):
+    """How tight coefficients will get.
+
+    Parameters
+    ----------
+    kinds : tuple of ForeseenTransit
+        Routine first, then with excursions; only routine where none is safe.
+    transits : tuple of int
+        How many are sailed.
+    targets : tuple of str
+        The coefficients.
+    prior_std : mapping of str to float
+        Their standard errors now.
+    model : Model
+        The ship.
+    grade : SensorGrade
+        Its sensors.
+    conditions : TransitConditions
+        Wind, gusts, wander of the aim.
+    u : float [m/s]
+        Through the water.
+    duration : float [s]
+        Of a transit.
+    safe_offset : float [m]
+        How far off the middle the safe envelope lets it go on purpose.
+    reasons : tuple of str
+        Why nothing is foretold, why no excursion is among the kinds, what more transits would not sharpen.
+    """
+
+    kinds: tuple[ForeseenTransit, ...]
+    transits: tuple[int, ...]
+    targets: tuple[str, ...]
+    prior_std: Mapping[str, float]
+    model: Model
+    grade: SensorGrade
+    conditions: TransitConditions
+    u: float
+    duration: float
+    safe_offset: float
+    reasons: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Foresight of {', '.join(self.targets)} by sensors {self.grade.name}>"
+
+    @property
+    def best(self) -> ForeseenTransit | None:
+        """The kind that leaves least of the targets after the fewest transits; None where nothing is foretold."""
+        return min(self.kinds, key=self._left, default=None)
+
+    def _left(self, kind: ForeseenTransit) -> float:
+        return float(
+            sum((kind.std[name][0] / self.prior_std[name]) ** 2 for name in self.targets if self.prior_std[name])
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Why what is not foretold is not, and what the rest takes for granted."""
+        taken = (
+            f"Taken for granted: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model, "
+            "the banks where the chart has them but for a zero, wind and zeros of each transit its own, no other ship."
+        )
+        return (*self.reasons, taken, ON_TWINS)
+
+    def summary(self) -> str:
+        """Say how tight each target gets by routine transits, and which excursion helps most."""
+        if not self.kinds:
+            return "\n".join((*self.reasons, ON_TWINS))
+        routine, best = self.kinds[0], self.best
+        after = " and ".join(map(str, self.transits))
+        gains = "; ".join(
+            f"{name} from {self.prior_std[name]:.2g} to {', '.join(f'{std:.2g}' for std in routine.std[name])}"
+            for name in self.targets
+        )
+        lines = [f"Standard errors after {after} routine transits of {self.duration / 60:.0f} minutes at "
+                 f"{self.u / KNOT:.3g} knots, sensors {self.grade.name}: {gains}."]  # fmt: skip
+        if best is not None and best is not routine:
+            helped = ", ".join(
+                f"{name} {best.std[name][0]:.2g} instead of {routine.std[name][0]:.2g}" for name in self.targets
+            )
+            lines.append(f"Most is gained by {best.excursion.words}: after {self.transits[0]}, {helped}.")
+        return "\n".join((*lines, *self.reasons, ON_TWINS))
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Give a row for each kind and number of transits, with the standard error of each target."""
+        return [
+            {"excursion": kind.excursion.words, "offset": kind.excursion.offset, "transits": count}
+            | {f"std {name}": float(kind.std[name][i]) for name in self.targets}
+            for kind in self.kinds for i, count in enumerate(self.transits)
+        ]  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the rows as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {
+            "summary": self.summary(),
+            "speed": self.u / KNOT,
+            "duration": self.duration,
+            "sensors": self.grade.name,
+            "safe_offset": self.safe_offset,
+            "targets": dict(self.prior_std),
+            "kinds": self.rows(),
+            "notes": list(self.notes),
         }

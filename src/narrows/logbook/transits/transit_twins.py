@@ -2,18 +2,20 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError
+from narrows.identification.bundled_ship import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
-from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.signals import Signal
-from narrows.logbook.transits.transit_conditions import TransitConditions, wandering
-from narrows.logbook.transits.transit_pilot import TransitPilot
+from narrows.logbook.ship_log import ShipLog
+from narrows.logbook.ship_record import ShipRecord, Signal
+from narrows.logbook.transits.transit_conditions import TransitConditions, TransitPilot, wandering
 from narrows.model.model import Model
+from narrows.progress import bar, is_shown
+from narrows.quantities.names import KNOT
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -22,12 +24,16 @@ if TYPE_CHECKING:
 
 # From an order to the next [s]; an order is in whole degrees.
 LOOK, DEGREE = 4.0, math.pi / 180
+
 # Of pushes that change, and of the voyage's steps [s].
 PIECE = 1.0
+
 # Of an aim that wanders [s].
 AIM_PIECE = 10.0
+
 # Standard deviation of the current along the canal [m/s].
 CURRENT = 0.3
+
 # Of coefficients, until one is within the bounds.
 DRAWS = 200
 
@@ -124,7 +130,7 @@ def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.
 
 def drawn_truth(model: Model, seed: int, **held: float) -> Model:
     """Return a ship that the tests of a model leave possible, within the bounds of its terms."""
-    from narrows.logbook.gaussian_update import NormalPrior
+    from narrows.logbook.learned_model import NormalPrior
 
     draw, names = np.random.default_rng((seed, 17)), model.terms.names
     prior = NormalPrior.of(np.array([model.coefficients[name] for name in names]), np.asarray(model.covariance))
@@ -134,3 +140,56 @@ def drawn_truth(model: Model, seed: int, **held: float) -> Model:
         if ((values >= bounds[:, 0] - 1e-9) & (values <= bounds[:, 1] + 1e-9)).all():
             return model.with_coefficients(**{**dict(zip(names, values.tolist(), strict=True)), **held})
     raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
+
+
+# A demonstration without a log: twins of transits of a large container ship, whose truth is known.
+# Of the ship and the canal [m], as in the case of the Suez section.
+LENGTH, WIDTH = 399.94, 205.0
+
+# Of a transit, and of one for a demonstration that is soon over.
+SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
+
+# That may be drawn until one comes through.
+SHIPS = 100
+
+
+@dataclass(frozen=True)
+class DemonstratedLog:
+    """Transits of a ship whose truth is known."""
+
+    prior: Model  # The ship as its captive tests tell
+    truth: Model  # What it is
+    log: ShipLog  # What its sensors recorded
+
+
+def large_container_ship() -> Model:
+    """Return the KCS as identified from the bundled tests, at 400 m in a canal of 205 m."""
+    return bundled_ship(LENGTH, WIDTH)
+
+
+def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> DemonstratedLog:
+    """Return twins of transits of a ship that its tests leave possible."""
+    prior = large_container_ship()
+    for ship in range(SHIPS):
+        truth = drawn_truth(prior, SHIPS * seed + ship)
+        try:
+            twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
+            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, SHIPS * seed + ship, twin))
+        except InputError:
+            continue
+    raise InputError("none of the ships that were drawn comes through the canal; take another seed")
+
+
+def transits_of(
+    truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
+) -> ShipLog:
+    """Return transits of a ship as its sensors record them."""
+    usual = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
+    records = []
+    with bar(transits, is_shown(), "transits") as done:
+        for number in range(transits):
+            voyage = usual.sailed(1000 * seed + number)
+            drawn = {"current": 0.0} if usual.waterway else {}  # A waterway has its own.
+            records.append(recorded(f"transit {number + 1}", voyage, sensors, 1000 * seed + number, **drawn))
+            done(1)
+    return ShipLog(tuple(records), usual.waterway)

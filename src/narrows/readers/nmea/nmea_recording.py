@@ -5,17 +5,22 @@ from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+
+from narrows.errors import InputError
 from narrows.progress import opened
 from narrows.readers.nmea.nmea_clock import Clock, Entry
 from narrows.readers.nmea.nmea_hearing import Hearing
 from narrows.readers.nmea.nmea_lines import SENTENCE, Sentence, sentences
-from narrows.readers.nmea.nmea_sentences import Telling
-from narrows.readers.nmea.nmea_sources import Sources
+from narrows.readers.nmea.nmea_sentences import SOURCES, Telling
 
 # Bytes of a file by which a recording is recognised.
 SNIFFED = 1 << 16
+
 # Sentences that are looked at to choose who tells what.
 SAMPLE = 20_000
+
 MOSTLY = 0.5
 
 
@@ -59,3 +64,93 @@ class Recording:
             told = self.hearing.told(sentence, sentence.logged or 0.0)
             if told is not None:
                 yield sentence, told
+
+
+# Who tells what in a recording of NMEA 0183: the best sentence, and its likes where its talker falls silent.
+# Without a word [s], after which another talker of the same sentence is listened to: receivers change their names.
+SILENT = 5.0
+
+
+class Sources:
+    """Chooses whom to believe."""
+
+    def __init__(self, sample: Iterable[Telling] = ()) -> None:
+        counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
+        for told in sample:
+            for about, values in told.values.items():
+                if values and about in counts:
+                    counts[about][told.source] += 1
+        self.chosen = {about: _best(found, SOURCES[about]) for about, found in counts.items() if found}
+        self.used = {about: [source] for about, source in self.chosen.items()}
+        self._heard: dict[str, float] = {}
+
+    def tells(self, about: str, source: str, t: float) -> bool:
+        """Say whether a source is the one to listen to."""
+        # t [s]
+        chosen = self.chosen.setdefault(about, source)
+        if source != chosen:
+            if _type(source) != _type(chosen) or t - self._heard.get(about, 0.0) < SILENT:
+                return False
+            self.chosen[about] = source
+        used = self.used.setdefault(about, [])
+        if source not in used:
+            used.append(source)
+        self._heard[about] = t
+        return True
+
+    def words(self) -> str:
+        """Say who told what."""
+        return ", ".join(f"{about} by {' and '.join(used)}" for about, used in self.used.items())
+
+
+def _type(source: str) -> str:
+    """Type and detail, without the talker."""
+    return source[2:]
+
+
+def _best(found: Counter[str], types: tuple[str, ...]) -> str:
+    """The source of the best type, and of that the one that tells most."""
+    return min(found, key=lambda source: (types.index(source.split()[0][-3:]), -found[source]))
+
+
+# A recording of NMEA 0183 as a table: a row a sentence.
+class NmeaTable(Recording):
+    """A recording, read as a table."""
+
+    def frames(self, rows: int) -> Iterator[pd.DataFrame]:
+        """Yield the recording in the documented columns, SI, piece by piece."""
+        entries, first = self.entries(), 0
+        while piece := list(islice(entries, rows)):
+            frame = _frame(piece, self.sources, first)
+            first += len(piece)
+            if len(frame.columns) > 1:
+                yield frame
+        if not self.sources.chosen:
+            ships = ", ".join(name for name, _ in self.hearing.ships.most_common(3))
+            heard = f"; it heard the ships {ships} by AIS: say whose reports to read, mmsi=" if ships else ""
+            raise InputError(f"{self.path}: no sentence tells where this ship is or how it moves{heard}")
+
+    def notes(self) -> tuple[str, ...]:
+        """What there is to say of the recording once it is read."""
+        clock = self.clock
+        by = "the logger's times" if clock.logged else "the clocks in the sentences, evenly between them"
+        start = f", from {clock.started.isoformat()}" if clock.started else ""
+        left = [f"{count} sentences {what} were left out" for what, count in self.faults.items()]
+        lost = [f"{clock.lost} sentences before the first time were left out"] if clock.lost else []
+        return (f"{self.sources.words()}; timed by {by}{start}", *left, *lost)
+
+
+def _frame(entries: list[Entry], sources: Sources, first: int) -> pd.DataFrame:
+    """A row a sentence; what is told by a source that is not chosen is passed over."""
+    cells: dict[str, list[tuple[int, float]]] = {}
+    for row, (t, told) in enumerate(entries):
+        for about, values in told.values.items():
+            if values and about in SOURCES and sources.tells(about, told.source, t):
+                for name, value in values.items():
+                    cells.setdefault(name, []).append((row, value))
+    columns = {"t": np.array([entry.t for entry in entries])}
+    for name, pairs in cells.items():
+        rows, values_of = zip(*pairs, strict=True)
+        columns[name] = np.full(len(entries), np.nan)
+        columns[name][list(rows)] = values_of
+    return pd.DataFrame(columns, index=pd.RangeIndex(first, first + len(entries)))

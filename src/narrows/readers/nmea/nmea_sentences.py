@@ -6,7 +6,7 @@ from datetime import date, time
 from enum import Enum
 from typing import Any, NamedTuple
 
-from narrows.quantities.constants import KNOT
+from narrows.quantities.names import KNOT
 from narrows.readers.headers import DEGREE
 
 # Of the wind, by the letter of its unit.

@@ -10,8 +10,10 @@ from enum import Enum, IntEnum
 
 # For which an alert is silenced [s]; then it sounds again.
 SILENCE = 30.0
+
 # Without an acknowledgement [s], after which an alert sounds anew, and how often that is counted.
 PATIENCE, MOST_REPEATS = 60.0, 9
+
 MOST_REVISIONS = 99
 
 
@@ -55,8 +57,10 @@ class Command(Enum):
 
 
 SOUNDING = (AlertState.UNACKNOWLEDGED,)
+
 # States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED)
+
 # States in which an acknowledgement is waited for.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
@@ -123,3 +127,26 @@ class Alert:
     def _changed(self, t: float, state: AlertState, **others: object) -> "Alert":
         changes: dict[str, object] = {"state": state, "changed": t, "revision": self.revision % MOST_REVISIONS + 1}
         return replace(self, **changes, **others)  # type: ignore[arg-type]
+
+
+# What there is to be alerted of: one alert a situation.
+@dataclass(frozen=True)
+class Situation:
+    """Something that a bridge is alerted of."""
+
+    identifier: int  # In sentences; from 10000 on they are a maker's own
+    name: str  # Of it, in up to 16 letters
+
+
+BANK = Situation(10110, "BANK CONTACT")
+
+SENSORS = Situation(10120, "BANK SENSORS")
+
+BEYOND_DATA = Situation(10130, "BANK MODEL RANGE")
+
+NO_FORECAST = Situation(10140, "NO BANK FORECAST")
+
+LOG_LATE = Situation(10150, "ALERT LOG LATE")
+
+# By identifier.
+SITUATIONS = {one.identifier: one for one in (BANK, SENSORS, BEYOND_DATA, NO_FORECAST, LOG_LATE)}

@@ -9,26 +9,32 @@ and ACN.
 import re
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from narrows.readers.nmea.nmea_lines import with_checksum
-from narrows.warning.alerts.alert import Alert, AlertState, Command
-from narrows.warning.alerts.situations import SITUATIONS
+from narrows.warning.alerts.alert import HOLDS, SITUATIONS, Alert, AlertState, Command, Priority, Situation
+from narrows.warning.alerts.alert_desk import AlertDesk
 
 # Integrated instrumentation; whose alerts they are; that they may be acknowledged at another place.
 TALKER, MAKER, CATEGORY = "II", "NRW", "B"
+
 # Letters of the second sentence of an alert.
 LONGEST_TEXT = 40
+
 # Of a list, a sentence.
 ENTRIES = 3
+
 # Between heartbeats [s], as the sentence tells.
 HEARTBEAT = 60.0
+
 RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
+
 # Of states. Makers' manuals contradict each other, so that they can be others.
 LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
     AlertState.RECTIFIED: "U",
 }  # fmt: skip
+
 ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
 
 
@@ -100,3 +106,48 @@ def _clock(since_1970: float) -> str:
 def _escaped(text: str) -> str:
     """What a field cannot hold, as a circumflex and two digits."""
     return RESERVED.sub(lambda match: "".join(f"^{byte:02X}" for byte in match[0].encode("latin-1", "replace")), text)
+
+
+# Alerts as notifications of Signal K: all situations in one delta, so that the newest tells everything. References
+# ---------- Signal K specification 1.7: notifications, with their states and methods.
+# By priority; of what is over, normal.
+STATES = {
+    Priority.NONE: "normal", Priority.CAUTION: "alert", Priority.WARNING: "warn", Priority.ALARM: "alarm",
+    Priority.EMERGENCY_ALARM: "emergency",
+}  # fmt: skip
+
+SOURCE = "narrows"
+
+
+def notifications(desk: AlertDesk, since_1970: float) -> dict[str, Any]:
+    """Return the delta of all alerts."""
+    # since_1970 [s]
+    return _delta({one: _value(desk[one]) for one in SITUATIONS.values()}, since_1970)
+
+
+def ended(since_1970: float) -> dict[str, Any]:
+    """Return the delta of a monitor that watches no more: nothing is alerted, and that is why."""
+    # since_1970 [s]
+    return _delta({one: _normal("The monitor has ended.") for one in SITUATIONS.values()}, since_1970)
+
+
+def _delta(values: Mapping[Situation, dict[str, Any]], since_1970: float) -> dict[str, Any]:
+    told = [{"path": _path(situation), "value": value} for situation, value in values.items()]
+    stamp = datetime.fromtimestamp(since_1970, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": told}]}
+
+
+def _path(situation: Situation) -> str:
+    first, *others = situation.name.lower().split()
+    return f"notifications.{SOURCE}.{first}{''.join(map(str.title, others))}"
+
+
+def _value(alert: Alert) -> dict[str, Any]:
+    if alert.state not in HOLDS:
+        return _normal("")
+    shown = ["visual"] if alert.state is not AlertState.ACKNOWLEDGED else []
+    return {"state": STATES[alert.priority], "method": shown + ["sound"] * alert.sounds, "message": alert.text}
+
+
+def _normal(message: str) -> dict[str, Any]:
+    return {"state": STATES[Priority.NONE], "method": [], "message": message}

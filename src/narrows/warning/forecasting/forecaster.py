@@ -2,32 +2,65 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.control.local_water import local_water
+from narrows.control.local_motion import local_water
 from narrows.control.regulator import regulator
 from narrows.control.regulator_law import Regulator
+from narrows.control.self_propulsion import with_propulsion
+from narrows.control.steady_course import RUDDER, solved
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.ship_lanes import RUDDER
-from narrows.quantities.constants import GRAVITY
-from narrows.warning.forecasting.bridge_predictors import Beside
-from narrows.warning.forecasting.forecast import SOON, BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.forecast_cases import AFTER, CASES, CHANCES, LIKELY
-from narrows.warning.forecasting.future_lanes import Ends, FutureBlock, FutureLanes, Ships
-from narrows.warning.forecasting.members import Drawn, Members
-from narrows.warning.forecasting.predicted_fan import BLOCKS, FAN_MEMBERS, PredictedFan, fan_of
-from narrows.warning.forecasting.rudder_needed import rudder_needed
+from narrows.estimation.ship_filter import ShipFilter
+from narrows.quantities.names import GRAVITY
+from narrows.ship.cross_section import half_swept
+from narrows.ship.particulars import Ship
+from narrows.simulation.ship import SimulatedShip
+from narrows.warning.forecasting.forecast import (
+    AFTER,
+    CASES,
+    CHANCES,
+    LIKELY,
+    SOON,
+    BankForecast,
+    CaseForecast,
+    LikelyRun,
+)
+from narrows.warning.forecasting.future_lanes import (
+    BLOCKS,
+    FAN_MEMBERS,
+    Ends,
+    FutureBlock,
+    FutureLanes,
+    PredictedFan,
+    Ships,
+    fan_of,
+)
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
 
 # Of the root of length over gravity; and a time [s] that is a whole number of steps, as all times of the cases are.
 STEPS_A_PERIOD, EVEN = 2.0, 10.0
+
 # Along the way, and of the speed, after which the pilot is made anew for the place and the speed.
 AGAIN_LENGTHS, AGAIN_SHARE = 5.0, 0.2
+
 # Froude number by length: for slower ships the pilot is that of this speed [1].
 SLOWEST = 0.01
+
+
+# Members of an ensemble: the state and the coefficients drawn together, by the same numbers at every forecast.
+class Drawn(NamedTuple):
+    """Ships."""
+
+    states: np.ndarray  # (ships, states) Of the estimate
+    coefficients: np.ndarray  # (ships, coefficients) In the order of the model's table
 
 
 class Forecaster:
@@ -137,3 +170,115 @@ def _likely(ends: Ends) -> LikelyRun:
 
 def _side(sign: float) -> str:
     return "starboard" if sign > 0 else "port"
+
+
+@dataclass
+class Members:
+    """Ships that what is known leaves possible."""
+
+    # What an estimate knows of how the state goes with the coefficients, the members keep. The numbers that they are
+    # drawn by stay the same: from one forecast to the next only what is known changes.
+
+    filter: ShipFilter  # Of the estimator
+    count: int  # How many, an even number: half of them mirror the other half about the mean
+    seed: int  # Of the numbers
+
+    @cached_property
+    def _normals(self) -> np.ndarray:
+        size = len(self.filter.states) + self.filter.root.shape[1]
+        half = np.random.default_rng(self.seed).standard_normal((self.count // 2, size))
+        return np.concatenate([half, -half])
+
+    def drawn(self, estimate: Estimate) -> Drawn:
+        """Return the members."""
+        return self._ships(estimate, self._normals)
+
+    def likely(self, estimate: Estimate) -> Drawn:
+        """Return the one ship of the mean."""
+        return self._ships(estimate, np.zeros((1, self._normals.shape[1])))
+
+    def _ships(self, estimate: Estimate, normals: np.ndarray) -> Drawn:
+        joint, size = estimate.joint, len(self.filter.states)
+        if joint is None:
+            raise InputError("there is nothing known of this ship yet, so nothing can be foretold")
+        points = joint.mean + normals[:, : joint.root.shape[1]] @ joint.root.T
+        carried = normals[:, : self.filter.considered]
+        directions = points[:, size:] if self.filter.estimated else carried
+        return Drawn(points[:, :size], self._coefficients(directions))
+
+    def _coefficients(self, directions: np.ndarray) -> np.ndarray:
+        """Coefficients by the directions of their covariance, within the bounds of their terms."""
+        model = self.filter.model
+        middle = np.array([model.coefficients[name] for name in model.terms.names])
+        low, high = np.array([term.bound for term in model.terms.terms]).T
+        drawn = middle + directions @ self.filter.root[:, : directions.shape[1]].T
+        return np.asarray(np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
+
+
+# The rudder that holds a ship where it is, against a bank that is as strong as it is estimated to be.
+def rudder_needed(
+    ship: SimulatedShip, waterway: "Waterway | None", at: Mapping[str, float], positions: Mapping[str, float]
+) -> float:
+    """Return the rudder of the steady course at a place [rad]; infinite where there is none."""
+    # at [m]; positions [1/s]
+    model = ship.model
+    water = local_water(model, waterway, at["x"] if waterway is not None else 0.0)
+    offset = at["y"] - water.middle
+    if abs(offset) >= (water.width - model.configuration.ship.beam) / 2 or not at["u"] > 0.0:
+        return math.inf
+    bank = at.get("bank", 1.0)
+    banks = {term.name: bank * model.coefficients[term.name] for term in model.terms.terms if term.from_bank}
+    place = {"path_curvature": water.curvature / (1.0 - water.curvature * at["y"]), "current": water.current}
+    turns = {name: value for name, value in positions.items() if name != RUDDER}
+    turning = with_propulsion(model, {**turns, "u": at["u"]})
+    values = {**ship.values(), **banks, **water.sections, **place, **turning, "y": offset}
+    _, rudder = solved(ship, values, 1, 1)
+    return float(rudder[0]) if math.isfinite(rudder[0]) else math.inf
+
+
+# What bridges foretell without a model: the distance to the bank, the track straight on, the track curved by the turn.
+# The banks are taken to go on as they are beside the ship; along a bend by the line's curvature there.
+# Between the places of a track [s].
+STEP = 2.0
+
+
+class Beside(NamedTuple):
+    """Ships beside banks."""
+
+    hull: Ship  # Length and beam
+    half_width: float  # Of the water [m]
+    y: np.ndarray  # (n,) To starboard of the middle [m]
+    psi: np.ndarray  # (n,) Heading, to the line [rad]
+    u: np.ndarray  # (n,) Surge and sway velocity [m/s]
+    v: np.ndarray  # (n,) Surge and sway velocity [m/s]
+    r: np.ndarray  # (n,) Yaw rate [rad/s]
+    bend: float = 0.0  # Curvature of the line [1/m]
+
+    def clearance(self, y: np.ndarray, psi: np.ndarray) -> Any:
+        """Return the water beside the corners of the hull [m]."""
+        # y, psi [m, rad]
+        return self.half_width - np.abs(y) - half_swept(self.hull, psi)
+
+    @property
+    def now(self) -> Any:
+        """The clearance as it is, (n,) [m]."""
+        return self.clearance(self.y, self.psi)
+
+    def straight_contact(self, until: float) -> np.ndarray:
+        """Return when a ship that goes straight on meets a bank, (n,) [s]; infinite where it does not by then."""
+        # until [s]
+        return self._contact(np.zeros_like(self.r), until)
+
+    def curved_contact(self, until: float) -> np.ndarray:
+        """Return the same of a ship that goes on turning as fast as it does."""
+        # until [s]
+        return self._contact(self.r, until)
+
+    def _contact(self, turn: np.ndarray, until: float) -> np.ndarray:
+        t = np.arange(0.0, until + STEP / 2, STEP)
+        psi = self.psi[:, None] + (turn - self.bend * self.u)[:, None] * t
+        across = self.u[:, None] * np.sin(psi) + self.v[:, None] * np.cos(psi)
+        gone = np.cumsum((across[:, 1:] + across[:, :-1]) / 2 * STEP, axis=1)
+        y = self.y[:, None] + np.concatenate([np.zeros((len(self.y), 1)), gone], axis=1)
+        met = self.clearance(y, psi) <= 0.0
+        return np.where(met.any(axis=1), t[met.argmax(axis=1)], np.inf)

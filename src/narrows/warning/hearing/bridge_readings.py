@@ -8,16 +8,17 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_sentences import PARTICULARS, WATER_DEPTH, Values
-from narrows.warning.hearing.live_choice import LiveChoice
-from narrows.warning.hearing.tick import Tick
-from narrows.waterway.projection import projected
+from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
+from narrows.waterway.centreline import projected
 from narrows.waterway.waterway import Waterway
 
 # Beyond the banks [m] and the ends, where a fix is none of this waterway.
 BESIDE = 1000.0
+
 NOT_HERE = "that tell of a place off the waterway"
+
 WATER_LOG, GROUND_LOG = "log", "ground_log"
+
 Reading = float | tuple[float, float]
 
 
@@ -32,6 +33,15 @@ class Heard(NamedTuple):
     # Of the water, as the echo sounder told it in the last second; what is under the keel and the draft, where it
     # tells that [m]
     depth: float | None = None
+
+
+class Tick(NamedTuple):
+    """All that was told until a time, since the one before."""
+
+    t: float  # Until when [s]
+    entries: Sequence[Entry]  # What was told, in order
+    faults: dict[str, int]  # Messages that were left out so far, by what is wrong with them
+    commands: Sequence[bytes] = ()  # Sentences by which the bridge answers alerts (ACN)
 
 
 class BridgeReadings:
@@ -113,3 +123,43 @@ class BridgeReadings:
         elif "speed through the water" not in self._last and "speed_over_ground" in ground:
             readings[GROUND_LOG] = ground["speed_over_ground"] - self.waterway.current
         return readings
+
+
+# Whom to believe while a ship sails, of several that tell the same: the best that is not silent.
+# Without a word [s], after which another is listened to.
+SILENT = 5.0
+
+
+class Chosen(NamedTuple):
+    """Who is believed."""
+
+    rank: int  # Of what it is, the best 0
+    source: str  # Who
+    t: float  # When it was heard last [s]
+
+
+class LiveChoice:
+    """Chooses, for each thing that is told."""
+
+    def __init__(self) -> None:
+        self.chosen: dict[str, Chosen] = {}
+
+    def tells(self, about: str, source: str, t: float) -> bool:
+        """Say whether a source is the one to believe."""
+        # t [s]
+        now, rank = self.chosen.get(about), _rank(about, source)
+        if now and source != now.source and rank >= now.rank and t - now.t <= SILENT:
+            return False
+        self.chosen[about] = Chosen(rank, source, t)
+        return True
+
+
+def _rank(about: str, source: str) -> int:
+    """By the type of its sentence; last what comes by other ways."""
+    types, kind = SOURCES.get(about, ()), source.split()[0][-3:]
+    return types.index(kind) if kind in types else len(types)
+
+
+# What came in a second.
+# Between updates [s].
+PERIOD = 1.0

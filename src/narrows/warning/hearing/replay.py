@@ -9,7 +9,7 @@ from pathlib import Path
 
 from narrows.readers.nmea.nmea_clock import Entry
 from narrows.readers.nmea.nmea_recording import Recording
-from narrows.warning.hearing.tick import PERIOD, Tick
+from narrows.warning.hearing.bridge_readings import PERIOD, Tick
 
 # How late a line may stand in a recording [s].
 LATE = 60.0

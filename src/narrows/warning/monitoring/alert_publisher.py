@@ -1,17 +1,28 @@
 """Alerts on their way out: into the log first, then to the bridge; lists and heartbeats in between."""
 
 import socket
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from itertools import count
+from threading import Condition, Event, Thread
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
-from narrows.errors import InputError
+from narrows.errors import InputError, needs
+from narrows.results import to_json
 from narrows.warning.alerts.alert import Alert
+from narrows.warning.alerts.alert_desk import AlertDesk
 from narrows.warning.alerts.alert_log import AlertLog
-from narrows.warning.alerts.alert_sentences import HEARTBEAT, AlertCommand, alc, alf, arc, hbt
+from narrows.warning.alerts.alert_sentences import HEARTBEAT, AlertCommand, alc, alf, arc, ended, hbt, notifications
+from narrows.warning.hearing.connections import FIRST_PAUSE, LONGEST_PAUSE, OPENING, PATIENCE
+
+if TYPE_CHECKING:
+    from websockets.sync.client import ClientConnection
 
 # Between lists of alerts [s].
 LIST_EVERY = 30.0
+
 Send = Callable[[str], None]
 
 
@@ -64,3 +75,85 @@ def sender_to(address: str) -> Iterator[Send]:
                 udp.sendto(sentence.encode("ascii"), (host, int(port)))
 
         yield send
+
+
+# Alerts to a Signal K server: a connection that is opened anew when it breaks, and that nobody waits for.
+STREAM = "/signalk/v1/stream?subscribe=none"
+
+# How long the last message is waited for [s].
+ENDING = 2.0
+
+
+class SignalKSender:
+    """Sends the newest of all alerts, each time that they change; all of them after every new connection."""
+
+    # When it ends it sends that nothing is alerted any more: a server keeps what it was told last.
+
+    def __init__(self, address: str) -> None:
+        with needs("monitor", "Signal K"):
+            from websockets.sync.client import connect
+        parts = urlsplit(address)
+        if parts.scheme not in ("ws", "wss") or not parts.netloc:
+            raise InputError(f"{address}: is no address of Signal K; write it as in ws://192.168.1.20:3000")
+        self.address = address if parts.path.strip("/") else f"{parts.scheme}://{parts.netloc}{STREAM}"
+        self._connect = connect
+        self._newest: dict[str, Any] | None = None
+        self._changed, self._stop = Condition(), Event()
+        self._thread = Thread(target=self._run, daemon=True)
+
+    def __enter__(self) -> "SignalKSender":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        with self._changed:
+            self._newest = self._newest and ended(time.time())
+            self._stop.set()
+            self._changed.notify_all()
+        self._thread.join(ENDING)
+
+    def tell(self, desk: AlertDesk, since_1970: float) -> None:
+        """Leave the alerts as they are, without waiting for anything."""
+        # since_1970 [s]
+        with self._changed:
+            self._newest = notifications(desk, since_1970)
+            self._changed.notify_all()
+
+    def _run(self) -> None:
+        from websockets.exceptions import WebSocketException
+
+        pause = FIRST_PAUSE
+        while not self._stop.is_set():
+            try:
+                with self._connect(self.address, open_timeout=OPENING) as server:
+                    for message in self._changes():
+                        _exchange(server, message)
+                        pause = FIRST_PAUSE
+            except (OSError, WebSocketException):
+                self._stop.wait(pause)
+                pause = min(2 * pause, LONGEST_PAUSE)
+
+    def _changes(self) -> Iterator[str]:
+        """What to send on a new connection: now, and whenever there is something new in it; nothing in between."""
+        sent: list[Any] = []
+        while not self._stop.is_set() or self._values() != sent:
+            with self._changed:
+                if self._values() == sent:
+                    self._changed.wait(PATIENCE)
+                newest, values = self._newest, self._values()
+            yield to_json(newest) if values != sent else ""
+            sent = values
+
+    def _values(self) -> list[Any]:
+        return list(self._newest["updates"][0]["values"]) if self._newest else []
+
+
+def _exchange(server: "ClientConnection", message: str) -> None:
+    """Send what there is, and pass over what the server says: a connection that is never read breaks unseen."""
+    if message:
+        server.send(message)
+    try:
+        while True:
+            server.recv(0.0)
+    except TimeoutError:
+        return

@@ -1,5 +1,6 @@
 """The monitor: from what was told in a second to alerts, whatever came in."""
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -8,28 +9,23 @@ from typing import Any
 from narrows.errors import InputError
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.satellite_sensors import CourseOverGround, Gnss
-from narrows.estimation.ship_sensors import Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.estimation.sensors import CourseOverGround, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
-from narrows.warning.alerts.alert import Alert, Priority
-from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition, Lingering
+from narrows.warning.alerts.alert import BANK, BEYOND_DATA, LOG_LATE, NO_FORECAST, SENSORS, Alert, Priority, Situation
+from narrows.warning.alerts.alert_desk import CALM, AlertDesk, BankLevel, Condition, Lingering, Thresholds
 from narrows.warning.alerts.alert_sentences import command_of
-from narrows.warning.alerts.bank_level import BankLevel, Thresholds
-from narrows.warning.alerts.situations import BANK, BEYOND_DATA, LOG_LATE, NO_FORECAST, SENSORS, Situation
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
-from narrows.warning.forecasting.predicted_fan import PredictedFan
-from narrows.warning.hearing.bridge_readings import GROUND_LOG, BridgeReadings, Heard
-from narrows.warning.hearing.tick import PERIOD, Tick
+from narrows.warning.forecasting.future_lanes import PredictedFan
+from narrows.warning.hearing.bridge_readings import GROUND_LOG, PERIOD, BridgeReadings, Heard, Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
-from narrows.warning.monitoring.beyond_data import beyond_data
-from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.monitoring.clearances import clearances
-from narrows.warning.monitoring.sensor_health import SensorHealth
+from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
 
 # Of the speed through the water, where it is taken for that over ground [m/s]: a current lies between.
 GROUND_NOISE = 0.4
+
 # After the start, in which it is no alert that nothing is foretold yet [s].
 GRACE = 20.0
 
@@ -147,3 +143,71 @@ class BridgeMonitor:
 
     def _log_condition(self) -> Condition:
         return Condition(Priority.CAUTION, self.publisher.late) if self.publisher.late else CALM
+
+
+# Whether a ship is where its model was tested.
+# Of the draft, by which the ship may lie deeper or less deep than its model; of the depth of the waterway, by which
+# there may be more or less water than is charted.
+DRAFT_OFF, DEPTH_OFF = 0.03, 0.1
+
+
+def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Heard) -> Condition:
+    """Return a caution where the ship is outside of what its model's data covered."""
+    ship, now = model.configuration.ship, estimate.values
+    here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
+    asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}
+    asked |= {"width_to_beam": float(here.width) / ship.beam, "depth_to_draft": float(here.depth) / ship.draft}
+    known = {name: value for name, value in asked.items() if math.isfinite(value)}
+    said = list(extrapolation(model.data_range, known))
+    if heard.draft is not None and abs(heard.draft - ship.draft) > DRAFT_OFF * ship.draft:
+        said.append(f"The ship reports a draft of {heard.draft:g} m; its model is of {ship.draft:g} m.")
+    if heard.depth is not None and abs(heard.depth - float(here.depth)) > DEPTH_OFF * float(here.depth):
+        charted = f"{waterway.name} has {float(here.depth):.1f} m here"
+        said.append(f"The echo sounder tells {heard.depth:.1f} m of water; {charted}.")
+    return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
+
+
+# Whether the sensors can be believed: silences, jumps that were refused, drifts.
+# What a forecast cannot do without for long.
+NEEDED = ("position", "heading", "rudder")
+
+# Without a word of what is needed [s], after which that is said, and after which nothing is foretold.
+SILENT, BLIND = 3.0, 10.0
+
+# Without a word of what was told before [s].
+OTHERS_SILENT = 10.0
+
+# For which a refused or a drifting sensor is spoken of [s].
+HELD = 10.0
+
+
+class SensorHealth:
+    """What is wrong with the sensors, as it is said."""
+
+    def __init__(self) -> None:
+        self._began: float | None = None
+        self._doubted: dict[str, float] = {}
+
+    def condition(self, heard: Heard, estimate: Estimate) -> Condition:
+        """Return a caution where a sensor is silent or doubted, a warning where nothing can be foretold for it."""
+        self._doubted |= {f"{name} jumps": heard.t for name in estimate.refused}
+        self._doubted |= {f"{name} drifts, or is led astray": heard.t for name in estimate.suspects}
+        self._doubted = {what: t for what, t in self._doubted.items() if heard.t - t < HELD}
+        said = [*self._silences(heard), *self._doubted]
+        if not said:
+            return CALM
+        return Condition(Priority.WARNING if self.blind(heard) else Priority.CAUTION, "; ".join(said))
+
+    def blind(self, heard: Heard) -> bool:
+        """Return whether too much is unknown for too long to foretell anything."""
+        return max(self._needed(heard).values()) > BLIND
+
+    def _needed(self, heard: Heard) -> dict[str, float]:
+        """How long ago each that is needed was told; of what never was, since the watch began."""
+        self._began = heard.t if self._began is None else self._began
+        return {what: heard.ages.get(what, heard.t - self._began) for what in NEEDED}
+
+    def _silences(self, heard: Heard) -> list[str]:
+        others = {what: age for what, age in heard.ages.items() if what not in NEEDED and age > OTHERS_SILENT}
+        late = {what: age for what, age in self._needed(heard).items() if age > SILENT} | others
+        return [f"no {what} for {age:.0f} s" for what, age in late.items()]

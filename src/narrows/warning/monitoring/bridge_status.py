@@ -2,17 +2,27 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from narrows.estimation.estimate import Estimate
-from narrows.warning.alerts.alert import HOLDS, Alert, Priority
-from narrows.warning.alerts.situations import BEYOND_DATA, LOG_LATE, SENSORS, SITUATIONS
+from narrows.ship.cross_section import half_swept
+from narrows.ship.particulars import Ship
+from narrows.warning.alerts.alert import BEYOND_DATA, HOLDS, LOG_LATE, SENSORS, SITUATIONS, Alert, Priority
 from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.monitoring.clearances import Clearances
+from narrows.waterway.waterway import Waterway
 
 NOT_AVAILABLE = "not available"
+
 # Situations in which less is to be believed.
 DOUBTS = (SENSORS.identifier, BEYOND_DATA.identifier, LOG_LATE.identifier)
+
+
+# Water beside the hull.
+class Clearances(NamedTuple):
+    """Of the corners of the hull to the banks, infinite where they are not known."""
+
+    port: float = math.inf  # To which [m]
+    starboard: float = math.inf  # To which [m]
 
 
 @dataclass(frozen=True)
@@ -86,3 +96,13 @@ def told(alert: Alert) -> dict[str, Any]:
     """Return an alert by names and words."""
     words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
     return {**vars(alert), **words}
+
+
+def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances:
+    """Return the water beside a hull, the banks as they are beside midship."""
+    if not estimate.ready:
+        return Clearances()
+    now = estimate.values
+    here = waterway.room(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
+    off, room = now["y"] - float(here.middle), float(here.width) / 2 - float(half_swept(ship, now["psi"]))
+    return Clearances(room + off, room - off)

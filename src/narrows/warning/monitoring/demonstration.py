@@ -1,7 +1,7 @@
 """A demonstration: a transit with a mistake at the helm beside a bank, so that anyone sees a monitor at work."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -10,25 +10,32 @@ import numpy as np
 from narrows.control.track_pilot import track_pilot
 from narrows.identification.bundled_ship import bundled_ship
 from narrows.model.model import Model
+from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_clock import Entry
 from narrows.readers.nmea.nmea_hearing import Hearing
-from narrows.readers.nmea.nmea_lines import sentences
+from narrows.readers.nmea.nmea_lines import checksum, sentences, with_checksum
 from narrows.simulation.controllers import Autopilot, Order, VoyageState
-from narrows.simulation.voyage import simulate
+from narrows.simulation.voyage import Voyage, simulate
 from narrows.terms.tables import table_named
-from narrows.warning.hearing.tick import Tick
-from narrows.warning.monitoring.simulated_bridge import SimulatedBridge
-from narrows.waterway import Bank, Centreline, Waterway
+from narrows.warning.hearing.bridge_readings import Tick
+from narrows.waterway import Bank, Centreline
+from narrows.waterway.centreline import unprojected
+from narrows.waterway.waterway import Waterway
 
 # Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled.
 LENGTH, WIDTH, DEPTH, SPEED, LINE = 230.0, 368.0, 16.2, 4.2, 30.0
+
 # Of the bend [m], where it begins, and between the points of the line.
 RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
+
 # Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes.
 DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
+
 # The rudder's angle then [deg], and the moment of the upset, in degrees of rudder.
 WRONG, MOMENT = 27.0, 3.0
+
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
+
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
 
 
@@ -50,6 +57,31 @@ class MistakenHelm:
             return float(self.pilot.rudder - np.dot(self.pilot.gains, off))
 
         return order
+
+
+@dataclass(frozen=True)
+class SimulatedBridge:
+    """A voyage and what is told of it."""
+
+    voyage: Voyage  # Of steps of a second, along a waterway
+    waterway: Waterway  # Along which, that knows where on earth it is
+    began: float  # Since 1970 [s]
+    seed: int = 0  # Of the sensors' noise
+
+    def seconds(self) -> Iterator[tuple[float, list[str]]]:
+        """Yield each second since 1970, and the sentences of it."""
+        random, voyage = np.random.default_rng(self.seed), self.voyage
+        for row, t in enumerate(voyage.t):
+            now = {name: float(voyage[name][row]) for name in ("x", "y", "psi", "r", "u", "rudder")}
+            v = float(voyage.v[row])
+            now |= {"course": now["psi"] + math.atan2(v, now["u"]), "speed": math.hypot(now["u"], v)}
+            told = {name: value + NOISE[name] * random.standard_normal() for name, value in now.items()}
+            yield self.began + float(t), bridge_sentences(self.waterway, told, self.began + float(t))
+
+    def recording(self) -> bytes:
+        """Return what a logger would have written, its times before the sentences."""
+        lines = [f"{_stamp(t)}{line}" for t, told in self.seconds() for line in told]
+        return "".join(lines).encode("ascii")
 
 
 @dataclass(frozen=True)
@@ -98,3 +130,46 @@ def _moment(model: Model) -> float:
     turn = linear.states.index("r")
     by_rudder = linear.B[turn, linear.controls.index("rudder")] / linear.G[turn, linear.disturbances.index("N")]
     return float(by_rudder) * math.radians(MOMENT)
+
+
+# A simulated bridge: a voyage told second by second as its sensors indicate it.
+# Standard deviations of what sensors indicate.
+NOISE = {
+    "x": 1.0, "y": 1.0, "psi": math.radians(0.2), "r": math.radians(0.03), "u": 0.05, "course": 0.01, "speed": 0.05,
+    "rudder": math.radians(0.2),
+}  # fmt: skip
+
+
+def _stamp(since_1970: float) -> str:
+    """The block before a sentence with the logger's time (IEC 61162-450)."""
+    body = f"c:{since_1970:.0f}"
+    return f"\\{body}*{checksum(body.encode()):02X}\\"
+
+
+# The sentences by which a bridge tells of its ship: what a simulated one says, and a recording of it holds.
+def bridge_sentences(waterway: Waterway, at: Mapping[str, float], since_1970: float) -> list[str]:
+    """Return what is told in a second: position, course, heading, rate of turn, log, rudder."""
+    # at [m]; since_1970 [s]
+    east_north, heading = waterway.to_map(at["x"], at["y"], at["psi"])
+    longitude, latitude = unprojected(np.reshape(east_north, (1, 2)), np.array(waterway.origin))[0]
+    line = float(heading) - at["psi"]
+    clock = datetime.fromtimestamp(since_1970, UTC)
+    place = f"{_minutes(latitude, 'NS', 2)},{_minutes(longitude, 'EW', 3)}"
+    bodies = (
+        f"GPZDA,{clock:%H%M%S}.{clock.microsecond // 10_000:02d},{clock:%d,%m,%Y},00,00",
+        f"GPGGA,{clock:%H%M%S}.{clock.microsecond // 10_000:02d},{place},1,12,0.8,20.0,M,45.0,M,,",
+        f"GPVTG,{_degrees(line + at['course']):.2f},T,,M,{at['speed'] / KNOT:.3f},N,{3.6 * at['speed']:.3f},K,A",
+        f"HEHDT,{_degrees(float(heading)):.2f},T", f"TIROT,{60 * math.degrees(at['r']):.2f},A",
+        f"VDVBW,{at['u'] / KNOT:.3f},,A,,,V,,V,,V", f"IIRSA,{math.degrees(at['rudder']):.2f},A,,V",
+    )  # fmt: skip
+    return [with_checksum(body) for body in bodies]
+
+
+def _degrees(angle: float) -> float:
+    return math.degrees(angle) % 360.0
+
+
+def _minutes(degrees: float, sides: str, width: int) -> str:
+    """A latitude or longitude as sentences write it, to two millimetres."""
+    whole, minutes = divmod(abs(degrees) * 60.0, 60.0)
+    return f"{int(whole):0{width}d}{minutes:09.6f},{sides[int(degrees < 0)]}"

@@ -1,27 +1,67 @@
 """The page of a monitor: told what is known, asked what was asked for."""
 
+import asyncio
+import hmac
+import ipaddress
+import json
+import secrets
+import socket
 import time
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from importlib.resources import files
+from queue import Empty, Full, Queue
+from threading import Thread
+from typing import TYPE_CHECKING, Any, NamedTuple
+from urllib.parse import urlsplit
 
-from narrows.warning.alerts.signal_k_notifications import notifications
-from narrows.warning.hearing.tick import Tick
+from narrows.errors import InputError, needs, reason
+from narrows.warning.alerts.alert import SITUATIONS, Alert, AlertState
+from narrows.warning.alerts.alert_desk import AlertDesk
+from narrows.warning.alerts.alert_sentences import acn, notifications
+from narrows.warning.hearing.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.page.onlookers import Onlooker, Onlookers
-from narrows.warning.page.page_access import PageAccess
-from narrows.warning.page.page_app import Stream, page_app
-from narrows.warning.page.page_requests import PageRequests
-from narrows.warning.page.page_server import LOOPBACK, served
-from narrows.warning.page.page_updates import ending, packed, refusal, update_of
+from narrows.warning.page.onlookers import SHORTEST, Onlooker, Onlookers
+from narrows.warning.page.page_updates import COMMANDS, ending, packed, refusal, update_of
+from narrows.web import asset
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI, Response, WebSocket
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
+
 ENDED = "The watch has ended: nothing on this page is kept up to date."
+
 # What is older is told to no page [s]: it would look new there.
 OLD = 2.0
+
 # For the last words to arrive [s].
 FAREWELL = 0.3
+
+# The server of the page: one uvicorn in a thread beside the monitor.
+LOOPBACK = "127.0.0.1"
+
+# Who may look on and acknowledge: whoever has the token, from a page of this server and of no other.
+TOKEN_BYTES = 18
+
+
+@dataclass(frozen=True)
+class PageAccess:
+    """What is asked of whoever comes."""
+
+    # That must be known; made anew unless given
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(TOKEN_BYTES), repr=False)
+
+    def refusal(self, token: str, host: str, origin: str | None = None) -> str:
+        """Return why somebody is refused, in a sentence; empty where nobody is."""
+        if not _is_here(host):
+            return NO_HOST
+        if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
+            return NO_ORIGIN
+        # In constant time, so that nobody can guess it letter by letter.
+        return "" if hmac.compare_digest(token.encode(), self.token.encode()) else NO_TOKEN
 
 
 class BridgePage:
@@ -68,3 +108,272 @@ def address_of(host: str) -> str:
 
 def _ignore(text: str, onlooker: Onlooker) -> None:
     """What Signal K's clients say is theirs: they only listen here."""
+
+
+# The page's application: one page, its scripts, updates over a websocket, notifications as Signal K has them.
+SHARED = ("canal.js", "palette.css")
+
+KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
+
+# Nothing from elsewhere, nothing kept, and the token told to nobody.
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+    "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+CROWDED = "As many look on as there is room for; close another page first."
+
+FORBIDDEN, MISSING, TOO_MANY = 403, 404, 503
+
+# Takes what an onlooker says.
+Take = Callable[[str, Onlooker], None]
+
+
+class Stream(NamedTuple):
+    """A websocket of the application."""
+
+    path: str  # Where it is
+    onlookers: Onlookers  # Who are told
+    take: Take  # Takes what they say
+
+
+def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
+    """Return the application."""
+    with needs("monitor", "the monitor's page"):
+        from fastapi import FastAPI, Request
+    app, texts = FastAPI(docs_url=None, redoc_url=None, openapi_url=None), _texts()
+
+    async def page(request: Request) -> Any:
+        why = access.refusal(request.query_params.get("token", ""), request.headers.get("host", ""))
+        return _told(why, ".txt", FORBIDDEN) if why else _told(texts["index.html"], ".html")
+
+    async def part(name: str, request: Request) -> Any:
+        # The package's own files are no secret: they need no token.
+        known = name in texts and name != "index.html"
+        return _told(texts[name], name[name.rindex(".") :]) if known else _told("There is no such file.", "", MISSING)
+
+    app.add_api_route("/", page, methods=["GET"])
+    app.add_api_route("/assets/{name}", part, methods=["GET"])
+    for stream in streams:
+        app.add_api_websocket_route(stream.path, _route(access, stream))
+    return app
+
+
+def _texts() -> dict[str, str]:
+    own = files(__package__).joinpath("assets").iterdir()
+    return {path.name: path.read_text(encoding="utf-8") for path in own} | {name: asset(name) for name in SHARED}
+
+
+def _told(text: str, suffix: str, status: int = 200) -> "Response":
+    from fastapi import Response
+
+    kind = f"{KINDS.get(suffix, 'text/plain')}; charset=utf-8"
+    return Response(text, status, HEADERS, kind)
+
+
+def _route(access: PageAccess, stream: Stream) -> Any:
+    from fastapi import WebSocket
+
+    async def route(websocket: WebSocket) -> None:
+        told, heads = websocket.query_params.get("token", ""), websocket.headers
+        why = access.refusal(told, heads.get("host", ""), heads.get("origin"))
+        if why or stream.onlookers.full:
+            refused = _told(why, "", FORBIDDEN) if why else _told(CROWDED, "", TOO_MANY)
+            await websocket.send_denial_response(refused)
+            return
+        await websocket.accept()
+        await _look_on(websocket, stream)
+
+    return route
+
+
+async def _look_on(websocket: "WebSocket", stream: Stream) -> None:
+    """Tell one, and hear what it says, until one of the two ends."""
+    onlooker = stream.onlookers.enter()
+    telling = asyncio.create_task(stream.onlookers.tell(onlooker, websocket.send_text))
+    hearing = asyncio.create_task(_hear(websocket, onlooker, stream.take))
+    try:
+        await asyncio.wait({telling, hearing}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        stream.onlookers.leave(onlooker)
+        telling.cancel(), hearing.cancel()
+        await asyncio.gather(telling, hearing, return_exceptions=True)
+        with suppress(Exception):  # However it ended: it is over.
+            await asyncio.wait_for(websocket.close(), 1.0)
+
+
+async def _hear(websocket: "WebSocket", onlooker: Onlooker, take: Take) -> None:
+    async for text in websocket.iter_text():
+        take(text, onlooker)
+        await asyncio.sleep(SHORTEST)  # Who talks without pause waits: the monitor needs the machine.
+
+
+# Bytes of what a browser says; and between looks whether it is still there [s].
+LARGEST, PINGED = 4096, 5.0
+
+# That it may take to start or to end [s].
+STARTING = 10.0
+
+
+@contextmanager
+def served(app: "FastAPI", host: str, port: int) -> Iterator[int]:
+    """Serve an application; give the port."""
+    with needs("monitor", "the monitor's page"):
+        import uvicorn
+    with _listening(host, port) as listening:
+        config = uvicorn.Config(
+            app, log_level="error", access_log=False, lifespan="off", ws="websockets-sansio", ws_max_size=LARGEST,
+            ws_ping_interval=PINGED, ws_ping_timeout=PINGED, timeout_graceful_shutdown=1, server_header=False,
+        )  # fmt: skip
+        server = uvicorn.Server(config)
+        thread = Thread(target=server.run, args=([listening],), daemon=True)
+        thread.start()
+        deadline = time.monotonic() + STARTING
+        while not server.started and thread.is_alive() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        try:
+            yield int(listening.getsockname()[1])
+        finally:
+            server.should_exit = True
+            thread.join(STARTING)
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise InputError(
+            f"the page cannot be served at {host}, port {port}: {reason(error)}; give another --port or --host"
+        ) from None
+
+
+# What is asked for on the page: read with suspicion, judged by the alerts as they are, done as the bridge's sentences.
+# A request names the alert, which time of it, and the revision that was on the screen: a copy of an old request, or
+# one of an alert that became more urgent meanwhile, is refused, for nobody has seen what it would acknowledge.
+# Letters of a request.
+LONGEST = 512
+
+# Requests between two updates.
+MOST_WAITING = 64
+
+NUMBERS = ("identifier", "instance", "revision")
+
+MALFORMED = (
+    'That is no request; write {"command": "acknowledge" or "silence", "identifier": ..., "instance": ..., '
+    '"revision": ...}, the numbers as the alert has them.'
+)
+
+BUSY = "Too much is asked for at once; ask again."
+
+# Told why, where a request is refused.
+Answer = Callable[[str], None]
+
+
+class PageRequest(NamedTuple):
+    """What is asked for."""
+
+    command: str  # Of ``COMMANDS``
+    identifier: int  # Of the alert, as it was seen
+    instance: int  # Of the alert, as it was seen
+    revision: int  # Of the alert, as it was seen
+
+
+def request_of(text: str) -> PageRequest | None:
+    """Return the request of a message; None where it is none."""
+    if len(text) > LONGEST:
+        return None
+    try:
+        asked = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(asked, dict) or set(asked) != {"command", *NUMBERS}:
+        return None
+    numbers = [asked[name] for name in NUMBERS]
+    return PageRequest(asked["command"], *numbers) if _known(asked["command"], numbers) else None
+
+
+def _known(command: Any, numbers: list[Any]) -> bool:
+    return isinstance(command, str) and command in COMMANDS and all(type(number) is int for number in numbers)
+
+
+def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
+    """Return why a request is refused, in a sentence; empty where it is not."""
+    # t [s]
+    situation = SITUATIONS.get(request.identifier)
+    if situation is None:
+        return f"There is no alert {request.identifier}."
+    alert = desk[situation]
+    if alert.state is AlertState.NORMAL or alert.instance != request.instance:
+        return f"{situation.name}: that alert is over."
+    if alert.revision != request.revision:
+        return f"{situation.name}: the alert has changed since it was asked for; look at it again."
+    return _unfit(request, alert, t)
+
+
+def _unfit(request: PageRequest, alert: Alert, t: float) -> str:
+    if alert.commanded(COMMANDS[request.command], t) is not None:
+        return ""
+    return f"{SITUATIONS[alert.identifier].name}: it is {alert.state.value}, so there is nothing to {request.command}."
+
+
+class PageRequests:
+    """Requests that wait for the next update of the monitor."""
+
+    def __init__(self) -> None:
+        self._waiting: Queue[tuple[PageRequest, Answer]] = Queue(MOST_WAITING)
+
+    def take(self, text: str, answer: Answer) -> None:
+        """Take a message, in any thread."""
+        request = request_of(text)
+        if request is None:
+            answer(MALFORMED)
+            return
+        try:
+            self._waiting.put_nowait((request, answer))
+        except Full:
+            answer(BUSY)
+
+    def sentences(self, desk: AlertDesk, t: float) -> list[bytes]:
+        """Return what is asked for as the bridge's sentences, and answer what is refused."""
+        # t [s]
+        said: list[bytes] = []
+        try:
+            while True:
+                request, answer = self._waiting.get_nowait()
+                if why := objection(request, desk, t):
+                    answer(why)
+                else:
+                    said.append(acn(request.identifier, request.instance, COMMANDS[request.command]))
+        except Empty:
+            return said
+
+    def joined(self, ticks: Iterable[Tick], desk: AlertDesk) -> Iterator[Tick]:
+        """Yield ticks with what was asked for on the page."""
+        for tick in ticks:
+            yield tick._replace(commands=[*tick.commands, *self.sentences(desk, tick.t)])
+
+
+NO_TOKEN = "The token is missing or wrong; open the address that the monitor printed when it started."
+
+NO_HOST = "The monitor is reached by its number or as localhost, not by another name; open the address that it printed."
+
+NO_ORIGIN = "A page of another server asks; open the monitor's own page."
+
+
+def _is_here(host: str) -> bool:
+    """Whether a host is a number or a name of this machine: a name of others may lead here without our knowledge."""
+    try:
+        name = (urlsplit(f"//{host}").hostname or "").rstrip(".")
+    except ValueError:
+        return False
+    own = socket.gethostname().lower()
+    if name in ("localhost", own, f"{own}.local"):
+        return True
+    try:
+        return bool(ipaddress.ip_address(name))
+    except ValueError:
+        return False

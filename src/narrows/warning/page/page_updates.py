@@ -2,13 +2,18 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
+import numpy as np
+
+from narrows.errors import InputError
 from narrows.results import plain
 from narrows.warning.alerts.alert import Alert, Command
+from narrows.warning.forecasting.future_lanes import PredictedFan
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
-from narrows.warning.page.scene import scene
+from narrows.waterway.waterway import Waterway
 
 # What can be asked for on the page, as its messages say it.
 COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
@@ -40,3 +45,77 @@ def packed(message: Mapping[str, Any]) -> str:
 
 def _may(alert: Alert, t: float) -> list[str]:
     return [name for name, command in COMMANDS.items() if alert.commanded(command, t) is not None]
+
+
+# What the page draws: the ship, the banks about it, and where it may go, in metres east and north.
+# Of the ship, how much of the banks is drawn; and how far apart their points are [m].
+ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
+
+SIDES = (-1, 1)
+
+# Of north, east [m] and heading [rad]: what is told of a place, and of a ship.
+POINT, POSE = slice(2), slice(3)
+
+
+def scene(watched: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
+    """Return what there is to draw, points as [north, east] [m]; None where nobody knows where the ship is."""
+    if not status.estimate.ready:
+        return None
+    way, ship, now = watched.waterway, watched.model.configuration.ship, status.estimate.values
+    pose, along = np.array([now["x"], now["y"], now["psi"]]), min(max(now["x"], 0.0), way.line.length)
+    fan, middle = _foretold(watched, status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
+    own = {"pose": pose[None], "middle": middle[None]}
+    lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
+    drawn = _on_map(way, lines)
+    return {
+        "ship": {"pose": _told(drawn["pose"], POSE)[0], "length": ship.length, "beam": ship.beam},
+        "middle": _told(drawn["middle"], POSE)[0],
+        **{name: [_told(drawn[f"{name} {side}"], POINT) for side in SIDES] for name in ("banks", "limits")},
+        "fan": _fan(drawn, fan) if fan else None,
+    }
+
+
+def _foretold(watched: BridgeMonitor, status: BridgeStatus) -> PredictedFan | None:
+    """Of what can be drawn: a ship that diverges has no place."""
+    fan = None
+    with suppress(InputError):  # A picture is no reason to stop watching.
+        fan = watched.fan(status) if status.forecast else None
+    if fan is None or not np.isfinite([fan.likely, fan.pilot]).all():
+        return None
+    return fan._replace(members=fan.members[np.isfinite(fan.members).all(axis=(1, 2))])
+
+
+def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.ndarray]:
+    """Of the water, or of the room for a keel."""
+    first, last = max(along - ASTERN, 0.0), min(along + AHEAD, way.line.length)
+    s = np.linspace(first, last, max(2, round((last - first) / EVERY) + 1))
+    name, here = ("banks", way.section(s)) if draft is None else ("limits", way.room(s, draft))
+    off = {side: here.middle + side * here.width / 2 for side in SIDES}
+    return {f"{name} {side}": np.stack([s, off[side], np.zeros_like(s)], axis=1) for side in SIDES}
+
+
+def _tracks(pose: np.ndarray, fan: PredictedFan) -> dict[str, np.ndarray]:
+    members = np.insert(fan.members, 0, pose, axis=1)
+    return {"members": members.reshape(-1, 3), "likely": fan.likely, "pilot": fan.pilot}
+
+
+def _on_map(way: Waterway, lines: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """All at once: north, east [m], heading [rad] of each."""
+    places, headings = way.to_map(*np.concatenate(list(lines.values())).T)
+    drawn = np.concatenate([places[:, ::-1], headings[:, None]], axis=1)
+    stops = np.cumsum([len(line) for line in lines.values()])[:-1]
+    return dict(zip(lines, np.split(drawn, stops), strict=True))
+
+
+def _fan(drawn: Mapping[str, np.ndarray], fan: PredictedFan) -> dict[str, Any]:
+    members = drawn["members"].reshape(len(fan.members), -1, 3)
+    return {
+        "times": fan.times.tolist(),
+        "members": [_told(member, POINT) for member in members],
+        **{name: _told(drawn[name], POSE) for name in ("likely", "pilot")},
+    }
+
+
+def _told(line: np.ndarray, part: slice) -> list[list[float]]:
+    """To a decimetre, and to a ten-thousandth of a radian."""
+    return (np.round(line * [10.0, 10.0, 1e4]) / [10.0, 10.0, 1e4])[:, part].tolist()  # type: ignore[no-any-return]

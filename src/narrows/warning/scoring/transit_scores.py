@@ -9,8 +9,8 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.results import Described
-from narrows.warning.scoring.scored_transit import PREDICTORS, ScoredTransit
-from narrows.warning.scoring.standing_alerts import NEEDED, lead_times, standing_since
+from narrows.warning.alerts.alert_desk import LOWERED_AFTER, MARGIN, RAISED_AFTER, Thresholds
+from narrows.warning.monitoring.bridge_status import BridgeStatus
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,6 +77,29 @@ class TransitScores(Described):
         return pd.DataFrame([vars(row) for row in self.rows]).set_index("predictor")
 
 
+@dataclass(frozen=True, eq=False)
+class ScoredTransit:
+    """What was said of a transit."""
+
+    name: str  # Of the recording
+    t: np.ndarray  # (seconds,) Since the watch began [s]
+    # (seconds, predictors) Of ``PREDICTORS``, over their thresholds; NaN where there was no forecast [1]
+    urgencies: np.ndarray
+    # (seconds,) Of the hull to the nearer bank as it was estimated; NaN where it is not known [m]
+    clearance: np.ndarray
+
+    @property
+    def least(self) -> float:
+        """The least clearance [m]; NaN where it was never known."""
+        return float(np.nanmin(self.clearance)) if np.isfinite(self.clearance).any() else math.nan
+
+    def struck(self, limit: float) -> float:
+        """Return when the clearance first was below a limit [s]; infinite where it never was."""
+        # limit [m]
+        below = self.clearance < limit
+        return float(self.t[below.argmax()]) if below.any() else math.inf
+
+
 def score_transits(transits: Sequence[ScoredTransit], limit: float = LIMIT) -> TransitScores:
     """Return the scores of transits."""
     # limit [m]
@@ -108,3 +131,90 @@ def _leads(one: ScoredTransit, struck: float) -> tuple[float, ...]:
 
 def _raised(one: ScoredTransit) -> np.ndarray:
     return np.asarray(np.isfinite(standing_since(one.t, one.urgencies)).any(axis=0))
+
+
+# A recorded transit as a score asks for it: what each predictor said in each second, and when it came near.
+# Of predictors beside the package's own, as fitted at 2 % of false alarms: water [m], times to contact [s], chance.
+ROOM, CURVED, ONE_RUN, PILOT = 25.0, 50.0, 60.0, 0.85
+
+LEVELS = ("caution", "warning", "alarm")
+
+PREDICTORS = (
+    f"distance to the bank, {ROOM:g} m", f"curved by the rate of turn, {CURVED:g} s",
+    f"one run of the model, {ONE_RUN:g} s", f"chance of contact with a pilot now, {100 * PILOT:g} %", *LEVELS,
+)  # fmt: skip
+
+# Water and times that are none.
+LEAST = 1e-3
+
+
+class TransitScorer:
+    """Gathers what a monitor says of a transit."""
+
+    def __init__(self, name: str, thresholds: Thresholds) -> None:
+        self.name, self.thresholds = name, thresholds
+        self._rows: list[tuple[float, ...]] = []
+
+    def add(self, status: BridgeStatus) -> None:
+        """Take what is known at a time."""
+        room = status.clearance if status.estimate.ready else math.nan
+        self._rows.append((status.t, room, *self._urgencies(status, room)))
+
+    def _urgencies(self, status: BridgeStatus, room: float) -> tuple[float, ...]:
+        told = status.forecast
+        if told is None:
+            return (math.nan,) * len(PREDICTORS)
+        times = (CURVED / max(told.curved, LEAST), ONE_RUN / max(told.likely.contact, LEAST))
+        levels = (told.urgency / getattr(self.thresholds, level) for level in LEVELS)
+        return (ROOM / max(room, LEAST), *times, told.pilot_now.probability / PILOT, *levels)
+
+    def transit(self) -> ScoredTransit:
+        """Return the transit as it was watched."""
+        table = np.array(self._rows, float).reshape(-1, 2 + len(PREDICTORS))
+        t = table[:, 0] - table[:1, 0]
+        return ScoredTransit(self.name, t, table[:, 2:], table[:, 1])
+
+
+# Since when an alert stands, for any number whose size tells how urgent it is: one rule for all predictors. Urgency is
+# a number over its threshold. An alert is raised where it was 1 or more for as long as ``BankLevel`` waits, and
+# lowered where it was below the margin for as long as that waits.
+# That an alert stands before a contact [s]; what comes later is missed.
+NEEDED = 20.0
+
+# Times [s] that are one.
+SAME = 1e-9
+
+
+def standing_since(t: np.ndarray, urgency: np.ndarray) -> np.ndarray:
+    """Return since when an alert stands, (times,...) [s]; infinite where none does."""
+    # t (times,) [s]; urgency (times, ...)
+    shape = urgency.shape[1:]
+    above, below, since = (np.full(shape, np.inf) for _ in range(3))
+    told = np.empty(urgency.shape)
+    for k, now in enumerate(t):
+        known = ~np.isnan(urgency[k])
+        high, low = known & (urgency[k] >= 1.0), known & (urgency[k] < MARGIN)
+        above = np.where(high, np.minimum(above, now), np.where(known, np.inf, above))
+        below = np.where(low, np.minimum(below, now), np.where(known, np.inf, below))
+        stands = np.isfinite(since)
+        since = np.where(~stands & (now - above >= RAISED_AFTER - SAME), now, since)
+        since = np.where(stands & (now - below >= LOWERED_AFTER - SAME), np.inf, since)
+        told[k] = since
+    return told
+
+
+def lead_times(t: np.ndarray, since: np.ndarray, struck: np.ndarray) -> np.ndarray:
+    """Return how long before a contact the alert that then stands was raised [s]; 0 where none stands."""
+    # t (times,) [s]; since (times, n) [s]; struck (n,) [s]
+    last = np.maximum(np.searchsorted(t, struck - SAME) - 1, 0)
+    stands = since[last, np.arange(len(struck))]
+    return np.where(np.isfinite(stands), struck - stands, 0.0)
+
+
+def highest_held(t: np.ndarray, urgency: np.ndarray, struck: np.ndarray) -> np.ndarray:
+    """Return the highest urgency that would raise an alert, (n,): it held for as long as one waits."""
+    # t (times,) [s]; urgency (times, n); struck (n,) [s]
+    rows = 1 + int(np.ceil((RAISED_AFTER - SAME) / (t[1] - t[0])))
+    live = np.where((t[:, None] < struck), np.nan_to_num(urgency), 0.0)
+    held = np.lib.stride_tricks.sliding_window_view(live, rows, axis=0).min(axis=-1)
+    return np.asarray(held.max(axis=0))

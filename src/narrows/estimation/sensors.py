@@ -1,0 +1,328 @@
+"""The ship's own sensors: compass, rate of turn, log, and the indicator of the rudder."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.estimation.sensor import Measuring, Values, check_bias
+from narrows.estimation.states import Columns
+
+
+class Single(Measuring):
+    """What sensors of one number have in common: it tells one state."""
+
+    state: ClassVar[str]
+
+    def measured(self, at: Columns) -> Values:
+        """Return the state that it tells."""
+        return (getattr(at, self.state),)
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        """Return the state that it tells."""
+        return {self.state: (reading[0], self.noise)}
+
+
+@dataclass(frozen=True)
+class Gyro(Single):
+    """A gyrocompass: the heading to the canal's direction.
+
+    Parameters
+    ----------
+    noise : float [rad]
+        Standard deviation.
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
+    bias : float [rad]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    noise: float = math.radians(0.2)
+    _: KW_ONLY
+    name: str = "gyro"
+    bias: float = 0.0
+    state: ClassVar[str] = "psi"
+    angles: ClassVar[tuple[bool, ...]] = (True,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_bias(self.bias)
+
+    def measured(self, at: Columns) -> Values:
+        """Return what it indicates.
+
+        Parameters
+        ----------
+        at : Columns
+            The states.
+        """
+        return (at.psi + at.heading_bias if self.bias else at.psi,)
+
+
+@dataclass(frozen=True)
+class RateOfTurn(Single):
+    """A rate gyro: the yaw rate.
+
+    Parameters
+    ----------
+    noise : float [rad/s]
+        Standard deviation.
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    noise: float = math.radians(0.03)
+    _: KW_ONLY
+    name: str = "rate_of_turn"
+    state: ClassVar[str] = "r"
+
+
+@dataclass(frozen=True)
+class Log(Single):
+    """A speed log: the surge velocity through the water.
+
+    Parameters
+    ----------
+    noise : float [m/s]
+        Standard deviation.
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    noise: float = 0.05
+    _: KW_ONLY
+    name: str = "log"
+    state: ClassVar[str] = "u"
+
+
+@dataclass(frozen=True)
+class RudderIndicator:
+    """What the estimator knows of the rudder: its indicated angle drives the model.
+
+    Parameters
+    ----------
+    noise : float [rad]
+        Standard deviation of a reading.
+    bias : float [rad]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    name : str
+        Of its readings.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    noise: float = 0.0
+    bias: float = math.radians(1.0)
+    name: str = "rudder"
+
+    def __post_init__(self) -> None:
+        check_bias(self.bias)
+        check_bias(self.noise)
+
+
+# Satellite receivers: the place of an antenna, and its velocity over ground.
+# Curvature [1/m] of a line that is straight.
+STRAIGHT = 1e-9
+
+
+@dataclass(frozen=True)
+class Antenna(Measuring):
+    """What receivers have in common: an antenna, and two numbers, along and across."""
+
+    _: KW_ONLY
+    forward: float = 0.0  # Of the antenna, from midship [m]
+    starboard: float = 0.0  # Of the antenna, from midship [m]
+    angles: ClassVar[tuple[bool, ...]] = (False, False)
+    source: ClassVar[str] = "satellites"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (math.isfinite(self.forward) and math.isfinite(self.starboard)):
+            raise InputError("an antenna needs a place; give forward and starboard in metres from midship")
+
+
+@dataclass(frozen=True)
+class Gnss(Antenna):
+    """A satellite receiver: the place of its antenna in the canal.
+
+    Parameters
+    ----------
+    noise : float [m]
+        Standard deviation along and across.
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
+    forward, starboard : float [m]
+        Of the antenna, from midship.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    noise: float = 1.5
+    _: KW_ONLY
+    name: str = "gnss"
+
+    @property
+    def straight(self) -> bool:
+        """Where the antenna stands at midship."""
+        return not (self.forward or self.starboard)
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Along and across."""
+        return (f"{self.name}_x", f"{self.name}_y")
+
+    def measured(self, at: Columns) -> Values:
+        """Return where the antenna is; along a bend by the circle that the line follows there.
+
+        Parameters
+        ----------
+        at : Columns
+            The states.
+        """
+        if not (self.forward or self.starboard):
+            return at.x, at.y
+        cosine, sine = np.cos(at.psi), np.sin(at.psi)
+        ahead = self.forward * cosine - self.starboard * sine
+        side = at.y + self.forward * sine + self.starboard * cosine
+        bend = at.curvature
+        if abs(bend) < STRAIGHT:
+            return at.x + ahead, side
+        inward, along = 1.0 - bend * side, bend * ahead
+        reach = np.hypot(inward, along)
+        return at.x + np.arctan2(along, inward) / bend, (2.0 * side - bend * (side * side + ahead * ahead)) / (
+            1.0 + reach
+        )
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        """Return the place; the antenna's own, which the estimator brings to midship.
+
+        Parameters
+        ----------
+        reading : sequence of float [m]
+            Along and across.
+        """
+        return {"x": (reading[0], self.noise), "y": (reading[1], self.noise)}
+
+
+@dataclass(frozen=True)
+class CourseOverGround(Antenna):
+    """Course and speed over ground, as a satellite receiver tells them from Doppler shifts.
+
+    Told as course and speed, believed as velocities along and across, whose noise does not depend on the speed. With
+    the model's drift they tell a gyro's bias.
+
+    Parameters
+    ----------
+    noise : float [m/s]
+        Standard deviation of the velocity along and across.
+    period : float [s]
+        Between readings.
+    late : float [s]
+        How old a reading is when it comes.
+    name : str
+        Of its readings.
+    forward, starboard : float [m]
+        Of the antenna, from midship.
+
+    Raises
+    ------
+    InputError
+        Where a number is none.
+    """
+
+    noise: float = 0.05
+    _: KW_ONLY
+    name: str = "course"
+
+    @property
+    def straight(self) -> bool:
+        """Not linear in the heading."""
+        return False
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Course [rad] and speed [m/s]."""
+        return (f"{self.name}_over_ground", f"{self.name}_speed")
+
+    def numbers(self, reading: Sequence[float]) -> Values:
+        """Return the velocities along and across [m/s].
+
+        Parameters
+        ----------
+        reading : sequence of float
+            Course [rad] and speed [m/s].
+        """
+        course, speed = reading
+        return speed * math.cos(course), speed * math.sin(course)
+
+    def reading(self, numbers: Values) -> Values:
+        """Return course [rad] and speed [m/s] of velocities along and across.
+
+        Parameters
+        ----------
+        numbers : tuple of float or array [m/s]
+            Along and across.
+        """
+        return np.arctan2(numbers[1], numbers[0]), np.hypot(*numbers)
+
+    def measured(self, at: Columns) -> Values:
+        """Return the velocities of the antenna along and across.
+
+        Parameters
+        ----------
+        at : Columns
+            The states.
+        """
+        cosine, sine = np.cos(at.psi), np.sin(at.psi)
+        ahead, side = at.u - at.r * self.starboard, at.v + at.r * self.forward
+        return ahead * cosine - side * sine + at.current, ahead * sine + side * cosine + at.current_across
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        """Return nothing: a current or a drift may stand between it and the state.
+
+        Parameters
+        ----------
+        reading : sequence of float
+            Course [rad] and speed [m/s].
+        """
+        return {}

@@ -1,0 +1,161 @@
+"""A model as an FMU: its C, an interface, a description, and libraries for the platforms that can be built for."""
+
+import hashlib
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from narrows.codegen.linearisation import LINEARISED
+from narrows.codegen.portable import ORDERED
+from narrows.export.exported_ship import ExportedNumber, ExportedShip
+from narrows.export.native_builds import NativeBuild, libraries_of_source
+from narrows.export.rendering import c_number, c_text, commented, rendered
+from narrows.quantities.dimensions import dimension_of
+from narrows.quantities.names import MOTION
+
+# Every file in an FMU bears one time, so that written again it is the same.
+SAME_TIME = (2000, 1, 1, 0, 0, 0)
+
+# Of either standard: what stands beside the header of the ship.
+SOURCES = {
+    2: ("instance.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: (
+        "instance.h",
+        "fmi3.c",
+        "fmi3Functions.h",
+        "fmi3FunctionTypes.h",
+        "fmi3PlatformTypes.h",
+        "buildDescription.xml",
+    ),
+}
+
+
+def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2) -> bytes:
+    """Return an FMU."""
+    # speed [m/s]; dt [s]
+    header, variables = c_text(exported), variables_of(exported, speed, dt, fmi)
+    token = hashlib.sha256(f"{header} {speed!r} {dt!r} {fmi}".encode()).hexdigest()[:32]
+    sources = {"ship.h": header, "choices.h": _choices(exported, token, speed, dt)}
+    sources |= {name: (files("narrows.export") / "fmi" / name).read_text("utf-8") for name in SOURCES[fmi]}
+    parts = {"modelDescription.xml": description_text(exported, variables, token, fmi).encode()}
+    parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
+    with TemporaryDirectory(prefix="narrows-fmu-") as folder:
+        for name, text in sources.items():
+            Path(folder, name).write_text(text, encoding="utf-8")
+        parts |= libraries_of_source(Path(folder, f"fmi{fmi}.c"), builds)
+    return _packed(parts)
+
+
+def _choices(exported: ExportedShip, token: str, speed: float, dt: float) -> str:
+    controls = exported.controls
+    ordered = {ORDERED(actuator.name): actuator.name for actuator in exported.portable.geared}
+    names = [ordered.get(name, name) for name in exported.portable.inputs]
+    columns = [controls.index(name) if name in controls else -1 for name in names]
+    geared = [actuator.name for actuator in exported.portable.geared]
+    return rendered(
+        "choices.h.j2", exported, token=token, speed=speed, dt=dt, columns=columns, geared=geared, number=c_number
+    )
+
+
+def _packed(parts: Mapping[str, bytes]) -> bytes:
+    archive = BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, content in parts.items():
+            packed.writestr(zipfile.ZipInfo(name, SAME_TIME), content, zipfile.ZIP_DEFLATED)
+    return archive.getvalue()
+
+
+# The variables of an FMU, and the description that tells an importer of them.
+HEADING = "heading, positive clockwise seen from above"
+
+CLEARANCES = {"clearance_starboard": "starboard", "clearance_port": "port"}
+
+INDICATORS = {"contact_starboard": "starboard", "contact_port": "port"}
+
+PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
+
+
+@dataclass(frozen=True)
+class FmuVariable:
+    """A variable; its reference is its place in the array of ``fmi/instance.h``."""
+
+    name: str  # In the FMU
+    reference: int  # Its place
+    causality: str  # As the standard has them; no initial where it forbids one
+    variability: str  # As the standard has them; no initial where it forbids one
+    initial: str  # As the standard has them; no initial where it forbids one
+    unit: str  # In SI, and in words
+    meaning: str  # In SI, and in words
+    start: float | None = None  # Its value at the start, where that may be set
+    derivative: int = 0  # Index of the variable that it is the rate of; 0 of none
+    truth: bool = False  # Whether it is true or false
+
+
+def variables_of(exported: ExportedShip, speed: float, dt: float, fmi: int) -> tuple[FmuVariable, ...]:
+    """Return the variables of an FMU, by the order of their references."""
+    # speed [m/s]; dt [s]
+    variables = tuple(_variables(exported, speed, dt))
+    return variables if fmi < 3 else (*variables, *_indicators(len(variables)))
+
+
+def _indicators(first: int) -> Iterator[FmuVariable]:
+    for place, (name, side) in enumerate(INDICATORS.items(), first):
+        meaning = f"event indicator: the room to {side}, below 0 once the hull has touched"
+        yield FmuVariable(name, place, "local", "continuous", "calculated", "m", meaning)
+
+
+def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuVariable]:
+    yield FmuVariable("time", 0, "independent", "continuous", "", "s", "time")
+    units = {name: MOTION[name].unit if name in MOTION else "rad" for name in LINEARISED}
+    for place, (name, unit) in enumerate(units.items(), 1):
+        meaning = MOTION[name].meaning if name in MOTION else HEADING
+        start = speed if name == "u" else 0.0
+        yield FmuVariable(name, place, "output", "continuous", "exact", unit, meaning, start)
+    for place, (name, unit) in enumerate(units.items(), 7):
+        of = ("local", "continuous", "calculated", PER_SECOND[unit], f"rate of {name}")
+        # The index of a variable is its place in the list, from 1.
+        yield FmuVariable(f"der({name})", place, *of, derivative=place - 5)
+    for place, (name, side) in enumerate(CLEARANCES.items(), 13):
+        yield FmuVariable(name, place, "output", "continuous", "calculated", "m", f"room to {side} of the hull")
+    stuck = "whether the hull has touched a bank; from then on the ship lies still"
+    yield FmuVariable("aground", 15, "output", "discrete", "calculated", "1", stuck, truth=True)
+    yield FmuVariable("step", 16, "parameter", "fixed", "exact", "s", "longest step of co-simulation", dt)
+    positions, first = exported.state[7:], 17 + len(exported.state) - 7
+    for place, one in enumerate(positions, 17):
+        yield FmuVariable(one.name, place, "output", "continuous", "calculated", one.unit, one.meaning)
+    for place, one in enumerate(exported.inputs, first):
+        yield _number(one, one.name, place, "input", "continuous", "")
+    for place, one in enumerate(exported.parameters, first + len(exported.inputs)):
+        yield _number(one, f"parameters.{one.name}", place, "parameter", "tunable", "exact")
+
+
+def _number(one: ExportedNumber, name: str, place: int, causality: str, variability: str, initial: str) -> FmuVariable:
+    return FmuVariable(name, place, causality, variability, initial, one.unit, one.meaning, one.value)
+
+
+def unit_powers(unit: str) -> dict[str, int]:
+    """Return a unit as powers of base units, ``kg m/s2`` as kg 1, m 1, s -2."""
+    dimension = dimension_of(unit)
+    powers = {"kg": dimension.mass, "m": dimension.length, "s": dimension.time, "rad": int(unit.startswith("rad"))}
+    return {base: power for base, power in powers.items() if power}
+
+
+def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str, fmi: int) -> str:
+    """Return the description of an FMU."""
+    outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
+    rates = [index for index, one in enumerate(variables, 1) if one.derivative]
+    first = [
+        index for index, one in enumerate(variables, 1) if one.initial == "calculated" and one.name not in INDICATORS
+    ]
+    return rendered(
+        f"fmi{fmi}.xml.j2", exported, variables=variables, token=token, version=version("narrows"), number=repr,
+        name=commented(exported.ship.model.configuration.ship.name), about=commented(" ".join(exported.about())),
+        units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in variables)},
+        structure={"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": first},
+        indicators=[one.reference for one in variables if one.name in INDICATORS],
+    )  # fmt: skip

@@ -1,0 +1,280 @@
+"""What a log taught, as one self-contained page."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from narrows.files import write_whole
+from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
+from narrows.logbook.learned_coefficient import ON_TWINS, WIDE, LearnedCoefficient
+from narrows.logbook.learning.forecasts import Forecast
+from narrows.logbook.learning.record_answers import RecordAnswer
+from narrows.report.fit_page import figure, render
+from narrows.report.pilot_page import LEARNED_HEADS, learned_rows, with_truth
+from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
+
+# What forecasts miss: state, words, factor.
+MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
+
+BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
+
+
+def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
+    """Write one HTML file with what a log taught, each record beside its forecasts."""
+    caption = (
+        "Left: coefficients after the log, in standard deviations before it, with 95 % intervals. Right: what "
+        "forecasts over 3.5 ship lengths miss of each record, by the model before and by one that learned from all "
+        "other records."
+    )
+    page = render(
+        "log_fit.html.j2",
+        title=f"{fit.prior.configuration.ship.name or 'A ship'}: what its own log taught",
+        said=fit.summary().splitlines(),
+        learned=with_truth(learned_rows(fit.coefficients), truth),
+        twin=truth is not None,
+        figure=figure(log_fit_figure(fit), caption),
+        missed_heads=[words for _, words, _ in MISSED],
+        records=[_row(fit, number) for number in range(len(fit.records))],
+        informed=list(_informed(fit)),
+        forecasts=[picture for record in fit.records if record.forecasts for picture in _pictures(record)],
+        notes=[note for note in fit.notes if note != ON_TWINS],
+    )
+    write_whole(path, page)
+
+
+def _pictures(record: RecordAnswer) -> Iterator[dict[str, str]]:
+    """A record with its forecasts: from above where its places are known, and over time."""
+    if {"x", "y"} <= set(record.measured):
+        yield figure(log_track_figure(record), f"From above. {BESIDE}")
+    yield figure(forecast_figure(record), BESIDE)
+
+
+def _informed(fit: LogFit) -> tuple[str, ...]:
+    """Coefficients whose records are compared: those of the bank, or those that were learned best."""
+    known = [c for c in fit.coefficients.values() if c.name in fit.records[0].information]
+    bank = [c.name for c in known if c.from_bank]
+    return tuple(bank or [c.name for c in sorted(known, key=lambda c: c.left)[:3]])
+
+
+def _row(fit: LogFit, number: int) -> dict[str, object]:
+    record = fit.records[number]
+    return {
+        "name": record.name,
+        "minutes": f"{record.duration / 60:.3g}",
+        "missed": [f"{factor * old:.2g} to {factor * new:.2g}" for name, _, factor in MISSED
+                   for old, new in (record.missed[name],)],
+        "information": [f"{100 * record.information[name]:.0f} %" for name in _informed(fit)],
+    }  # fmt: skip
+
+
+# Pictures of what a log taught: coefficients before and after, what each record did, forecasts beside the record.
+# Coefficients and records that are named.
+MOST_ROWS = 24
+
+BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the other records"))
+
+
+def log_fit_figure(fit: LogFit) -> Figure:
+    """Draw the coefficients after a log in standard deviations before it, and forecasts of each record."""
+    known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.left)[:MOST_ROWS]
+    height = max(2.8, 0.9 + 0.2 * len(known))
+    figure, axes = panels(1, 2, height, Margins(left=0.9, bottom=0.75, top=0.2, across=0.9))
+    _draw_coefficients(axes[0, 0], known[::-1])
+    _draw_missed(axes[0, 1], fit.records)
+    figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="lower right", ncols=2, frameon=False, fontsize=7)
+    for panel in axes[0]:
+        panel.grid(alpha=0.3)
+    return figure
+
+
+def _draw_coefficients(axes: Axes, known: list[LearnedCoefficient]) -> None:
+    axes.axvspan(-WIDE, WIDE, color=GREY, alpha=0.15, lw=0)
+    axes.axvline(0, color=BLACK, lw=0.6)
+    for place, c in enumerate(known):
+        moved = (c.value - c.prior) / c.prior_std
+        axes.errorbar([moved], [place], xerr=[WIDE * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
+    axes.set(yticks=np.arange(len(known)), xlabel="moved, in standard deviations before (grey: 95 % before)")
+    axes.set_yticklabels([c.name for c in known])
+
+
+def _draw_missed(axes: Axes, records: tuple[RecordAnswer, ...]) -> None:
+    missed, places = np.degrees([record.missed["psi"] for record in records]), np.arange(len(records))
+    for column, (colour, words) in enumerate(BY):
+        axes.plot(missed[:, column], places, "o", color=colour, label=words, ms=4)
+    axes.set(yticks=places, xlabel="heading missed over 3.5 lengths [deg]")
+    axes.set_yticklabels([record.name if len(records) <= MOST_ROWS else "" for record in records], fontsize=7)
+    axes.set_xlim(left=0)
+
+
+def forecast_figure(record: RecordAnswer) -> Figure:
+    """Draw rudder, yaw rate, heading and offset of a record beside what was foretold every 3.5 ship lengths."""
+    figure, axes = panels(4, 1, 6.0, Margins(left=0.75, bottom=0.7, top=0.25, down=0.12))
+    assert record.forecasts is not None
+    rows = (("r", 5, 180 / np.pi, "yaw rate [deg/s]"), ("psi", 2, 180 / np.pi, "heading [deg]"), ("y", 1, 1.0, "y [m]"))
+    axes[0, 0].plot(record.forecasts[1].t, np.degrees(record.forecasts[1].rudder), color=BLACK, lw=0.8)
+    axes[0, 0].set(ylabel="rudder [deg]", title=record.name)
+    for panel, (name, place, factor, label) in zip(axes[1:, 0], rows, strict=True):
+        if name in record.measured:
+            t, values = record.measured[name]
+            panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
+        for (colour, words), foretold in zip(BY, record.forecasts, strict=True):
+            draw_pieces(panel, foretold, foretold.t, factor * foretold.states[:, place], color=colour, label=words)
+        panel.set(ylabel=label)
+    _within(axes[1:, 0], record)
+    for panel in axes[:, 0]:
+        panel.grid(alpha=0.3)
+        panel.set_xlim(record.forecasts[1].t[0], record.forecasts[1].t[-1])
+        panel.tick_params(labelbottom=panel is axes[-1, 0])
+    axes[-1, 0].set_xlabel("time [s]")
+    figure.legend(*axes[-1, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
+    return figure
+
+
+def draw_pieces(axes: Axes, foretold: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
+    """Draw the pieces of a forecast, each a line of its own."""
+    # across, up (n,)
+    begins = np.append(0, foretold.ends[:-1] + 1)
+    for number, (begin, end) in enumerate(zip(begins, foretold.ends, strict=True)):
+        piece = slice(begin, end + 1)
+        axes.plot(across[piece], up[piece], color=color, lw=1.0, label=None if number else label)
+
+
+def _within(axes: np.ndarray, record: RecordAnswer) -> None:
+    """What runs away does not hide the rest."""
+    for panel, (name, factor) in zip(axes, (("r", 180 / np.pi), ("psi", 180 / np.pi), ("y", 1.0)), strict=True):
+        if name in record.measured:
+            values = factor * record.measured[name][1]
+            room = 0.6 * float(np.ptp(values)) + 1e-9
+            panel.set_ylim(values.min() - room, values.max() + room)
+
+
+# A record from above: where the ship was, beside where it was foretold.
+# Height of the picture [in].
+TALLEST, FLATTEST = 5.5, 1.6
+
+# Along over across, up to which both are drawn to one scale.
+TRUE_SHAPE = 8.0
+
+# Beside the track, of its extent: what is foretold further off is not shown.
+ROOM = 0.08
+
+
+def log_track_figure(record: RecordAnswer) -> Figure:
+    """Draw the measured track and those foretold every 3.5 ship lengths, from above, starboard down."""
+    assert record.forecasts is not None
+    t, y = record.measured["y"]
+    x = np.interp(t, *record.measured["x"])
+    along, across = float(np.ptp(x)), float(np.ptp(y))
+    to_scale = max(along, across) <= TRUE_SHAPE * min(along, across)
+    margins = Margins(left=0.75, bottom=0.75, top=0.3)
+    high = 6.3 * (across / along if to_scale else 0.25) + margins.bottom + margins.top
+    figure, axes = panels(1, 1, float(np.clip(high, FLATTEST, TALLEST)), margins)
+    panel: Axes = axes[0, 0]
+    panel.plot(x, y, ".", color=GREY, ms=2.5, label="measured", rasterized=True)
+    for (colour, words), foretold in zip(BY, record.forecasts, strict=True):
+        draw_pieces(panel, foretold, foretold.states[:, 0], foretold.states[:, 1], label=words, color=colour)
+    panel.set(xlim=_about(x), ylim=_about(y)[::-1], xlabel="x [m]", ylabel="y, to starboard [m]")
+    shape = "to scale" if to_scale else "not to scale: y is stretched"
+    panel.set_title(f"{record.name} from above, {shape}")
+    panel.set_aspect("equal" if to_scale else "auto", adjustable="datalim")
+    panel.grid(alpha=0.3)
+    figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
+    return figure
+
+
+def _about(values: np.ndarray) -> tuple[float, float]:
+    """From where to where a track is shown."""
+    room = ROOM * float(np.ptp(values)) + 1.0
+    return float(values.min()) - room, float(values.max()) + room
+
+
+# What a log taught, in the terminal.
+def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
+    """Print what a log taught."""
+    console = Console(highlight=False, markup=False)
+    console.width = max(console.width, 110)
+    console.print(fit.summary())
+    table = Table(box=None, pad_edge=False)
+    for head in (*LEARNED_HEADS, "what the log says", *(("truth",) if truth else ())):
+        table.add_column(head, justify="right" if head in (*LEARNED_HEADS[1:4], "truth") else "left")
+    for row in with_truth(learned_rows(fit.coefficients), truth):
+        table.add_row(*row)
+    console.print(table)
+    for note in fit.notes:
+        console.print(f"- {note}", style="dim")
+
+
+# Pictures of a ship's own records: where it went, how rudder, heading and speed went with it, what is wrong.
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+
+# Of a curve.
+MOST_POINTS = 4000
+
+MOST_RECORDS = 12
+
+LEGEND_RECORDS = 5
+
+
+def log_figure(log: ShipLog) -> Figure:
+    """Draw the records of a ship: tracks; rudder, heading, yaw rate and speeds over time."""
+    figure, axes = panels(3, 2, 6.4)
+    track, *others = axes.ravel()
+    for place, record in enumerate(log.records[:MOST_RECORDS]):
+        colour = COLOURS[place % len(COLOURS)]
+        if "x" in record and "y" in record:
+            x, y = _thinned(record["x"]), record["y"]
+            track.plot(x.values, y.at(x.t), color=colour, linewidth=1.0, label=record.name)
+        for panel, (names, factor, _) in zip(others, CURVES, strict=True):
+            if name := next((name for name in names if name in record), None):
+                curve = _thinned(record[name])
+                panel.plot(curve.t - record.start, factor * curve.values, color=colour, linewidth=0.8)
+    _finish(track, "along x [m]", "to starboard y [m]")
+    if len(log) <= LEGEND_RECORDS and track.lines:
+        track.legend(frameon=False)
+    for panel, (_, _, label) in zip(others, CURVES, strict=True):
+        _finish(panel, "time of the record [s]", label)
+    return figure
+
+
+# Signals, the first that a record has, factor and label of each panel beside the track.
+CURVES = (
+    (("rudder",), 180 / np.pi, "rudder [deg]"),
+    (("psi",), 180 / np.pi, "heading [deg]"),
+    (("r",), 180 / np.pi, "yaw rate [deg/s]"),
+    (("u", "u_ground", "speed_over_ground"), 1.0, "speed ahead [m/s]"),
+    (("v", "v_ground"), 1.0, "speed to starboard [m/s]"),
+)
+
+
+def _thinned(signal: Signal) -> Signal:
+    step = max(1, len(signal) // MOST_POINTS)
+    return Signal(signal.t[::step], signal.values[::step])
+
+
+def _finish(axes: Axes, below: str, beside: str) -> None:
+    axes.set(xlabel=below, ylabel=beside)
+    axes.grid(alpha=0.3)
+
+
+def findings_figure(result: LogFindings) -> Figure:
+    """Draw what is wrong with a log: a mark for each finding, by record and by what was looked at."""
+    records = list(dict.fromkeys(finding.record for finding in result))
+    checks = list(dict.fromkeys(finding.check for finding in result))
+    figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1))
+    for wrong, colour, mark, label in ((True, ORANGE, "X", "wrong"), (False, BLUE, "o", "doubtful")):
+        marked = [finding for finding in result if finding.wrong is wrong]
+        places = [(checks.index(own.check), records.index(own.record)) for own in marked]
+        x, y = zip(*places, strict=True) if places else ((), ())
+        axes[0, 0].plot(x, y, mark, color=colour, label=label)
+    axes[0, 0].set_xticks(range(len(checks)), checks)
+    axes[0, 0].set_yticks(range(len(records)), records)
+    axes[0, 0].margins(0.2)
+    axes[0, 0].set_title("" if len(result) else result.summary())
+    if len(result):
+        axes[0, 0].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
