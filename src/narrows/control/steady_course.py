@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.codegen import kernels
 from narrows.codegen.cache import generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
@@ -176,7 +177,7 @@ def _text(system: "System") -> str:
     body += [f"{name} = {printer.doprint(value)}" for name, value in program.assignments]
     body.append(f"return {', '.join(printer.doprint(value) for value in out)}")
     text = "\n    ".join(["@called\ndef balance(drift, angle, inputs):", *body]) + "\n"
-    tail = Path(__file__).with_name("kernels").joinpath("newton.py").read_text(encoding="utf-8")
+    tail = Path(kernels.__file__).with_name("newton.py").read_text(encoding="utf-8")
     head = HEADER.format(version=version("narrows"), precision="float64")
     # The series of the kernels hold up to a quarter turn, and no further is looked: the C library's do as well here.
     names = f"COLUMNS = {inputs!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
