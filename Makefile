@@ -10,15 +10,15 @@ demo: .venv/base
 	$(BIN)/narrows demo --out out
 
 test: .venv/dev
-	$(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 # Without the tests that take some seconds.
 test-fast: .venv/dev
-	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow"
 
 # With the tests marked whole, every cell of the matrix of voyages among them: most of an hour more.
 test-whole: .venv/dev
-	NARROWS_WHOLE=1 $(BIN)/python -m pytest -n auto --dist loadfile
+	NARROWS_WHOLE=1 $(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: .venv/dev
 	$(BIN)/ruff check .

@@ -1,6 +1,8 @@
 """README, docs and examples are tests: every Python block runs, every console command must do what its page shows."""
 
+import fnmatch
 import os
+import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -21,6 +23,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out tests that only the whole suite has; console blocks start processes and are slow tests."""
+    mark_whole(config, items)
     if not os.environ.get("NARROWS_WHOLE"):
         left_out = [item for item in items if item.get_closest_marker("whole")]
         config.hook.pytest_deselected(items=left_out)
@@ -28,6 +31,22 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if isinstance(item, SybilItem) and item.example.region.evaluator is run_console:
             item.add_marker(pytest.mark.slow)
+
+
+def mark_whole(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark what tests/whole.txt names; where all tests are collected, each of its patterns names one."""
+    lines = (Path(__file__).parent / "tests" / "whole.txt").read_text(encoding="utf-8").splitlines()
+    unused = {
+        line: re.compile(fnmatch.translate(line.replace("[", "[[]"))) for line in lines if line and line[0] != "#"
+    }
+    patterns = dict(unused)
+    for item in items:
+        for line, pattern in patterns.items():
+            if pattern.match(item.nodeid):
+                item.add_marker(pytest.mark.whole)
+                unused.pop(line, None)
+    if config.args == config.getini("testpaths") and unused:
+        raise pytest.UsageError(f"tests/whole.txt names tests that are gone: {', '.join(unused)}")
 
 
 def enter(namespace: dict[str, Any]) -> None:

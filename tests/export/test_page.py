@@ -13,7 +13,7 @@ from pages import opened, settled
 
 import narrows as nw
 from browsers import chromium
-from narrows.export.page import assembly, wasm_build
+from narrows.export.page import assembly
 from narrows.export.page.assembly import helm_of
 
 LARGEST = 100_000
@@ -154,7 +154,7 @@ def test_a_phone_held_upright_at_night(paper: Path, browser: Any) -> None:
 @pytest.mark.slow
 def test_the_helm_of_a_page_steers_as_the_regulator_does(tmp_path: Path, browser: Any) -> None:
     model = model_of("steered")
-    assert nw.export.write_page(model, tmp_path / "ship.html", u=1.0)[-1:] in ((), (wasm_build.lacks_zig(),))
+    assert nw.export.write_page(model, tmp_path / "ship.html", u=1.0)[-1:] in ((), (assembly.lacks_zig(),))
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     put(page, y=0.2, helm=1, u=0.9)
     helm = helm_of(model, 1.0)[0]
@@ -185,7 +185,7 @@ def test_refusals_write_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         nw.export.write_page(shallow, tmp_path / "a.html")
     failed = subprocess.CompletedProcess([], 1, "", "fleet.c:3: error: no room left on device")
     monkeypatch.setattr(assembly, "lacks_zig", str)
-    monkeypatch.setattr(wasm_build.subprocess, "run", lambda *_, **__: failed)
+    monkeypatch.setattr(assembly.subprocess, "run", lambda *_, **__: failed)
     with pytest.raises(nw.InputError, match="no room left on device"):
         nw.export.write_page(model, tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
