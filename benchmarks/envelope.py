@@ -13,9 +13,10 @@ from scipy.optimize import root
 
 import narrows as nw
 from narrows.identification.bundled_ship import bundled_ship
-from narrows.safety.disturbance import Disturbance
-from narrows.safety.held_trials import LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
+from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
+from narrows.safety.request import Disturbance
+from narrows.safety.settings import STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.terms.tables import table_named
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
@@ -40,7 +41,7 @@ def one_by_one(model: nw.Model, y: float, u: float) -> None:
     length = model.configuration.ship.length
     nw.simulate(
         model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, controller=pilot,
-        duration=LENGTHS * length / u, dt=length / (STEPS_A_LENGTH * u),
+        duration=TRIAL_LENGTHS * length / u, dt=length / (STEPS_A_LENGTH * u),
     )  # fmt: skip
 
 

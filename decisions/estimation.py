@@ -28,7 +28,7 @@ from narrows.estimation import (
     consistency,
 )
 from narrows.estimation.twins import sail_twins
-from narrows.report.estimation_figures import track_figure
+from narrows.report.figures import track_figure
 from narrows.terms.tables import table_named
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"

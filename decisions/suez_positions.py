@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from narrows.identification.bundled_ship import bundled_ship
-from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_hearing import Entry
 from narrows.readers.nmea.nmea_sentences import Telling
 from narrows.terms.tables import table_named
-from narrows.warning.hearing.replay import by_second
+from narrows.warning.inputs.replay import by_second
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway.centreline import projected

@@ -17,12 +17,14 @@ from pathlib import Path
 import pyais
 from pages import markdown, publish
 
-from narrows.readers.nmea.nmea_hearing import MOST_SHIPS, Hearing
+from narrows.readers.nmea.nmea_hearing import Hearing
 from narrows.readers.nmea.nmea_lines import checksum, sentences
+from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
-from narrows.warning.hearing.listening import OTHERS, Arrival, Inbox, deltas
+from narrows.warning.inputs.listening import Arrival, Inbox, deltas
+from narrows.warning.settings import OTHERS_QUEUE
 
 KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000
 LONGEST = 0.02
@@ -99,7 +101,7 @@ def burst(count: int) -> tuple[str, str]:
     (first,) = inbox.own()
     took = time.process_time() - start
     heard = hearing.told(first.message, 0.0)
-    lost = f"{inbox.lost} of others left out, {OTHERS} kept"
+    lost = f"{inbox.lost} of others left out, {OTHERS_QUEUE} kept"
     return f"{count} messages in a burst, the own last", f"own heard after {took:.2f} s ({heard.source}); {lost}"
 
 

@@ -26,8 +26,9 @@ from pages import markdown, publish
 from watched.runs import EVERY, FROM, Run, kept_runs
 from watched.truths import DEPTH, DURATION, Physics
 
-from narrows.warning.forecasting.forecast import SOONEST, urgency_of
-from narrows.warning.scoring.transit_scores import NEEDED, highest_held, lead_times, standing_since
+from narrows.warning.forecasting.forecast import urgency_of
+from narrows.warning.settings import NEEDED_LEAD, SHORTEST_CONTACT_TIME
+from narrows.warning.transit_scores import highest_held, lead_times, standing_since
 
 RATES = (0.05, 0.02, 0.01)
 """Of quiet transits that have an alert."""
@@ -47,7 +48,7 @@ def predictors(run: Run) -> dict[str, np.ndarray]:
     """Numbers that grow with the danger, (times, transits)."""
 
     def by_time(name: str) -> np.ndarray:
-        return 1.0 / np.maximum(run[name].astype(float), SOONEST)
+        return 1.0 / np.maximum(run[name].astype(float), SHORTEST_CONTACT_TIME)
 
     both = np.minimum(90.0 * by_time("contact"), 20.0 * by_time("last_chance"))
     return {
@@ -144,7 +145,7 @@ def scored(transits: Transits, number: np.ndarray, thresholds: np.ndarray) -> Sc
     raised = highest_held(transits.t, number, transits.struck) >= thresholds
     leads = transits.leads(number, thresholds)
     false = np.where(transits.quiet, raised, np.nan)
-    return Score(float(np.mean(thresholds)), false, np.where(np.isnan(leads), np.nan, leads < NEEDED), leads)
+    return Score(float(np.mean(thresholds)), false, np.where(np.isnan(leads), np.nan, leads < NEEDED_LEAD), leads)
 
 
 def first_table(transits: Transits) -> tuple[str, dict[str, list[float]]]:

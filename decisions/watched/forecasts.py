@@ -7,9 +7,10 @@ import numpy as np
 import narrows as nw
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.unscented import Normal
-from narrows.warning.forecasting.forecast import AFTER, CASES, CHANCES, LIKELY, SOON
-from narrows.warning.forecasting.forecaster import Beside, Drawn, Forecaster
+from narrows.warning.forecasting.forecast import AFTER, CASES, CHANCES, LIKELY
+from narrows.warning.forecasting.forecaster import BridgePredictor, Forecaster, Samples
 from narrows.warning.forecasting.future_lanes import FutureBlock, FutureLanes
+from narrows.warning.settings import SOON
 from watched.truths import SPEED, WIDTH, modelled
 
 STEP, ALARMING = 2.5, 120.0
@@ -62,14 +63,14 @@ class ForecastsAbreast:
         last = self._last_chances(likely, rudder, contact, alive)
         return {**bridges_today(known.mean), "contact": contact, "last_chance": last, **chances}
 
-    def _drawn(self, known: Normal, normals: np.ndarray) -> Drawn:
+    def _drawn(self, known: Normal, normals: np.ndarray) -> Samples:
         """Members of every ship."""
         points = known.mean[:, None] + normals[:, : known.mean.shape[1]] @ known.root.transpose(0, 2, 1)
         return self._points(points.reshape(-1, points.shape[2]))
 
-    def _points(self, points: np.ndarray) -> Drawn:
+    def _points(self, points: np.ndarray) -> Samples:
         size = len(self.forecaster.filter.states)
-        return Drawn(points[:, :size], self.members._coefficients(points[:, size:]))
+        return Samples(points[:, :size], self.members._coefficients(points[:, size:]))
 
     def _chances(self, known: Normal, rudder: np.ndarray, here: np.ndarray) -> dict[str, np.ndarray]:
         """By all members of some ships."""
@@ -80,12 +81,12 @@ class ForecastsAbreast:
         shares = {"soon": as_is <= SOON, "later": as_is <= AFTER, "pilot_now": np.isfinite(pilot)}
         return {name: share.mean(axis=1) for name, share in shares.items()}
 
-    def _last_chances(self, likely: Drawn, rudder: np.ndarray, contact: np.ndarray, alive: np.ndarray) -> np.ndarray:
+    def _last_chances(self, likely: Samples, rudder: np.ndarray, contact: np.ndarray, alive: np.ndarray) -> np.ndarray:
         """Of the likely runs that meet a bank soon, as ``LikelyRun`` tells it; 0 where it is gone."""
         last, times = np.full(self.count, math.inf), np.array([0.0, *CHANCES[:-1], math.inf])
         for here in _parts(np.flatnonzero((contact <= ALARMING) & alive)):
             filled = np.resize(here, AT_ONCE)
-            part = Drawn(likely.states[filled], likely.coefficients[filled])
+            part = Samples(likely.states[filled], likely.coefficients[filled])
             met = np.isfinite(self.takeovers([self.forecaster._ships(part, rudder[filled])])[0].contact)
             last[here] = times[np.where(met.any(axis=0), met.argmax(axis=0), len(CHANCES))][: len(here)]
         return last
@@ -97,5 +98,5 @@ def _parts(places: np.ndarray) -> list[np.ndarray]:
 
 def bridges_today(mean: np.ndarray) -> dict[str, np.ndarray]:
     """Distance to the bank; time to contact straight on, and curved by the rate of turn."""
-    beside = Beside(modelled().configuration.ship, WIDTH / 2, *mean[:, 1:6].T)
+    beside = BridgePredictor(modelled().configuration.ship, WIDTH / 2, *mean[:, 1:6].T)
     return {"room": beside.now, "line": beside.straight_contact(AFTER), "curve": beside.curved_contact(AFTER)}

@@ -18,7 +18,7 @@ from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.terms.tables import table_named
-from narrows.warning.forecasting.forecaster import Beside
+from narrows.warning.forecasting.forecaster import BridgePredictor
 
 SPEED, DURATION, DT = 4.5, 480, 1.0
 LENGTH, WIDTH, DEPTH = 230.0, 300.0, 16.2
@@ -173,7 +173,7 @@ class Transits:
     def clearance(self) -> Any:
         """Of the hull's corners to the banks [m]."""
         hull, state = self.ship.model.configuration.ship, self.state
-        return Beside(hull, WIDTH / 2, state["y"], self.psi, state["u"], state["v"], state["r"]).now
+        return BridgePredictor(hull, WIDTH / 2, state["y"], self.psi, state["u"], state["v"], state["r"]).now
 
     def _steer(self, t: int) -> None:
         if t % ORDERS:

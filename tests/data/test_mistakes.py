@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.captive.kinematics import MotionColumns, agreements_of
+from narrows.captive.check import MotionColumns, kinematic_consistency
 from narrows.captive.measured import measured_files
 from narrows.captive.synthetic import StraightRun
 from narrows.terms.tables import table_named
@@ -194,7 +194,7 @@ def test_noise_is_no_contradiction(noise: float, tmp_path: Path) -> None:
 
 def test_agreement_is_exact_where_a_motion_is_fine() -> None:
     tests = nw.twin(runs=(nw.HarmonicRun("yaw", "yaw", 0.4, 12.0), nw.HarmonicRun("sway", "sway", 0.4, 12.0)))
-    found = agreements_of(MotionColumns(tests.columns, tests.starts, 4.0))
+    found = kinematic_consistency(MotionColumns(tests.columns, tests.starts, 4.0))
     assert found["psi"].factor[0] == pytest.approx(1, abs=1e-4)
     assert found["v"].factor[1] == pytest.approx(1, abs=1e-4)
     assert found["v"].factor[0] == found["psi"].factor[1] == 0.0

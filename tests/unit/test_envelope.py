@@ -15,12 +15,12 @@ from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
 from narrows.control.track_pilot import track_gains
 from narrows.model.data_range import DataRange
-from narrows.safety.disturbance import Disturbance
 from narrows.safety.envelope import is_settled, share_interval
 from narrows.safety.headline import crossing, first_run, largest_rectangle
-from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
+from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
-from narrows.safety.question import keel_at
+from narrows.safety.request import Disturbance, keel_at
+from narrows.safety.settings import BACK_LENGTHS, STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
 from pictures import assert_readable
@@ -171,7 +171,7 @@ def voyage_of(
     dt = LENGTH / (STEPS_A_LENGTH * u)
     blown = dt * round(time / dt)
     push = {name: [(0.0, float(thrown[name][sample])), (blown, 0.0)] for name in ("Y", "N")}
-    steps = np.ceil(time / dt) + LENGTHS * STEPS_A_LENGTH
+    steps = np.ceil(time / dt) + TRIAL_LENGTHS * STEPS_A_LENGTH
     return nw.simulate(
         model, y=y + float(thrown["y"][sample]), u=u, psi=line.psi + float(thrown["psi"][sample]), v=line.v,
         rudder=line.rudder, duration=steps * dt, dt=dt, controller=helm, **push,
@@ -188,7 +188,7 @@ def was_held(model: nw.Model, thrown: dict, y: float, u: float, sample: int, tim
         voyage = voyage_of(model, thrown, y, u, sample, time, pilot)
     except nw.InputError:  # no rudder holds it there
         return False
-    last = voyage.t > voyage.t[-1] - LATE * LENGTH / u + 1e-9
+    last = voyage.t > voyage.t[-1] - BACK_LENGTHS * LENGTH / u + 1e-9
     return voyage.outcome.kind == "afloat" and bool(np.abs(voyage.y - y)[last].max() <= BEAM / 2)
 
 

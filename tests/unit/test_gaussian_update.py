@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from narrows.errors import InputError
-from narrows.logbook.learned_model import Blocks, NormalPrior, brought_within, updated
+from narrows.logbook.learned_coefficient import Blocks, NormalPrior, brought_within, updated
 
 UNKNOWNS, BLOCKS, READ = 5, 4, 2
 

@@ -18,13 +18,13 @@ from narrows.control.regulator import regulator_gains
 from narrows.control.stacked_regulators import Tightness, best_gains, stacked_gains
 from narrows.control.steady_course import solved
 from narrows.model.data_range import DataRange
-from narrows.safety.disturbance import Disturbance
+from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.safety.envelope import bounds_of, choose_pilot
 from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
-from narrows.safety.held_trials import LATE, LENGTHS, STEPS_A_LENGTH, ChosenPilot, trials
-from narrows.safety.likely_courses import LikelyCourses
+from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS, Helmsman, regulator_of, whole_degrees
-from narrows.safety.question import envelope_question
+from narrows.safety.request import Disturbance, envelope_request
+from narrows.safety.settings import BACK_LENGTHS, STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip
 
@@ -146,9 +146,10 @@ def was_held(model: nw.Model, law: object, thrown: dict, y: float, u: float, sam
     dt = LENGTH / (STEPS_A_LENGTH * u)
     voyage = nw.simulate(
         model, y=y + float(thrown["y"][sample]), u=u, psi=float(at["psi"]) + float(thrown["psi"][sample]),
-        v=float(at["v"]), rudder=float(at["rudder"]), duration=LENGTHS * STEPS_A_LENGTH * dt, dt=dt, controller=law,
+        v=float(at["v"]), rudder=float(at["rudder"]), duration=TRIAL_LENGTHS * STEPS_A_LENGTH * dt, dt=dt,
+        controller=law,
     )  # fmt: skip
-    last = voyage.t > voyage.t[-1] - LATE * LENGTH / u + 1e-9
+    last = voyage.t > voyage.t[-1] - BACK_LENGTHS * LENGTH / u + 1e-9
     return voyage.outcome.kind == "afloat" and bool(np.abs(voyage.y - y)[last].max() <= BEAM / 2)
 
 
@@ -163,7 +164,7 @@ class TestTrials:
         chosen = ChosenPilot(PILOTS[name], PILOTS[name].tunings[1])
         tried = trials(model, offsets, u, heave, Disturbance(6.0, offset=2.0), samples, 3, chosen=chosen)
         ship, drawn = SimulatedShip(model), sampled(model, samples, 3)
-        numbers = chosen.pilot.numbers(LikelyCourses(ship, offsets, u, heave), chosen.tuning)
+        numbers = chosen.pilot.numbers(BestEstimateCourses(ship, offsets, u, heave), chosen.tuning)
         fates = set()
         for row, y in enumerate(offsets.tolist()):
             at = {n: table[row, 0] for n, table in numbers.items()}
@@ -193,7 +194,7 @@ class TestTrials:
 
     def test_where_the_likely_ship_has_no_course_the_pilot_goes_by_the_nearest(self) -> None:
         ship = SimulatedShip(certain().with_coefficients(c_bank=20.0))
-        courses = LikelyCourses(ship, np.array([5.0, 60.0]), np.array([5.0]), np.zeros(1))
+        courses = BestEstimateCourses(ship, np.array([5.0, 60.0]), np.array([5.0]), np.zeros(1))
         assert np.isnan(courses.course["rudder"][1])
         held, near = courses.held()["rudder"][:, 0], courses.course["rudder"]
         assert held[1] == (near[0] if np.isfinite(near[0]) else near[2])
@@ -203,7 +204,7 @@ class TestChoice:
     @pytest.mark.slow
     def test_the_tuning_that_holds_most_is_taken(self) -> None:
         """Counted again, on the samples that choose; they are others than those that judge."""
-        question = envelope_question(
+        question = envelope_request(
             narrow(), np.linspace(-9, 9, 7), np.array([4.0, 6.0]), None, 1 / 3, None, None, None
         )
         chosen = choose_pilot(question, bounds_of(question), 0, 1)

@@ -9,7 +9,7 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.envelope_change import envelope_change, places_of
-from narrows.logbook.steady_legs.steady_candidates import usual_offsets, usual_speeds
+from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
 
 CALM = nw.SteadyConditions(wind=0.5, y_zero=0.01, yaw_rate_deg=0.02, sway_change=0.001)
 ERRORS = nw.ReadingErrors(y=0.02, u=0.01, rudder_deg=0.5, drift_deg=0.1)

@@ -15,8 +15,7 @@ import narrows as nw
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.states import StateNames
 from narrows.estimation.unscented import Normal
-from narrows.warning.alerts.alert import BANK, Priority, Situation
-from narrows.warning.alerts.alert_desk import AlertDesk, Condition
+from narrows.warning.alerts.alert import BANK, AlertDesk, Condition, Priority, Situation
 from narrows.warning.forecasting.forecast import CASES, BankForecast, CaseForecast, LikelyRun
 from narrows.warning.forecasting.future_lanes import FAN_MEMBERS, TIMES, PredictedFan
 from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
@@ -75,15 +74,15 @@ class Watched:
 class Pulse:
     """Tells the page the same again and again, as a monitor does, until it is stopped."""
 
-    def __init__(self, page: BridgePage, watched: Watched) -> None:
-        self.page, self.watched, self.address = page, watched, ""
-        self.status, self.beats = watched.status(forecast()), True
+    def __init__(self, page: BridgePage, monitored: Watched) -> None:
+        self.page, self.monitored, self.address = page, monitored, ""
+        self.status, self.beats = monitored.status(forecast()), True
         self._stop = Event()
 
     def run(self) -> None:
         while not self._stop.wait(0.1):
             if self.beats:
-                self.page.tell(self.watched, self.status, time.time())
+                self.page.tell(self.monitored, self.status, time.time())
 
     @contextmanager
     def running(self) -> Iterator["Pulse"]:
@@ -94,12 +93,12 @@ class Pulse:
         thread.join()
 
 
-def asked(page: BridgePage, watched: Watched) -> list[Any]:
+def asked(page: BridgePage, monitored: Watched) -> list[Any]:
     """Do what was asked for on the page, as the next update of a monitor does; the alerts that changed."""
     from narrows.warning.alerts.alert_sentences import command_of
 
-    commands = [command_of(text) for text in page.requests.sentences(watched.desk, watched.t)]
-    return [watched.desk.command(watched.t, *command) for command in commands]
+    commands = [command_of(text) for text in page.requests.sentences(monitored.desk, monitored.t)]
+    return [monitored.desk.command(monitored.t, *command) for command in commands]
 
 
 def soon(ask: Callable[[], Any]) -> Any:

@@ -18,19 +18,23 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 import narrows as nw
 from narrows.readers.nmea.nmea_lines import sentences, with_checksum
-from narrows.warning.alerts.alert import BANK, PATIENCE, SENSORS, SILENCE, Alert, AlertState, Command, Priority
-from narrows.warning.alerts.alert_desk import (
+from narrows.warning.alerts.alert import (
+    BANK,
     CALM,
-    LOWERED_AFTER,
-    RAISED_AFTER,
+    SENSORS,
+    Alert,
     AlertDesk,
+    AlertState,
     BankLevel,
+    Command,
     Condition,
+    Priority,
     Thresholds,
 )
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt
 from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
+from narrows.warning.settings import LOWER_DELAY, RAISE_DELAY, REPEAT_AFTER, SILENCE
 
 NAMES = st.sampled_from(list(Priority))
 
@@ -109,8 +113,8 @@ def test_what_nobody_acknowledges_sounds_anew_and_is_counted() -> None:
     desk = AlertDesk()
     (raised,) = desk.update(0.0, {BANK: Condition(Priority.WARNING, "text")})
     assert (raised.revision, raised.instance, raised.repeats) == (1, 1, 0)
-    assert desk.update(PATIENCE - 0.1, {}) == []
-    (again,) = desk.update(PATIENCE, {})
+    assert desk.update(REPEAT_AFTER - 0.1, {}) == []
+    (again,) = desk.update(REPEAT_AFTER, {})
     assert (again.revision, again.repeats, again.state) == (2, 1, AlertState.UNACKNOWLEDGED)
 
 
@@ -155,8 +159,8 @@ def test_nothing_chatters_at_a_threshold() -> None:
         said.append(level.update(float(t), forecast(now=USUAL.warning + (0.02 if t % 5 else -0.02))))
     assert sum(a is not b for a, b in pairwise(said)) == 1
     below = [level.update(600.0 + t, forecast(now=0.05)) for t in range(20)]
-    assert below.index(Priority.NONE) == LOWERED_AFTER
-    assert said.index(Priority.WARNING) >= RAISED_AFTER
+    assert below.index(Priority.NONE) == LOWER_DELAY
+    assert said.index(Priority.WARNING) >= RAISE_DELAY
 
 
 def test_an_emergency_waits_for_nothing_and_a_spike_is_none() -> None:

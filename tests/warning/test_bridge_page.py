@@ -13,11 +13,10 @@ from transit import canal
 
 import narrows as nw
 import narrows.warning.page as page_room
-from narrows.warning.alerts.alert import BANK, BEYOND_DATA, SENSORS, AlertState, Priority
-from narrows.warning.alerts.alert_desk import Condition
+from narrows.warning.alerts.alert import BANK, BEYOND_DATA, SENSORS, AlertState, Condition, Priority
 from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE, clearances
-from narrows.warning.page import onlookers
+from narrows.warning.page import clients
 from narrows.warning.page.bridge_page import (
     CROWDED,
     MALFORMED,
@@ -37,12 +36,13 @@ def test_messages_are_what_their_schema_says() -> None:
     validator = pytest.importorskip("jsonschema", reason="of the group test").Draft202012Validator
     schema = json.loads((Path(page_room.__file__).parent / "messages.json").read_text(encoding="utf-8"))
     validator.check_schema(schema)
-    watched = Watched()
+    monitored = Watched()
     statuses = [
-        watched.status(forecast()), watched.status(forecast(60.0, 14.0), conditions=ALARM), watched.status(now=None),
-        watched.status(conditions={SENSORS: Condition(Priority.WARNING, "no heading for 11 s")}),
+        monitored.status(forecast()), monitored.status(forecast(60.0, 14.0), conditions=ALARM),
+        monitored.status(now=None),
+        monitored.status(conditions={SENSORS: Condition(Priority.WARNING, "no heading for 11 s")}),
     ]  # fmt: skip
-    told = [update_of(watched, status, 1.7e9) for status in statuses]
+    told = [update_of(monitored, status, 1.7e9) for status in statuses]
     for message in [*told, refusal("That alert is over."), ending("It is over.")]:
         assert list(validator(schema).iter_errors(json.loads(packed(message)))) == []
     assert [message["status"] for message in told] == ["clear", "alarm", NOT_AVAILABLE, NOT_AVAILABLE]
@@ -71,9 +71,9 @@ def test_water_to_both_sides_is_that_of_geometry() -> None:
 
 def test_the_scene_lies_in_the_canal() -> None:
     """The banks as far apart as they are, and the ship as far from them as it says."""
-    watched = Watched()
-    status = watched.status(forecast())
-    scene = update_of(watched, status, 0.0)["scene"]
+    monitored = Watched()
+    status = monitored.status(forecast())
+    scene = update_of(monitored, status, 0.0)["scene"]
     (port, starboard), pose = scene["banks"], scene["ship"]["pose"]
     across = [((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2) ** 0.5 for a, b in zip(port, starboard, strict=True)]
     assert across == pytest.approx([300.0] * len(across), abs=0.3)
@@ -83,14 +83,14 @@ def test_the_scene_lies_in_the_canal() -> None:
 
 
 def test_what_diverges_is_not_drawn() -> None:
-    watched = Watched()
-    status = watched.status(forecast())
-    tracks = watched.fan(status)
+    monitored = Watched()
+    status = monitored.status(forecast())
+    tracks = monitored.fan(status)
     tracks.members[3, 5:] = np.nan
-    watched.fan = lambda status: tracks
-    assert len(update_of(watched, status, 0.0)["scene"]["fan"]["members"]) == FAN_MEMBERS - 1
+    monitored.fan = lambda status: tracks
+    assert len(update_of(monitored, status, 0.0)["scene"]["fan"]["members"]) == FAN_MEMBERS - 1
     tracks.likely[-1] = np.inf
-    assert update_of(watched, status, 0.0)["scene"]["fan"] is None
+    assert update_of(monitored, status, 0.0)["scene"]["fan"] is None
 
 
 @pytest.mark.parametrize(
@@ -181,12 +181,12 @@ def test_a_websocket_is_refused_with_a_sentence(host: str, path: str) -> None:
 
 
 def test_a_crowd_is_refused(host: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(onlookers, "MOST_ONLOOKERS", 0)
+    monkeypatch.setattr(clients, "MOST_CLIENTS", 0)
     assert refused(host, f"{UPDATES}?token=secret").endswith(CROWDED)
 
 
-def request(watched: Watched, command: str = "acknowledge", **changed: int) -> str:
-    alert = watched.desk[BANK]
+def request(monitored: Watched, command: str = "acknowledge", **changed: int) -> str:
+    alert = monitored.desk[BANK]
     seen = {"identifier": alert.identifier, "instance": alert.instance, "revision": alert.revision}
     return json.dumps({"command": command, **seen, **changed})
 
@@ -195,34 +195,34 @@ def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, 
     """Told, acknowledged once; a copy of it, a wrong one and what is none are refused in words."""
     from websockets.sync.client import connect
 
-    watched = Watched()
-    page.tell(watched, watched.status(forecast(60.0, 14.0), conditions=ALARM), 1.7e9)
+    monitored = Watched()
+    page.tell(monitored, monitored.status(forecast(60.0, 14.0), conditions=ALARM), 1.7e9)
     with connect(f"ws://{host}{UPDATES}?token=secret", origin=f"http://{host}") as line:
         assert json.loads(line.recv(5.0))["alerts"][0]["state"] == "unacknowledged"
-        copy = request(watched)
+        copy = request(monitored)
         line.send(copy)
-        assert [alert.state for alert in soon(lambda: asked(page, watched))] == [AlertState.ACKNOWLEDGED]
+        assert [alert.state for alert in soon(lambda: asked(page, monitored))] == [AlertState.ACKNOWLEDGED]
         for text, sentence in {
             copy: "BANK CONTACT: the alert has changed since it was asked for; look at it again.",
-            request(watched): "BANK CONTACT: it is acknowledged, so there is nothing to acknowledge.",
-            request(watched, "silence"): "BANK CONTACT: it is acknowledged, so there is nothing to silence.",
-            request(watched, instance=3): "BANK CONTACT: that alert is over.",
-            request(watched, identifier=7): "There is no alert 7.",
+            request(monitored): "BANK CONTACT: it is acknowledged, so there is nothing to acknowledge.",
+            request(monitored, "silence"): "BANK CONTACT: it is acknowledged, so there is nothing to silence.",
+            request(monitored, instance=3): "BANK CONTACT: that alert is over.",
+            request(monitored, identifier=7): "There is no alert 7.",
             "[" * 400: MALFORMED,
         }.items():
             line.send(text)
             if sentence is not MALFORMED:
                 soon(lambda: not page.requests._waiting.empty())
-            assert asked(page, watched) == []
+            assert asked(page, monitored) == []
             assert json.loads(line.recv(5.0)) == {"kind": "refused", "sentence": sentence}
 
 
 def test_notifications_are_told_when_they_change(page: BridgePage, host: str) -> None:
     from websockets.sync.client import connect
 
-    watched, before = Watched(), page.notices.number
+    monitored, before = Watched(), page.notices.number
     for conditions in ({BANK: Condition(Priority.WARNING, "Bank")}, {}, ALARM):
-        page.tell(watched, watched.status(forecast(), conditions=conditions), 1.7e9)
+        page.tell(monitored, monitored.status(forecast(), conditions=conditions), 1.7e9)
     assert page.notices.number == before + 2
     with connect(f"ws://{host}{SIGNAL_K}?token=secret") as line:
         line.send("whatever")

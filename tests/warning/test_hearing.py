@@ -20,14 +20,14 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from logs import motion, sentence
-from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_hearing import MOST_SHIPS, AisFragments, Hearing
+from narrows.readers.nmea.nmea_hearing import AisFragments, Entry, Hearing
 from narrows.readers.nmea.nmea_lines import Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import Telling
-from narrows.warning.hearing.bridge_readings import NOT_HERE, BridgeReadings, Heard, Tick
-from narrows.warning.hearing.connections import Connection, connection_of
-from narrows.warning.hearing.listening import LONGEST, OTHERS, OWN, Arrival, Inbox, LineSplitter, Listening, deltas
-from narrows.warning.hearing.replay import Replay, by_second, in_order
+from narrows.readers.settings import MOST_SHIPS
+from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
+from narrows.warning.inputs.listening import Arrival, Connection, Inbox, LineSplitter, Listening, connection_of, deltas
+from narrows.warning.inputs.replay import Replay, by_second, in_order
+from narrows.warning.settings import LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE
 
 
 def understood(*lines: str, mmsi: int | None = None, hearing: Hearing | None = None, t: float = 0.0) -> list[dict]:
@@ -37,7 +37,7 @@ def understood(*lines: str, mmsi: int | None = None, hearing: Hearing | None = N
     return [one.values for one in told if one is not None]
 
 
-def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) -> Heard:
+def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) -> Messages:
     hearing = Hearing()
     told = [hearing.told(one, t) for one in sentences([line.encode() for line in lines], hearing.faults)]
     entries = [Entry(t, one) for one in told if one is not None]
@@ -174,7 +174,7 @@ def test_corrupted_sentences_are_never_believed() -> None:
 def test_a_line_that_never_ends_is_given_up() -> None:
     faults: Counter[str] = Counter()
     splitter = LineSplitter(faults)
-    for _ in range(2 * LONGEST // 100 + 2):
+    for _ in range(2 * LONGEST_LINE // 100 + 2):
         assert splitter.lines(b"x" * 100) == []
     assert faults == {"that never ended": 2}
     assert splitter.lines(b"\n$A\r\n$B")[-1] == b"$A"
@@ -222,13 +222,13 @@ def test_garbled_signal_k_is_counted(garbled: bytes) -> None:
 
 def test_own_messages_go_before_those_of_others_and_neither_grow() -> None:
     inbox = Inbox()
-    for number in range(2 * OTHERS):
+    for number in range(2 * OTHERS_QUEUE):
         inbox.put(Arrival(float(number), Sentence(b"", "AIVDM", None)))
     inbox.put(Arrival(-1.0, Sentence(b"", "GPGGA", None)))
     assert [one.t for one in inbox.own()] == [-1.0]
-    assert inbox.lost == OTHERS
-    assert inbox.other() == Arrival(float(OTHERS), Sentence(b"", "AIVDM", None))
-    for number in range(OWN + 3):
+    assert inbox.lost == OTHERS_QUEUE
+    assert inbox.other() == Arrival(float(OTHERS_QUEUE), Sentence(b"", "AIVDM", None))
+    for number in range(OWN_QUEUE + 3):
         inbox.put(Arrival(float(number), Sentence(b"", "GPGGA", None)))
     assert inbox.own()[0].t == 3.0
 
@@ -275,7 +275,7 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
         assert time.monotonic() - start < 4.0
         lost = next(told).faults["for which there was no time"]
     assert {"GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"} <= set(heard)
-    assert lost >= 20_000 - OTHERS - 5_000
+    assert lost >= 20_000 - OTHERS_QUEUE - 5_000
 
 
 def test_signal_k_is_heard_over_a_websocket() -> None:

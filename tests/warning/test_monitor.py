@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from transit import canal, ship
-from watch import BEGAN, calm, monitor, ticks, watched
+from watch import BEGAN, calm, monitor, monitored, ticks
 
 import narrows as nw
 from narrows.cli.watching import with_keys
@@ -19,14 +19,14 @@ from narrows.readers.nmea.nmea_lines import with_checksum
 from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.hearing.bridge_readings import Tick
+from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
 from narrows.warning.monitoring.watched_transit import TransitLog
 
 
 def test_a_calm_ship_is_clear_and_its_state_is_known() -> None:
-    last = watched(ticks(15))[-1]
+    last = monitored(ticks(15))[-1]
     assert last.word == "clear"
     assert last.estimate["y"] == pytest.approx(0.0, abs=1.0)
     assert last.clearance == pytest.approx(150.0 - ship().configuration.ship.beam / 2, abs=3.0)
@@ -35,7 +35,7 @@ def test_a_calm_ship_is_clear_and_its_state_is_known() -> None:
 
 
 def test_a_ship_on_its_way_into_a_bank_is_an_emergency() -> None:
-    said = watched(ticks(18, y=95.0, psi=0.25, rudder=0.5))
+    said = monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5))
     assert said[-1].level >= Priority.ALARM
     (alert,) = [one for one in said[-1].alerts if one.identifier == BANK.identifier]
     assert alert.state is AlertState.UNACKNOWLEDGED
@@ -63,7 +63,7 @@ def test_memory_does_not_grow() -> None:
 
 def test_keys_acknowledge_and_silence() -> None:
     one = monitor()
-    watched(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)
+    monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)
     still, asked = Tick(BEGAN + 18, (), {}), []
     typed = iter([["s"], ["x", "a"]])
     for state in (AlertState.SILENCED, AlertState.ACKNOWLEDGED):
@@ -80,7 +80,7 @@ def _slowly(tick: Tick) -> Iterator[Tick]:
 
 
 def test_outside_of_the_data_is_a_caution_and_so_is_another_draft() -> None:
-    said = watched(ticks(4, y=90.0))
+    said = monitored(ticks(4, y=90.0))
     (alert,) = [one for one in said[-1].alerts if one.identifier == BEYOND_DATA.identifier]
     assert alert.priority is Priority.CAUTION
     assert "offset from the centreline" in alert.text
@@ -92,7 +92,7 @@ def test_a_forecast_that_fails_or_is_late_is_not_available() -> None:
 
     one = monitor()
     one.forecaster = fails
-    said = watched(ticks(25), one)
+    said = monitored(ticks(25), one)
     assert {status.word for status in said} == {NOT_AVAILABLE}
     (alert,) = [one for one in said[-1].alerts if one.identifier == NO_FORECAST.identifier]
     assert alert.text == "no pilot holds it"
@@ -103,7 +103,7 @@ def test_a_late_forecast_is_out_of_date(monkeypatch: pytest.MonkeyPatch) -> None
 
     now = iter(np.arange(0.0, 1e4, 1.5))
     monkeypatch.setattr(module.time, "monotonic", lambda: float(next(now)))
-    said = watched(ticks(3))
+    said = monitored(ticks(3))
     assert said[-1].word == NOT_AVAILABLE
 
 
@@ -116,7 +116,7 @@ def test_alerts_are_logged_sent_and_answered(tmp_path: Path) -> None:
         bridge.settimeout(2.0)
         send = stack.enter_context(sender_to(f"udp://127.0.0.1:{bridge.getsockname()[1]}"))
         one = monitor(publisher=AlertPublisher(log, send))
-        watched(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)
+        monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)
         alert = one.desk[BANK]
         command = with_checksum(f"INACN,,NRW,{BANK.identifier},{alert.instance},A,C").strip().encode()
         wrong = with_checksum(f"INACN,,NRW,{BANK.identifier},{alert.instance + 1},A,C").strip().encode()
@@ -146,7 +146,7 @@ def test_a_disk_that_does_not_answer_is_a_caution_and_mutes_nothing(tmp_path: Pa
 
     with AlertLog(tmp_path / "log.db", deadline=0.01, connect=full) as log:
         heard: list[str] = []
-        said = watched(ticks(8, y=90.0), monitor(publisher=AlertPublisher(log, heard.append)))
+        said = monitored(ticks(8, y=90.0), monitor(publisher=AlertPublisher(log, heard.append)))
     assert any("ALF" in line for line in heard)
     assert any("not on disk: database or disk is full" in alert.text for alert in said[-1].alerts)
 

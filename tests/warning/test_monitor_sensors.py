@@ -2,7 +2,7 @@
 
 import pytest
 from transit import canal, ship
-from watch import BEGAN, Lines, calm, indicated, monitor, ticks, watched, without
+from watch import BEGAN, Lines, calm, indicated, monitor, monitored, ticks, without
 
 from narrows.readers.nmea.nmea_lines import with_checksum
 from narrows.warning.alerts.alert import NO_FORECAST, SENSORS, Priority
@@ -11,7 +11,7 @@ from narrows.warning.monitoring.demonstration import bridge_sentences
 
 
 def test_nothing_is_clear_before_anything_is_known() -> None:
-    said = watched(ticks(30, without("HEHDT")))
+    said = monitored(ticks(30, without("HEHDT")))
     assert {status.word for status in said} == {NOT_AVAILABLE}
     assert all(status.line().split()[0] == "not" for status in said)
     told = {alert.identifier: alert for alert in said[-1].alerts}
@@ -23,7 +23,7 @@ def test_positions_minutes_apart_are_never_clear() -> None:
     """As ashore: a fix every ten minutes, and nothing else."""
     kinds = ("HEHDT", "TIROT", "VDVBW", "IIRSA", "GPVTG", "GPZDA")
     fixes = (tick._replace(t=BEGAN + 600.0 * k) for k, tick in enumerate(ticks(6, without(*kinds))))
-    said = watched(tick._replace(entries=[entry._replace(t=tick.t) for entry in tick.entries]) for tick in fixes)
+    said = monitored(tick._replace(entries=[entry._replace(t=tick.t) for entry in tick.entries]) for tick in fixes)
     assert {status.word for status in said} == {NOT_AVAILABLE}
     assert all(status.level >= Priority.WARNING for status in said[1:])
 
@@ -31,7 +31,7 @@ def test_positions_minutes_apart_are_never_clear() -> None:
 @pytest.mark.parametrize(("silent", "foretold"), [(2, True), (8, True), (14, False)])
 def test_silence_degrades_what_is_said(silent: int, foretold: bool) -> None:
     """Of positions: after 3 s it is said, after 10 s nothing is foretold; when they come again, all is well."""
-    said = watched(ticks(45, without("GPGGA", start=12, stop=12 + silent)))
+    said = monitored(ticks(45, without("GPGGA", start=12, stop=12 + silent)))
     during = said[11 + silent]
     assert (during.forecast is not None) == foretold
     named = [alert.text for alert in during.alerts if alert.identifier == SENSORS.identifier]
@@ -45,7 +45,7 @@ def test_a_jump_is_refused_and_said() -> None:
     def jump(t: int, lines: Lines) -> Lines:
         return bridge_sentences(canal(), indicated(float(t), y=60.0), BEGAN + t) if t == 14 else lines
 
-    said = watched(ticks(16, jump))
+    said = monitored(ticks(16, jump))
     assert "gnss jumps" in next(a.text for a in said[14].alerts if a.identifier == SENSORS.identifier)
     assert said[15].estimate["y"] == pytest.approx(0.0, abs=1.5)
 
@@ -60,7 +60,7 @@ def test_a_slow_spoof_across_is_said() -> None:
 
     one = monitor()
     one.forecaster = calm
-    said = watched(ticks(60, spoof), one)
+    said = monitored(ticks(60, spoof), one)
     told = [k for k, status in enumerate(said) for alert in status.alerts if "gnss drifts" in alert.text]
     assert told
     assert abs(said[told[0]].estimate["y"]) < 150.0 / 4
@@ -73,7 +73,7 @@ def test_clocks_that_step_in_the_sentences_change_nothing() -> None:
     def stepped(t: int, lines: Lines) -> Lines:
         return [_clocked(line, clocks[t % 4]) for line in lines]
 
-    plain, moved = watched(ticks(14)), watched(ticks(14, stepped))
+    plain, moved = monitored(ticks(14)), monitored(ticks(14, stepped))
     assert [status.word for status in plain] == [status.word for status in moved]
     assert [status.changed for status in plain] == [status.changed for status in moved]
     assert moved[-1].estimate["y"] == pytest.approx(plain[-1].estimate["y"], abs=1e-9)
@@ -89,5 +89,5 @@ def test_another_depth_than_charted_is_a_caution(lacks: float, said: bool) -> No
     """As an echo sounder at the keel tells it."""
     under = (1 - lacks) * float(canal().section(600.0).depth) - ship().ship.draft
     sounded = with_checksum(f"SDDPT,{under + 1.0:.2f},-1.0,100.0")
-    last = watched(ticks(4, lambda t, lines: [*lines, sounded]))[-1]
+    last = monitored(ticks(4, lambda t, lines: [*lines, sounded]))[-1]
     assert any("echo sounder" in one.text for one in last.alerts) is said

@@ -7,8 +7,7 @@ import pytest
 from shown_page import ALARM, Pulse, Watched, asked, forecast, soon
 
 from browsers import chromium
-from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, Priority
-from narrows.warning.alerts.alert_desk import Condition
+from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, Condition, Priority
 from narrows.warning.page.bridge_page import BridgePage
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}
@@ -46,8 +45,8 @@ def shown(browser: Any, pulse: Pulse) -> Any:
 @pytest.fixture
 def page(shown: Any, pulse: Pulse) -> Iterator[Any]:
     """The page of a ship that is clear, in its usual size."""
-    pulse.watched.__init__()
-    pulse.status, pulse.beats = pulse.watched.status(forecast()), True
+    pulse.monitored.__init__()
+    pulse.status, pulse.beats = pulse.monitored.status(forecast()), True
     shown.set_viewport_size({"width": 1280, "height": 800})
     fresh(shown, "Clear")
     yield shown
@@ -60,7 +59,7 @@ def fresh(page: Any, word: str) -> None:
 
 
 def say(pulse: Pulse, page: Any, word: str, *told: Any, **conditions: Any) -> None:
-    pulse.status = pulse.watched.status(*told, **conditions)
+    pulse.status = pulse.monitored.status(*told, **conditions)
     fresh(page, word)
 
 
@@ -106,9 +105,9 @@ def test_the_keyboard_acknowledges_and_the_focus_goes_on(page: Any, pulse: Pulse
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.ariaLabel") == "Acknowledge: BANK CONTACT"
     page.keyboard.press("Enter")
-    (alert,) = soon(lambda: asked(pulse.page, pulse.watched))
+    (alert,) = soon(lambda: asked(pulse.page, pulse.monitored))
     assert alert.state.value == "acknowledged"
-    pulse.status = pulse.watched.status(forecast(60.0, 14.0), conditions=ALARM)
+    pulse.status = pulse.monitored.status(forecast(60.0, 14.0), conditions=ALARM)
     page.wait_for_selector("#alerts li[data-state=acknowledged]")
     assert page.inner_text(".state") == "Alarm, acknowledged"
     assert page.evaluate("document.activeElement.id") == "alerts-title"
@@ -118,10 +117,10 @@ def test_the_keyboard_acknowledges_and_the_focus_goes_on(page: Any, pulse: Pulse
 def test_a_key_silences_and_a_refusal_is_read(page: Any, pulse: Pulse) -> None:
     say(pulse, page, "Alarm", forecast(60.0, 14.0), conditions=ALARM)
     page.keyboard.press("s")
-    assert [alert.state.value for alert in soon(lambda: asked(pulse.page, pulse.watched))] == ["silenced"]
+    assert [alert.state.value for alert in soon(lambda: asked(pulse.page, pulse.monitored))] == ["silenced"]
     page.keyboard.press("a")  # As it was seen before it was silenced.
     soon(lambda: not pulse.page.requests._waiting.empty())
-    assert asked(pulse.page, pulse.watched) == []
+    assert asked(pulse.page, pulse.monitored) == []
     page.wait_for_selector("#refused:not(:empty)")
     assert page.inner_text("#refused").startswith("Refused. BANK CONTACT: the alert has changed")
     assert page.get_attribute("#refused", "role") == "status"

@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
-from watch import BEGAN, monitor, ticks, watched
+from watch import BEGAN, monitor, monitored, ticks
 
-from narrows.warning.alerts.alert import BANK, AlertState, Command, Priority
-from narrows.warning.alerts.alert_desk import CALM, AlertDesk, Condition
+from narrows.warning.alerts.alert import BANK, CALM, AlertDesk, AlertState, Command, Condition, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
-from narrows.warning.hearing.bridge_readings import Tick
+from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
-from narrows.warning.page.bridge_page import BUSY, MOST_WAITING, PageRequest, PageRequests, objection, request_of
+from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of
 from narrows.warning.page.page_updates import update_of
+from narrows.warning.settings import REQUEST_QUEUE
 
 GOOD = {"command": "silence", "identifier": 10110, "instance": 1, "revision": 2}
 
@@ -48,12 +48,12 @@ def test_noise_is_no_request_and_never_raises(noise: str) -> None:
 
 def test_a_flood_of_requests_is_bounded() -> None:
     requests, said = PageRequests(), []
-    for _ in range(MOST_WAITING + 5):
+    for _ in range(REQUEST_QUEUE + 5):
         requests.take(json.dumps(GOOD), said.append)
     assert said == [BUSY] * 5
     told = next(requests.joined([Tick(0.0, (), {}, [b"first"])], AlertDesk()))
     assert list(told.commands) == [b"first"]
-    assert said[5:] == ["BANK CONTACT: that alert is over."] * MOST_WAITING
+    assert said[5:] == ["BANK CONTACT: that alert is over."] * REQUEST_QUEUE
 
 
 class PageBridge(RuleBasedStateMachine):
@@ -107,7 +107,7 @@ def test_what_is_asked_for_on_the_page_goes_the_way_of_the_bridge(tmp_path: Path
     with AlertLog(tmp_path / "log.db") as log:
         sent: list[str] = []
         one, requests = monitor(publisher=AlertPublisher(log, sent.append)), PageRequests()
-        last = watched(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)[-1]
+        last = monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)[-1]
         told = update_of(one, last, BEGAN)
         (alert,) = [each for each in told["alerts"] if each["identifier"] == BANK.identifier]
         seen = {name: alert[name] for name in ("identifier", "instance", "revision")}

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from transit import ship
 
-from narrows.warning.alerts.alert import Priority
-from narrows.warning.alerts.alert_desk import BankLevel, Thresholds
+from narrows.warning.alerts.alert import BankLevel, Priority, Thresholds
 from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.forecaster import Beside
-from narrows.warning.scoring.transit_scores import highest_held, lead_times, standing_since
+from narrows.warning.forecasting.forecaster import BridgePredictor
+from narrows.warning.transit_scores import highest_held, lead_times, standing_since
 
 HALF, SPEED = 150.0, 4.5
 
@@ -53,9 +52,9 @@ def test_a_lead_counts_from_the_alert_that_stands_at_the_contact() -> None:
     np.testing.assert_allclose(leads, [90.0 - 62.0, 0.0, 90.0 - 42.0])
 
 
-def beside(y: float, psi: float, r: float = 0.0, v: float = 0.0, bend: float = 0.0) -> Beside:
+def beside(y: float, psi: float, r: float = 0.0, v: float = 0.0, bend: float = 0.0) -> BridgePredictor:
     columns = (np.array([number]) for number in (y, psi, SPEED, v, r))
-    return Beside(ship().configuration.ship, HALF, *columns, bend)
+    return BridgePredictor(ship().configuration.ship, HALF, *columns, bend)
 
 
 def test_straight_on_is_a_straight_line() -> None:

@@ -7,17 +7,18 @@ import numpy as np
 import pandas as pd
 import pytest
 from transit import canal, ship
-from watch import ticks, watched, without
+from watch import monitored, ticks, without
 
 import narrows as nw
 from narrows.report.transit_report import transit_track_figure, write_transit_report
-from narrows.warning.alerts.alert_desk import Thresholds
+from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.alerts.alert_log import logged
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import MISTAKE, demonstration
 from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
-from narrows.warning.scoring.transit_scores import NEEDED, PREDICTORS, TransitScorer, score_transits
+from narrows.warning.settings import NEEDED_LEAD
+from narrows.warning.transit_scores import PREDICTORS, TransitScorer, score_transits
 
 
 def test_recorded_transits_are_scored() -> None:
@@ -26,7 +27,7 @@ def test_recorded_transits_are_scored() -> None:
     transits = []
     for name, heard in told.items():
         scorer = TransitScorer(name, Thresholds())
-        for status in watched(heard):
+        for status in monitored(heard):
             scorer.add(status)
         transits.append(scorer.transit())
     scores = score_transits(transits)
@@ -34,7 +35,7 @@ def test_recorded_transits_are_scored() -> None:
     assert all(row.false == 0 for row in scores.rows)
     leads = dict(zip(PREDICTORS, scores.leads["aground"], strict=True))
     assert 30.0 > leads["caution"] >= leads["alarm"] > 10.0
-    assert scores.to_dataframe().loc["caution", "missed"] == (leads["caution"] < NEEDED)
+    assert scores.to_dataframe().loc["caution", "missed"] == (leads["caution"] < NEEDED_LEAD)
     assert "1 transit with a contact" in scores.summary()
     assert any("mute" in note for note in scores.notes)
     with pytest.raises(nw.InputError, match="cannot tell contacts"):
@@ -49,7 +50,7 @@ def transit_of(said: list[BridgeStatus]) -> WatchedTransit:
 
 
 def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    transit = transit_of(watched(ticks(18, y=95.0, psi=0.25, rudder=0.5)))
+    transit = transit_of(monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5)))
     assert "First" in transit.summary()
     assert "near miss" not in transit.summary()
     assert "in contact with it" in transit.summary().splitlines()[-1]
@@ -60,7 +61,7 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.
     transit.save(tmp_path / "a.csv")
     monkeypatch.setattr(watched_transit, "MOST_SECONDS", 4)
     kept = TransitLog(ship().configuration.ship, canal())
-    for status in watched(ticks(7)):
+    for status in monitored(ticks(7)):
         kept.add(status)
     assert kept.transit().columns["t"].tolist() == [3.0, 4.0, 5.0, 6.0]
     assert (
@@ -69,7 +70,7 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_the_swept_hull_is_as_far_from_the_banks_as_was_said() -> None:
-    transit = transit_of(watched(ticks(9, y=95.0, psi=0.25, rudder=0.5)))
+    transit = transit_of(monitored(ticks(9, y=95.0, psi=0.25, rudder=0.5)))
     told = {name: column[transit.located] for name, column in transit.columns.items()}
     figure = transit_track_figure(transit)
     starboard = max(figure.axes[0].lines, key=lambda line: np.mean(line.get_ydata()))
@@ -83,7 +84,7 @@ def test_a_transit_of_which_no_place_is_known_has_a_page_without_a_map(tmp_path:
     seen, blind = ticks(6), ticks(6, without("GPGGA"))
     pages = []
     for name, heard in (("seen.html", seen), ("blind.html", blind)):
-        write_transit_report(transit_of(watched(heard)), tmp_path / name)
+        write_transit_report(transit_of(monitored(heard)), tmp_path / name)
         pages.append((tmp_path / name).read_text(encoding="utf-8"))
     assert ["unrolled" in page for page in pages] == [True, False]
 
@@ -110,7 +111,7 @@ def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) ->
 
 
 def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> None:
-    from narrows.warning.hearing.replay import Replay
+    from narrows.warning.inputs.replay import Replay
 
     shown = demonstration()
     (tmp_path / "bridge.nmea").write_bytes(shown.bridge.recording())

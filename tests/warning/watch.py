@@ -6,12 +6,11 @@ from functools import cache
 
 from transit import canal, ship
 
-from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.readers.nmea.nmea_hearing import Entry, Hearing
 from narrows.readers.nmea.nmea_lines import sentences
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
-from narrows.warning.hearing.bridge_readings import Tick
+from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import bridge_sentences
@@ -49,14 +48,14 @@ def ticks(seconds: int, fault: Fault | None = None, **where: float) -> Iterator[
 
 @cache
 def calm_forecast() -> BankForecast:
-    return forecaster()(watched(ticks(5))[-1].estimate, {"rudder": 0.0})
+    return forecaster()(monitored(ticks(5))[-1].estimate, {"rudder": 0.0})
 
 
 def calm(estimate: object, positions: object) -> BankForecast:
     return calm_forecast()
 
 
-def watched(told: Iterator[Tick], one: BridgeMonitor | None = None) -> list[BridgeStatus]:
+def monitored(told: Iterator[Tick], one: BridgeMonitor | None = None) -> list[BridgeStatus]:
     one = one or monitor()
     return [one.update(tick, tick.t) for tick in told]
 

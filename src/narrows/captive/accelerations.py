@@ -10,38 +10,25 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
+from narrows.captive import settings
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import check_choice
 
 Accelerations = Literal["checked", "motion", "measured"]
 CHOICES = get_args(Accelerations)
 RATES = {"u": "udot", "v": "vdot", "r": "rdot"}
-HARMONICS = 5
-# Of the size that an acceleration has in the table: measured ones that are farther from their motion are replaced.
-STRAY = 0.01
 # Standard deviations in a run in which nothing oscillates: over the speed, in radians, over the ship's length.
 STEADY = {"v": 0.01, "psi": 0.01, "y": 0.01}
-# What the harmonics leave of a velocity: so little of it, or without memory from row to row, in a periodic run.
-SMALL_REST, WHITE = 0.02, 0.5
-# Of speed squared over length: the size of accelerations in a table in which nothing oscillates.
-LEAST = 0.01
-# Power of a harmonic over that of its noise below which it is none.
-SIGNIFICANT = 9.0
 # Rows of a run, at least: two for each number that is fitted.
-FEWEST = 2 * (2 * HARMONICS + 1)
-# Rows of a run by which its period is found and its accelerations are compared; all are replaced.
-SAMPLED = 600
+FEWEST = 2 * (2 * settings.HARMONICS + 1)
 
 
 class HarmonicMotion(NamedTuple):
-    """Velocities of one run as harmonics of a period."""
-
     frequency: float  # Of the first harmonic; 0 where nothing oscillates [rad/s]
     harmonics: Mapping[str, np.ndarray]  # (2 x HARMONICS,) Cosines, then sines, of each velocity that they explain
     missing: Mapping[str, float]  # Size of the acceleration that higher harmonics would add, about, in the unit of each
 
     def acceleration(self, velocity: str, t: np.ndarray) -> np.ndarray:
-        """Differentiate a velocity at some times, (rows,)."""
         # t (rows,) [s]
         cosine, sine = np.split(self.harmonics[velocity], 2)
         result = np.zeros(len(t))
@@ -70,8 +57,8 @@ def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveT
     notes = []
     for velocity, rate in pairs.items():
         stray = _strays(runs, motions, velocity, small[rate])
-        chosen = np.isfinite(stray) if choice == "motion" else stray > STRAY
-        if (stray > STRAY).any():
+        chosen = np.isfinite(stray) if choice == "motion" else stray > settings.ACCELERATION_TOLERANCE
+        if (stray > settings.ACCELERATION_TOLERANCE).any():
             notes.append(_sentence(rate, tests.names, stray, choice))
         if choice != "measured" and chosen.any():
             new[rate] = new[rate].copy()
@@ -82,8 +69,6 @@ def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveT
 
 
 def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
-    """Find the period of a run and the harmonics of its velocities."""
-    # length [m]
     few = _sampled(run)
     if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
         return UNKNOWN
@@ -104,7 +89,7 @@ def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
 
 
 def _sampled(run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    step = max(1, len(run["t"]) // SAMPLED)
+    step = max(1, len(run["t"]) // settings.SAMPLED)
     return {name: column[::step] for name, column in run.items()}
 
 
@@ -116,7 +101,7 @@ def _frequency(t: np.ndarray, column: np.ndarray) -> float:
     even = np.interp(np.linspace(0, t[-1], len(t)), t, column - column.mean())
     line = 1 + int(np.abs(np.fft.rfft(even))[1:].argmax())
     low, high = (2 * np.pi / span * max(0.4, line + by) for by in (-0.75, 0.75))
-    for harmonics in (1, HARMONICS):
+    for harmonics in (1, settings.HARMONICS):
         minimum = minimize_scalar(
             lambda w, n=harmonics: _rest(t, column, w, n)[1].var(), bounds=(low, high), method="bounded",
             options={"xatol": 1e-7 * high},
@@ -136,23 +121,27 @@ def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -
 def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float) -> tuple[np.ndarray, float] | None:
     """Cosines and sines of a velocity, without those within their noise, and the acceleration that is missing."""
     # None where they do not explain it.
-    parts, rest = _rest(t, column, frequency, HARMONICS) if frequency else (np.zeros(1), column - column.mean())
+    parts, rest = (
+        _rest(t, column, frequency, settings.HARMONICS) if frequency else (np.zeros(1), column - column.mean())
+    )
     error = float(rest.std())
     memory = float(rest[1:] @ rest[:-1]) / max(float(rest @ rest), 1e-300)
-    if error > SMALL_REST * max(float(column.std()), usual) and memory > WHITE:
+    if error > settings.SMALL_REST * max(float(column.std()), usual) and memory > settings.WHITE:
         return None
     if not frequency:
-        return np.zeros(2 * HARMONICS), 0.0
-    pairs = parts[1:].reshape(2, HARMONICS)
-    silent = (pairs**2).sum(axis=0) < SIGNIFICANT * 4 * error**2 / len(t)
-    missing = (HARMONICS + 2) * frequency * error if memory > WHITE else 0.0
+        return np.zeros(2 * settings.HARMONICS), 0.0
+    pairs = parts[1:].reshape(2, settings.HARMONICS)
+    silent = (pairs**2).sum(axis=0) < settings.SIGNIFICANT * 4 * error**2 / len(t)
+    missing = (settings.HARMONICS + 2) * frequency * error if memory > settings.WHITE else 0.0
     return np.where(silent, 0.0, pairs).ravel(), missing
 
 
 def _small(columns: Mapping[str, np.ndarray], velocity: str, length: float) -> float:
     """What a measured acceleration may be off by: a part of its size in the table."""
-    least = LEAST * float(np.mean(columns["u"] ** 2)) / length / (length if velocity == "r" else 1.0)
-    return STRAY * max(float(np.sqrt(np.mean(columns[RATES[velocity]] ** 2))), least)
+    least = (
+        settings.LEAST_ACCELERATION * float(np.mean(columns["u"] ** 2)) / length / (length if velocity == "r" else 1.0)
+    )
+    return settings.ACCELERATION_TOLERANCE * max(float(np.sqrt(np.mean(columns[RATES[velocity]] ** 2))), least)
 
 
 def _agree(run: Mapping[str, np.ndarray], pairs: Mapping[str, str], small: Mapping[str, float]) -> bool:
@@ -176,11 +165,11 @@ def _strays(
             expected = motion.acceleration(velocity, few["t"] - few["t"][0])
             away = np.sqrt(np.mean((few[rate] - expected) ** 2))
             apart[i] = away if away > 2 * motion.missing[velocity] else 0.0
-    return STRAY * apart / small
+    return settings.ACCELERATION_TOLERANCE * apart / small
 
 
 def _sentence(rate: str, names: tuple[str, ...], stray: np.ndarray, choice: str) -> str:
-    far = np.flatnonzero(stray > STRAY)
+    far = np.flatnonzero(stray > settings.ACCELERATION_TOLERANCE)
     others = f" and {len(far) - 1} more" if len(far) > 1 else ""
     done = "used as measured, which draws their coefficients to 0" if choice == "measured" else "taken from the motion"
     return (

@@ -22,16 +22,12 @@ COLUMNS = {
 
 
 def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
-    """Return what a table may carry where there are actuators beside those of the package."""
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
 
 
-# What terms need and neither a table nor its ship file gives: where to add it, and what is usual.
 # The published ship whose numbers are named as usual ones.
 EXAMPLE = "yasukawa2015_kvlcc2"
-
 SOURCE = "Yasukawa and Yoshimura 2015"
-
 STRAIGHTENING = ("rudder_straightening_port", "rudder_straightening_starboard")
 
 
@@ -50,7 +46,6 @@ def check_given(asked: Iterable[str], values: Container[str], headers: Headers, 
 
 
 def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
-    """Where a column or a particular goes that terms need."""
     known = columns_with(movers)
     if wanted not in known or wanted in PARTICULARS:
         said = f"the terms need {name}, which neither the tests nor the ship file give"
@@ -63,7 +58,6 @@ def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, .
 
 
 def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
-    """Which key of which section of which file gives a particular."""
     sections = {"ship": Ship, "canal": Canal, "water": Water}
     places = {field.name: f"[{section}] {field.name}" for section, part in sections.items() for field in fields(part)}
     place, quantity = (places | places_of(actuators)).get(name), particulars_with(actuators).get(name)

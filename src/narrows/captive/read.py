@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import tests
-from narrows.captive.rows import Reading, Rows, checked, gathered, prepared, tests_of
+from narrows.captive.rows import Reading, Rows, checked, clean, collect_rows, tests_of
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
 from narrows.errors import InputError, path_of
 from narrows.model.sections import Source
@@ -68,13 +68,13 @@ def read_captive(
     name = str(path) if path else name_of(table)
     sheet = read_frame(path) if path else as_sheet(table)
     with file_stage("checking", path):
-        frame, notes = prepared(sheet.frame, Reading(name, where, read_mapping(mapping), movers))
+        frame, notes = clean(sheet.frame, Reading(name, where, read_mapping(mapping), movers))
         if not len(frame):
             raise InputError(f"{name}: no rows are left to read; give a test at least one row")
         rows = checked(frame, configuration, name, movers, ship_file_of(ship))
         hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
-    return gathered(rows, configuration, source, sheet.notes + notes)
+    return collect_rows(rows, configuration, source, sheet.notes + notes)
 
 
 def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = None) -> Any:
@@ -90,7 +90,6 @@ def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = Non
 
 
 def sha256_of(path: Path) -> str:
-    """Return the hash of a file, read in pieces."""
     return str(guarded(path, lambda: _digest(path)))
 
 
@@ -99,11 +98,8 @@ def _digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-# Tests that stay on disk: the same blocks of rows, read when asked for, so that memory does not grow.
 @dataclass(frozen=True)
 class StreamedTests:
-    """Captive tests on disk."""
-
     path: Path  # CSV or Parquet
     configuration: Configuration  # Ship, canal and water
     where: str | None = None  # Which rows to take
@@ -115,7 +111,6 @@ class StreamedTests:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The tests."""
         return tuple(self.lengths)
 
     @cached_property
@@ -149,7 +144,7 @@ class StreamedTests:
     def _frames(self) -> Iterator[pd.DataFrame]:
         asked = Reading(str(self.path), self.where, self.mapping, self.actuators)
         for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
-            frame, _ = prepared(chunk, asked)
+            frame, _ = clean(chunk, asked)
             if len(frame):
                 yield frame
 

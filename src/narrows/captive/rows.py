@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import check
+from narrows.captive.check import MotionColumns, check_kinematics
 from narrows.captive.columns import COLUMNS, columns_with
 from narrows.captive.formats import layouts
-from narrows.captive.kinematics import MotionColumns, check_kinematics
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source
@@ -26,8 +26,6 @@ ASSUMED = ("heave",)
 
 
 class Rows(NamedTuple):
-    """Checked rows of a table."""
-
     columns: dict[str, np.ndarray]  # (rows,) In SI
     test: np.ndarray  # (rows,) Whose each row is; no conditions where the table names none
     condition: np.ndarray  # (rows,) Whose each row is; no conditions where the table names none
@@ -36,8 +34,6 @@ class Rows(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """How a table is to be read."""
-
     table: str  # The file, for sentences
     where: str | None = None  # Which rows to take
     mapping: ColumnMapping | None = None  # Its own names, units and signs
@@ -45,12 +41,10 @@ class Reading(NamedTuple):
 
     @property
     def known(self) -> dict[str, Quantity]:
-        """What the table may carry."""
         return columns_with(self.actuators)
 
 
-def prepared(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring a raw frame to the documented headers and rows."""
+def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
     table, where = asked.table, asked.where
     mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
     early = chosen_early(mapped, where, table)
@@ -64,7 +58,6 @@ def checked(
     frame: pd.DataFrame, configuration: Configuration, table: str, actuators: Iterable[Actuator] = (),
     ship_file: str = "",
 ) -> Rows:  # fmt: skip
-    """Check a frame and bring it to SI."""
     movers = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
     known = columns_with(movers.values())
     recognised = recognised_in(frame, known, table)
@@ -109,8 +102,7 @@ def _physical_sense(
     return notes + check_kinematics(motions, names, by_name, table)
 
 
-def gathered(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
-    """Put the rows of each test together."""
+def collect_rows(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
     order, names, starts = _grouped(rows.test)
     return CaptiveTests(
         columns={name: column[order] for name, column in rows.columns.items()},
@@ -125,7 +117,6 @@ def gathered(rows: Rows, configuration: Configuration, source: Source, notes: tu
 
 
 def tests_of(frame: pd.DataFrame, table: str) -> np.ndarray:
-    """Return the name of each row's test."""
     return cells.labels(frame, "test", table) if "test" in frame else np.full(len(frame), "all", dtype=object)
 
 
@@ -150,7 +141,6 @@ def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]
     return order, tuple(str(name) for name in names), starts
 
 
-# Which rows of a table are taken: an expression on its headers, or on plain names.
 def plain_columns(
     where: str, frame: pd.DataFrame, known: Mapping[str, Quantity], hidden: Iterable[str]
 ) -> dict[str, pd.Series]:
@@ -180,7 +170,6 @@ def chosen_early(frame: pd.DataFrame, where: str | None, table: str) -> np.ndarr
 def chosen_late(
     raw: pd.DataFrame, frame: pd.DataFrame, where: str, table: str, known: Mapping[str, Quantity]
 ) -> np.ndarray:
-    """Return the rows that an expression on headers and plain names takes, (rows,) of bool."""
     here = raw if raw.index.equals(frame.index) else raw.loc[frame.index]
     headers = [str(header) for header in raw.columns]
     try:

@@ -2,10 +2,8 @@
 
 import numpy as np
 
+from narrows.captive.settings import SHORTEST_RECORD
 from narrows.errors import InputError
-
-# Rows that the filter needs to run in and out.
-SHORTEST = 20
 
 
 def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
@@ -13,8 +11,8 @@ def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
     # t (rows,) [s]; column (rows,); cutoff [Hz]
     from scipy.signal import butter, sosfiltfilt
 
-    if len(t) < SHORTEST:
-        raise InputError(f"{len(t)} rows are too few to low-pass; give a record of {SHORTEST} or more")
+    if len(t) < SHORTEST_RECORD:
+        raise InputError(f"{len(t)} rows are too few to low-pass; give a record of {SHORTEST_RECORD} or more")
     step = np.diff(t)
     if step.min() <= 0 or np.ptp(step) > 0.01 * step.mean():
         raise InputError(f"time steps vary from {step.min():g} to {step.max():g} s; resample the record evenly")

@@ -24,27 +24,22 @@ class SomeRows:
 
     @property
     def configuration(self) -> Configuration:
-        """Ship, canal and water."""
         return self.tests.configuration
 
     @property
     def source(self) -> Source:
-        """Where the rows come from."""
         return self.tests.source
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the reader has to say."""
         part = f"{self.fraction:.0%} of the rows, drawn at random with seed {self.seed}"
         return (*self.tests.notes, part if self.drawn else f"all but {part}")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The tests."""
         return self.tests.names
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
-        """Yield the rows of this part once, in blocks."""
         draw = np.random.default_rng(self.seed)
         for block in self.tests.blocks(pieces):
             keep = (draw.random(block.rows) < self.fraction) == self.drawn
@@ -70,7 +65,6 @@ def random_split(tests: Tests, fraction: float = 0.8, seed: int = 0) -> tuple[So
     return SomeRows(tests, fraction, seed, True), SomeRows(tests, fraction, seed, False)
 
 
-# Tests of several tables as those of one.
 def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     """Put tests of one ship in one water together, in their order.
 

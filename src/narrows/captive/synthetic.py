@@ -6,15 +6,13 @@ from typing import Protocol
 
 import numpy as np
 
+from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.model_file import published
 from narrows.model.sections import Source
 from narrows.ship.motion import Motion
-
-# Standard deviation of the measured forces [N, N, N m]: middle of what FHR reports for harmonic tests.
-NOISE = {"X": 0.35, "Y": 0.5, "N": 0.65}
 
 # Runs that a towing tank can make, as motions: harmonic sway and yaw, and straight runs off the centreline.
 Columns = dict[str, np.ndarray]
@@ -96,7 +94,8 @@ class HarmonicRun:
     def _yaw(self, t: np.ndarray) -> Columns:
         """y = A sin wt along the ship's own path: sin psi = y'/U, so that v = 0 exactly."""
         w, a, speed = 2 * np.pi / self.period, self.amplitude, np.full(len(t), self.speed)
-        slope, bend, jerk = (a * w**n / self.speed * _wave(w * t, n) for n in (1, 2, 3))
+        # Derivatives of the sine: each is a quarter of a period ahead of the one before.
+        slope, bend, jerk = (a * w**n / self.speed * np.sin(w * t + n * np.pi / 2) for n in (1, 2, 3))
         cosine = np.sqrt(1 - slope**2)
         psi, r = np.arcsin(slope), bend / cosine
         rdot = jerk / cosine + slope * bend**2 / cosine**3
@@ -113,11 +112,6 @@ class HarmonicRun:
             "t": t, "x": self.speed * t, "y": a * np.sin(w * t), "psi": zero, "u": np.full(len(t), self.speed),
             "v": a * w * np.cos(w * t), "r": zero, "udot": zero, "vdot": -a * w * w * np.sin(w * t), "rdot": zero,
         }  # fmt: skip
-
-
-def _wave(phase: np.ndarray, derivative: int) -> np.ndarray:
-    """The n-th derivative of the sine."""
-    return np.asarray(np.sin(phase + derivative * np.pi / 2))
 
 
 # Kinds, number and largest offset as in the paper; it prints neither periods nor speeds, so those are ours.
@@ -157,7 +151,7 @@ class Run(Protocol):
 def twin(
     truth: Model | None = None,
     runs: Sequence[Run] = PAPER_RUNS,
-    noise: Mapping[str, float] = NOISE,
+    noise: Mapping[str, float] = FORCE_NOISE,
     correlation_time: float = 0.0,
     rate: float = 20.0,
     seed: int = 0,
@@ -205,7 +199,6 @@ def twin(
 
 
 def motion_of(columns: Mapping[str, np.ndarray]) -> Motion:
-    """Return the motion in the columns of a run."""
     known = {name: column for name, column in columns.items() if name not in ("t", "psi")}
     return Motion(**known, cos_psi=np.cos(columns["psi"]), sin_psi=np.sin(columns["psi"]))
 

@@ -40,14 +40,11 @@ class Headers(NamedTuple):
 
 # Columns of a table of tests that are words.
 LABELS = ("test", "condition")
-
 # Of tests that were not read from one.
 NO_TABLE = Headers()
 
 
 class Block(NamedTuple):
-    """Some rows."""
-
     values: Mapping[str, Number]  # Every quantity by name, columns and particulars alike
     rows: int  # How many
     spans: list[Span]  # Whose rows they are
@@ -82,7 +79,6 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
     return np.unique(np.linspace(0, rows, pieces + 1).astype(int))
 
 
-# Tests as a table: what a data frame shows of them, in words, by name and in the documented columns.
 class Tabular(Tabulated):
     """Tests that show themselves as a table."""
 
@@ -170,16 +166,13 @@ class CaptiveTests(Configured, Tabular):
         return int(self.starts[-1])
 
     def __len__(self) -> int:
-        """How many tests."""
         return len(self.names)
 
     def __iter__(self) -> "Iterator[CaptiveTests]":
-        """The tests, each alone."""
         places = np.arange(len(self.names))
         return (self.where(places == place) for place in places)
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is such a column, or such a test."""
         return name in self.columns or name in self.names
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
@@ -188,7 +181,6 @@ class CaptiveTests(Configured, Tabular):
 
     def __getitem__(self, key: Any) -> Any:
         """A column by its name, a test by its name, or the rows of a mask."""
-        # key (rows,)
         if not isinstance(key, str):
             return self.of_rows(key)
         if key in LABELS:
@@ -365,10 +357,8 @@ class CaptiveTests(Configured, Tabular):
 
 
 def _is_part(name: str, columns: Mapping[str, np.ndarray]) -> bool:
-    """Whether a column is the cosine or sine of another."""
     return name.startswith(("cos_", "sin_")) and name[4:] in columns
 
 
 def measured(columns: Mapping[str, np.ndarray]) -> list[str]:
-    """Return which of X, Y, N a table has."""
     return [force for force in FORCES if force in columns]

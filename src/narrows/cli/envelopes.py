@@ -18,11 +18,8 @@ if TYPE_CHECKING:
     from narrows.safety import Disturbance
 
 
-# Groups of options of ``envelope``: what is tried, where, in which weather, with what in reserve.
 @dataclass(frozen=True)
 class GridOptions:
-    """Offsets and speeds that are tried."""
-
     y: Annotated[
         str | None,
         typer.Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
@@ -44,8 +41,6 @@ class GridOptions:
 
 @dataclass(frozen=True)
 class SectionOptions:
-    """The section of a waterway."""
-
     waterway: Annotated[
         Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
     ] = None
@@ -53,18 +48,11 @@ class SectionOptions:
     level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0
 
     def check(self) -> None:
-        """Refuse what is said of no waterway."""
         if self.waterway is None and (self.at or self.level):
             raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
 
     def placed(self, model: "Model") -> "tuple[Model, tuple[float, float] | None, str]":
-        """Return the model there, where its keel meets the banks [m], and where the middle is, in words.
-
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        """
+        """Return the model there, where its keel meets the banks [m], and where the middle is, in words."""
         if self.waterway is None:
             return model, None, ""
         at = self.at
@@ -89,8 +77,6 @@ class SectionOptions:
 
 @dataclass(frozen=True)
 class WeatherOptions:
-    """What throws the ship off."""
-
     heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
     wind: Annotated[str, typer.Option(help="Speed of a beam gust, from either side: 20m/s, 40kn.")] = "0m/s"
     windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
@@ -98,7 +84,6 @@ class WeatherOptions:
     gust_time: Annotated[float, typer.Option(help="How long the gust lasts [s].")] = 60.0
 
     def disturbance(self) -> "Disturbance":
-        """Return it as a disturbance."""
         from narrows.safety import Disturbance, wind_force
 
         gust = read_speed("--wind", self.wind)

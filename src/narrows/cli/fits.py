@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FittingOptions:
-    """How the coefficients are fitted and checked."""
-
     split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test"
     seed: Annotated[int, typer.Option(help="Of the random split.")] = 0
     weights: Annotated[str, typer.Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper"
@@ -46,7 +44,6 @@ class FittingOptions:
     pool: Annotated[str | None, typer.Option(help="'depth': hulls of their own at each depth, one bank.")] = None
 
     def options(self) -> dict[str, Any]:
-        """What ``identify_conditions`` is told of it."""
         from narrows.identification.uncertainty.run_errors import run_errors_of
         from narrows.terms.tables import table_named
 
@@ -126,7 +123,6 @@ def explain(
 
 
 def publish(fits: dict[str, "Fit"], title: str, delivery: ModelDelivery) -> None:
-    """Print fits, and write what was asked for."""
     from narrows.identification.bank_answer import answer_of
 
     answers = {label: answer_of(fit) for label, fit in fits.items()}
@@ -163,7 +159,6 @@ def _show(fits: dict[str, "Fit"], answers: dict[str, "Answer"], json: bool) -> N
         print_fit(fit, label, answer=answers[label])
 
 
-# ``reproduce``: the paper, ours beside its own.
 @app.command(epilog="Example: narrows reproduce -o paper")
 def reproduce(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for report.html.")] = Path("out"),

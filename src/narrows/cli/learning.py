@@ -41,8 +41,6 @@ OptionalModel = Annotated[
 
 @dataclass(frozen=True)
 class LogOptions:
-    """Logs of the ship itself."""
-
     free: Annotated[str, typer.Option(help="Coefficients that may move: b_bank,c_bank; all unless given.")] = ""
     sensors: Annotated[str, typer.Option(help="How well a log was measured: rtk, vdr, ais, or basin.")] = "vdr"
     spread: Annotated[
@@ -61,8 +59,6 @@ class LogOptions:
 
 @dataclass(frozen=True)
 class LegOptions:
-    """Steady legs, held or to be held."""
-
     steady: Annotated[
         Path | None,
         typer.Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, a row a leg."),
@@ -80,7 +76,6 @@ class LegOptions:
     wind: Annotated[str, typer.Option(help="Beam wind of one standard deviation: 8m/s, 16kn.")] = "8m/s"
 
     def conditions(self) -> "SteadyConditions":
-        """What all legs share."""
         from narrows.cli.options import speed
         from narrows.logbook import SteadyConditions
 
@@ -89,8 +84,6 @@ class LegOptions:
 
 @dataclass(frozen=True)
 class ForesightOptions:
-    """Transits that are not sailed yet."""
-
     foresee: Annotated[
         str | None, typer.Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
     ] = None
@@ -162,7 +155,6 @@ def _learn(
 
 
 def _doubts(model: "Model", log: "ShipLog | StreamedLog") -> tuple[str, ...]:
-    """What is doubtful in a log in which nothing is wrong."""
     from narrows.logbook import check_log
 
     findings = check_log(log, model)
@@ -188,7 +180,6 @@ def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "Shi
 
 
 def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
-    """Learn from twins; return whether they tell."""
     from narrows.logbook import learn as learned
     from narrows.logbook import sensor_grade
     from narrows.logbook.transits.transit_twins import demonstrated_log
@@ -199,7 +190,6 @@ def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
 
 
 def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float] | None" = None) -> bool:
-    """Print, write; return whether the log tells."""
     from narrows.report.log_report import print_log_fit, write_log_report
 
     delivery.write(fit.model.save)
@@ -211,7 +201,6 @@ def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float]
 
 
 def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
-    """Learn, print, write; return whether the legs tell of the bank."""
     from narrows.logbook import learn_steady
     from narrows.report.steady_report import print_steady_fit, write_steady_report
 
@@ -236,7 +225,6 @@ def _change(fit: "SteadyFit") -> "EnvelopeChange":
 
 
 def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
-    """Plan, print, write the pilot's page; return whether there is a leg."""
     from narrows.cli.options import numbers, speeds
     from narrows.logbook import plan_steady
     from narrows.report.pilot_page import write_pilot_page
@@ -253,7 +241,6 @@ def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json:
 
 
 def _foresee(model: "Model", ahead: ForesightOptions, speed: str | None, json: bool) -> bool:
-    """Foretell and print; return whether anything is foretold."""
     from narrows.cli.options import speed as read_speed
     from narrows.logbook import foresee
     from narrows.report.pilot_page import print_foresight
@@ -267,5 +254,4 @@ def _foresee(model: "Model", ahead: ForesightOptions, speed: str | None, json: b
 
 
 def _told(result: "LogFit | SteadyFit | SteadyPlan | Foresight", **parts: Any) -> dict[str, Any]:
-    """What the verb prints as JSON: its summary and notes, and each part that was asked for."""
     return {"summary": result.summary(), **dict.fromkeys(PARTS), **parts, "notes": list(result.notes)}

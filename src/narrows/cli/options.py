@@ -25,7 +25,6 @@ Table = Annotated[
 ]
 
 ShipFile = Annotated[Path, typer.Option("--ship", help="Ship file: TOML with [ship], [canal], [water].")]
-
 ModelFile = Annotated[str, typer.Argument(help="Model file, or the name of a published model.", show_default=False)]
 
 WaterwayFile = Annotated[
@@ -33,13 +32,9 @@ WaterwayFile = Annotated[
 ]
 
 TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
-
 RunErrors = Annotated[str, typer.Option(help="What runs differ by: gain, zero and form, as shares of the force.")]
-
 Plot = Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
-
 Report = Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
-
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 
 ModelOutput = Annotated[
@@ -68,8 +63,6 @@ WaterwayOutput = Annotated[
 
 @dataclass(frozen=True)
 class SelectionOptions:
-    """Which rows of a table, and what its columns are called."""
-
     where: Annotated[
         str | None, typer.Option(help="Rows to take, as in 'u > 0.3 and abs(psi_deg) < 9'; on its headers too.")
     ] = None
@@ -85,8 +78,6 @@ Verb = Callable[..., None]
 
 
 def verb(example: str, name: str | None = None) -> Callable[[Verb], Verb]:
-    """Return what makes a function a verb of the command line."""
-
     def registered(function: Verb) -> Verb:
         app.command(name, epilog=f"Example: {example}")(with_single_options(function))
         return function
@@ -112,7 +103,6 @@ def with_single_options(function: Verb) -> Verb:
 
 
 def _options(parameter: Parameter, kind: Any) -> list[Parameter]:
-    """A parameter as the options that it stands for."""
     if not is_dataclass(kind):
         return [parameter.replace(annotation=kind, kind=Parameter.KEYWORD_ONLY)]
     hints = get_type_hints(kind, include_extras=True)
@@ -127,13 +117,10 @@ def _options(parameter: Parameter, kind: Any) -> list[Parameter]:
     ]
 
 
-# Numbers, ranges of them and speeds, as the command line spells them.
 # Of a speed as written, in m/s.
 SPEED_UNITS = {"": 1.0, "m/s": 1.0, "kn": KNOT, "km/h": 1 / 3.6}
-
 # Values of a range.
 MOST = 1_000_000
-
 UNIT = re.compile(r"(?:m/s|kn|km/h)?\s*$")
 
 
@@ -177,17 +164,13 @@ def speed(option: str, text: str) -> float:
     return float(values[0])
 
 
-# What verbs write and print of their answers: groups of options.
 class Delivery:
-    """Files that are asked for, and the form of the answer on the screen."""
-
     output: Path | None = None
     plot: Path | None = None
     report: Path | None = None
     json: bool = False
 
     def write(self, save: Callable[[Path], None], draw: Callable[[], "Figure"] | None = None) -> None:
-        """Write the answer, and its picture, where they are asked for."""
         if self.output:
             save(self.output)
         if self.plot and draw:
@@ -196,7 +179,6 @@ class Delivery:
             save_figure(draw(), self.plot)
 
     def tell(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
-        """Print the answer, and what was written."""
         if self.json:
             print_json(values())
             return

@@ -10,7 +10,6 @@ from narrows.files import form_of, is_stream
 
 # What a file's name cannot hold, written as addresses write it.
 NOT_IN_NAMES = str.maketrans({character: f"%{ord(character):02X}" for character in "/\\\0%"})
-
 DATASETS = (".nc", ".zarr", ".csv", ".parquet", ".mat", ".json")
 TRACKS = (*DATASETS, ".geojson", ".kml")
 TABLES = (".csv", ".parquet", ".mat", ".json")
@@ -38,7 +37,6 @@ def say_written(paths: Iterable[Path | None], json: bool = False) -> None:
 
 
 def folder(path: Path) -> None:
-    """Make a folder where there is none."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -55,7 +53,6 @@ def output_of(path: Path, label: str) -> Path:
 
 
 def print_json(value: object) -> None:
-    """Print a value as JSON on standard output."""
     from narrows.results import to_json
 
     typer.echo(to_json(value))

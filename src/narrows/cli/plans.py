@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What can be run."""
-
     runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12
     run_length: Annotated[float | None, typer.Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None
     clearance: Annotated[float, typer.Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
@@ -36,7 +34,6 @@ class RunOptions:
     ] = None
 
     def tank(self) -> "Tank":
-        """Return the tank in which they are run."""
         from narrows.cli.options import numbers, speeds
         from narrows.experiment_design import Tank
 
@@ -47,21 +44,13 @@ class RunOptions:
 
 @dataclass(frozen=True)
 class AimOptions:
-    """What is to be known."""
-
     run_errors: RunErrors = "0.02,0.02,0.02"
     terms: TermsName = "paper"
     targets: Annotated[str, typer.Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = ""
     criterion: Annotated[str, typer.Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
 
     def options(self, terms: "TermTable") -> dict[str, Any]:
-        """What ``plan_tests`` is told of it.
-
-        Parameters
-        ----------
-        terms : TermTable
-            By their name.
-        """
+        """What ``plan_tests`` is told of it."""
         from narrows.identification.uncertainty.run_errors import run_errors_of
 
         targets = tuple(filter(None, self.targets.split(",")))
@@ -80,7 +69,7 @@ def plan(
 ) -> None:
     """Propose the captive tests that make the bank's coefficients best known."""
     from narrows.experiment_design import plan_tests
-    from narrows.report.tables import print_plan
+    from narrows.report.printed_tables import print_plan
     from narrows.terms.tables import table_named
 
     terms = table_named(aim.terms)
@@ -93,7 +82,6 @@ def plan(
 
 
 def _made(after: Path | None, ship: Path, selection: SelectionOptions, terms: "TermTable") -> "Tests | None":
-    """The tests that were made already."""
     from narrows.captive import read_captive
     from narrows.identification.conditions import the_condition
 

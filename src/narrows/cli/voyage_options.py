@@ -25,8 +25,6 @@ ContactKind = Annotated[
 
 @dataclass(frozen=True)
 class StartOptions:
-    """How a voyage starts."""
-
     y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0
     speed: Annotated[
         str | None,
@@ -43,28 +41,22 @@ class StartOptions:
         return None if self.speed is None else read_speed("--speed", self.speed)
 
     def values(self) -> dict[str, float]:
-        """What ``simulate`` is told of it, but the speed."""
         turning = {"psi": radians(self.psi_deg), "r": radians(self.r_deg)}
         return {"x": self.x, "y": self.y, "v": read_speed("--v", self.v), **turning}
 
 
 @dataclass(frozen=True)
 class PushOptions:
-    """Forces from elsewhere."""
-
     surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0
     sway_force: Annotated[float, typer.Option("--Y", help="Sway force from elsewhere [N].")] = 0.0
     yaw_moment: Annotated[float, typer.Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0
 
     def values(self) -> dict[str, float]:
-        """By their names."""
         return {"X": self.surge_force, "Y": self.sway_force, "N": self.yaw_moment}
 
 
 @dataclass(frozen=True)
 class HelmOptions:
-    """Who turns the rudder."""
-
     rudder_deg: Annotated[float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")] = (
         0.0
     )
@@ -74,19 +66,7 @@ class HelmOptions:
     ] = None
 
     def of(self, model: "Model", u: float, x: float, way: "Waterway | None") -> Any:
-        """Return the helm for the model's own canal, or for the section of a waterway where the ship starts.
-
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        u : float [m/s]
-            Its speed.
-        x : float [m]
-            Where it starts.
-        way : Waterway, optional
-            What it sails in.
-        """
+        """Return the helm for the model's own canal, or for the section of a waterway where the ship starts."""
         if self.controller is not None:
             check_choice("--controller", self.controller, HELMS)
         if self.hold is None:
@@ -120,8 +100,6 @@ def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway
 
 @dataclass(frozen=True)
 class TimeOptions:
-    """How long voyages last, and in which steps."""
-
     duration: Annotated[
         float | None, typer.Option(help="Longest time of a voyage [s]; that of 15 ship lengths unless given.")
     ] = None
@@ -130,21 +108,12 @@ class TimeOptions:
     ] = None
 
     def values(self, usual: "UsualVoyage") -> dict[str, Any]:
-        """What simulations are told of it.
-
-        Parameters
-        ----------
-        usual : UsualVoyage
-            What suits the ship, where nothing is given.
-        """
         duration = usual.duration if self.duration is None else self.duration
         return {"duration": duration, "dt": usual.dt if self.dt is None else self.dt}
 
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    """What counts in the motion."""
-
     surge: Annotated[str, typer.Option(help="'held': the speed stays; 'free': it is integrated.")] = "held"
     surge_inertia: Annotated[float | None, typer.Option(help="Mass in surge with its added mass [kg], for 'free'.")] = (
         None
@@ -155,14 +124,11 @@ class PhysicsOptions:
 
 @dataclass(frozen=True)
 class WaterOptions:
-    """The waterway, and its water."""
-
     waterway: WaterwayFile = None
     current: Annotated[str, typer.Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s"
     level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0
 
     def read(self) -> "Waterway | None":
-        """Return the waterway with its water, where one is given."""
         current = read_speed("--current", self.current)
         if self.waterway is None:
             if current or self.level:
@@ -175,8 +141,6 @@ class WaterOptions:
 
 @dataclass(frozen=True)
 class VariedOptions:
-    """What a map varies."""
-
     y: Annotated[
         str | None,
         typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
@@ -197,15 +161,6 @@ class VariedOptions:
         return None if self.speed is None else speeds("--speed", self.speed)
 
     def values(self, usual: "UsualVoyage", offsets: int) -> dict[str, Any]:
-        """What ``ensemble`` is told of it; a number alone is no dimension.
-
-        Parameters
-        ----------
-        usual : UsualVoyage
-            What suits the ship, where nothing is given.
-        offsets : int
-            How many, where none are given.
-        """
         import numpy as np
 
         aside = np.linspace(-usual.offset, usual.offset, offsets)
@@ -221,8 +176,6 @@ class VariedOptions:
 
 @dataclass(frozen=True)
 class SampleOptions:
-    """Samples of the coefficients, and the probability that they give."""
-
     samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0
     within: Annotated[
         float | None, typer.Option(help="With --samples: map the probability of grounding so near [m].")

@@ -93,7 +93,6 @@ def map_(
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
 
-# ``trials``: turning circles and zigzags in open water.
 @app.command(epilog="Example: narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
 def trials(
     model: ModelFile,

@@ -17,7 +17,7 @@ from narrows.cli.output import named
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
-    from narrows.warning.hearing.bridge_readings import Tick
+    from narrows.warning.inputs.bridge_readings import Tick
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.bridge_status import BridgeStatus
@@ -25,17 +25,13 @@ if TYPE_CHECKING:
 
 # Seconds between lines where nothing changes.
 SAID_EVERY = 10
-
 COLOURS = {"caution": "yellow", "warning": "yellow", "alarm": "red", "emergency alarm": "magenta"}
-
 # With which kernels are compiled [m/s].
 USUAL_SPEED = 4.0
 
 
 @dataclass(frozen=True)
-class HearingOptions:
-    """What is listened to."""
-
+class InputOptions:
     listen: Annotated[
         list[str] | None,
         typer.Option(help="udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."),
@@ -54,8 +50,6 @@ class HearingOptions:
 
 @dataclass(frozen=True)
 class AlertOptions:
-    """Where alerts go."""
-
     log: Annotated[Path | None, typer.Option(help="Log of alerts, on disk before they are sent: .db.")] = None
     send: Annotated[
         list[str] | None,
@@ -71,8 +65,6 @@ LOOPBACK, PORT = "127.0.0.1", 8765
 
 @dataclass(frozen=True)
 class PageOptions:
-    """The page in a browser."""
-
     page: Annotated[bool, typer.Option("--page", help="Show it in a browser too: prints the address.")] = False
     port: Annotated[int, typer.Option(help="Of --page.", min=0, max=65_535)] = PORT
     host: Annotated[
@@ -82,7 +74,7 @@ class PageOptions:
 
 @verb("narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db")
 def monitor(
-    hearing: HearingOptions,
+    inputs: InputOptions,
     alerts: AlertOptions,
     page: PageOptions,
     delivery: ReportDelivery,
@@ -97,79 +89,77 @@ def monitor(
     MODEL is a model file at the ship's own size, with the terms of a rudder; the waterway knows where on earth it is.
     Leaves with 1 where a recording or the demonstration came to a warning or more.
     """
-    _check(hearing, alerts, model, waterway)
-    if hearing.score:
-        return _score(hearing, model or "", waterway, y, delivery)
-    pace = hearing.pace or (1.0 if page.page else math.inf)
+    _check(inputs, alerts, model, waterway)
+    if inputs.score:
+        return _score(inputs, model or "", waterway, y, delivery)
+    pace = inputs.pace or (1.0 if page.page else math.inf)
     with ExitStack() as stack:
         publisher, outlets = publisher_of(alerts, stack), outlets_of(alerts, page, stack)
-        if hearing.demo:
-            watched, ticks = _demonstrated(pace, alerts, publisher)
+        if inputs.demo:
+            monitored, ticks = _demonstrated(pace, alerts, publisher)
         else:
-            watched, ticks = _monitor_of(model or "", waterway, hearing, y, publisher), _heard(hearing, pace, stack)
-        transit = _watched(watched, ticks, outlets, delivery.json)
+            monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _heard(inputs, pace, stack)
+        transit = _watched(monitored, ticks, outlets, delivery.json)
     _deliver(transit, delivery)
-    raise SystemExit(int(not hearing.listen and transit.level.words not in ("none", "caution")))
+    raise SystemExit(int(not inputs.listen and transit.level.words not in ("none", "caution")))
 
 
-def _check(hearing: HearingOptions, alerts: AlertOptions, model: str | None, waterway: Path | None) -> None:
-    if sum(map(bool, (hearing.listen, hearing.replay, hearing.score, hearing.demo))) != 1:
+def _check(inputs: InputOptions, alerts: AlertOptions, model: str | None, waterway: Path | None) -> None:
+    if sum(map(bool, (inputs.listen, inputs.replay, inputs.score, inputs.demo))) != 1:
         raise InputError("give --listen with an address, --replay or --score with a recording, or --demo; one of them")
-    if hearing.demo and (model or waterway):
+    if inputs.demo and (model or waterway):
         raise InputError("--demo has a ship and a canal of its own; leave MODEL and --waterway out")
-    if not hearing.demo and not (model and waterway):
+    if not inputs.demo and not (model and waterway):
         raise InputError("a bridge tells longitude and latitude: give MODEL and --waterway; --demo alone has its own")
-    if alerts.recording and not hearing.demo:
+    if alerts.recording and not inputs.demo:
         raise InputError("--recording writes what --demo tells; leave it out")
-    if hearing.pace is not None and not hearing.pace > 0:
-        raise InputError(f"--pace {hearing.pace:g} is no pace; give times real time, over 0")
+    if inputs.pace is not None and not inputs.pace > 0:
+        raise InputError(f"--pace {inputs.pace:g} is no pace; give times real time, over 0")
 
 
 def _monitor_of(
-    model: str, waterway: Path | None, hearing: HearingOptions, y: float, publisher: "AlertPublisher"
+    model: str, waterway: Path | None, inputs: InputOptions, y: float, publisher: "AlertPublisher"
 ) -> "BridgeMonitor":
     from narrows.cli.options import numbers
     from narrows.model.model_file import model_named
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.waterway import read_waterway
 
-    antenna = numbers("--antenna", hearing.antenna)
+    antenna = numbers("--antenna", inputs.antenna)
     if len(antenna) != 2:
-        raise InputError(f"--antenna {hearing.antenna}: give metres forward and to starboard, as in -70,6")
+        raise InputError(f"--antenna {inputs.antenna}: give metres forward and to starboard, as in -70,6")
     place = float(antenna[0]), float(antenna[1])
     return BridgeMonitor(model_named(model), read_waterway(str(waterway)), y, place, publisher=publisher)
 
 
-def _heard(hearing: HearingOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
-    if hearing.replay:
-        return _replayed(hearing.replay, pace, hearing.mmsi)
-    from narrows.warning.hearing.connections import connection_of
-    from narrows.warning.hearing.listening import Listening
+def _heard(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
+    if inputs.replay:
+        return _replayed(inputs.replay, pace, inputs.mmsi)
+    from narrows.warning.inputs.listening import Listening, connection_of
 
-    return stack.enter_context(Listening([*map(connection_of, hearing.listen or ())], hearing.mmsi)).ticks()
+    return stack.enter_context(Listening([*map(connection_of, inputs.listen or ())], inputs.mmsi)).ticks()
 
 
-def _score(hearing: HearingOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
-    """Watch recordings one after the other, and say how well the warnings did."""
+def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
     from narrows.progress import stage
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
-    from narrows.warning.scoring.transit_scores import TransitScorer, score_transits
+    from narrows.warning.transit_scores import TransitScorer, score_transits
 
     transits = []
-    for number, path in enumerate(hearing.score or (), 1):
-        watched = _monitor_of(model, waterway, hearing, y, AlertPublisher())
-        scorer = TransitScorer(path.name, watched.thresholds)
-        with stage(f"{path.name}, {number} of {len(hearing.score or ())}"):
-            watched.prepare(USUAL_SPEED)
-            for tick in _replayed(path, math.inf, hearing.mmsi):
-                scorer.add(watched.update(tick, tick.t))
+    for number, path in enumerate(inputs.score or (), 1):
+        monitored = _monitor_of(model, waterway, inputs, y, AlertPublisher())
+        scorer = TransitScorer(path.name, monitored.thresholds)
+        with stage(f"{path.name}, {number} of {len(inputs.score or ())}"):
+            monitored.prepare(USUAL_SPEED)
+            for tick in _replayed(path, math.inf, inputs.mmsi):
+                scorer.add(monitored.update(tick, tick.t))
         transits.append(scorer.transit())
-    scores = score_transits(transits, hearing.limit)
+    scores = score_transits(transits, inputs.limit)
     delivery.tell(scores.to_dict, lambda: typer.echo("\n".join([scores.summary(), *scores.notes])))
 
 
 def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
-    from narrows.warning.hearing.replay import Replay
+    from narrows.warning.inputs.replay import Replay
 
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
@@ -181,7 +171,7 @@ def _demonstrated(
 ) -> tuple["BridgeMonitor", Iterator["Tick"]]:
     from narrows.files import write_whole
     from narrows.progress import stage
-    from narrows.warning.hearing.replay import paced
+    from narrows.warning.inputs.replay import paced
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.demonstration import LINE, demonstration
 
@@ -189,35 +179,30 @@ def _demonstrated(
         shown = demonstration()
     if alerts.recording:
         write_whole(alerts.recording, shown.bridge.recording())
-    watched = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher)
-    return watched, paced(shown.ticks(), pace)
+    monitored = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher)
+    return monitored, paced(shown.ticks(), pace)
 
 
 Tell = Callable[["BridgeMonitor", "BridgeStatus", float], None]
-
 Ask = Callable[[Iterable["Tick"], "BridgeMonitor"], Iterable["Tick"]]
 
 
 @dataclass
 class Outlets:
-    """Those who are told at every update, and those who are asked before it."""
-
     told: list[Tell] = field(default_factory=list)
     asked: list[Ask] = field(default_factory=list)
 
-    def tell(self, watched: "BridgeMonitor", status: "BridgeStatus", since_1970: float) -> None:
-        """Tell all."""
+    def tell(self, monitored: "BridgeMonitor", status: "BridgeStatus", since_1970: float) -> None:
         for tell in self.told:
-            tell(watched, status, since_1970)
+            tell(monitored, status, since_1970)
 
-    def ask(self, ticks: Iterable["Tick"], watched: "BridgeMonitor") -> Iterable["Tick"]:
-        """Ask all for their commands."""
+    def ask(self, ticks: Iterable["Tick"], monitored: "BridgeMonitor") -> Iterable["Tick"]:
         for ask in self.asked:
-            ticks = ask(ticks, watched)
+            ticks = ask(ticks, monitored)
         return ticks
 
 
-def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets, json: bool) -> "WatchedTransit":
+def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets, json: bool) -> "WatchedTransit":
     """Watch until there is nothing more to hear, or until it is interrupted."""
     import time
 
@@ -225,17 +210,17 @@ def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets
     from narrows.warning.monitoring.watched_transit import TransitLog
 
     with stage("compiling what is not compiled yet"):
-        watched.prepare(USUAL_SPEED)
+        monitored.prepare(USUAL_SPEED)
     if not json and sys.stdin.isatty():
         typer.echo(HINT)
-        ticks = with_keys(ticks, watched)
-    ticks = outlets.ask(ticks, watched)
-    log = TransitLog(watched.model.configuration.ship, watched.waterway)
+        ticks = with_keys(ticks, monitored)
+    ticks = outlets.ask(ticks, monitored)
+    log = TransitLog(monitored.model.configuration.ship, monitored.waterway)
     with suppress(KeyboardInterrupt):
         for number, tick in enumerate(ticks):
             now = time.time()
-            status = watched.update(tick, now)
-            outlets.tell(watched, status, now)
+            status = monitored.update(tick, now)
+            outlets.tell(monitored, status, now)
             log.add(status)
             if not json:
                 _say(number, status)
@@ -243,7 +228,6 @@ def _watched(watched: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets
 
 
 def _say(number: int, status: "BridgeStatus") -> None:
-    """What changed; and now and then how it is."""
     for alert in status.changed:
         said = f"{number:6d} s  {alert.priority.words}, {alert.state.value}: {alert.text}"
         bell = "\a" if alert.sounds and sys.stdout.isatty() else ""
@@ -265,12 +249,10 @@ def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
     delivery.tell(transit.to_dict, words)
 
 
-# Where ``monitor`` tells what is known, beside the terminal: sentences, Signal K, a log, a page in a browser.
 SIGNAL_K = ("ws://", "wss://")
 
 
 def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
-    """What logs alerts and sends their sentences."""
     from narrows.warning.alerts.alert_log import AlertLog
     from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 
@@ -286,7 +268,6 @@ def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
 
 
 def outlets_of(alerts: AlertOptions, page: PageOptions, stack: ExitStack) -> Outlets:
-    """What else is told: Signal K's servers, and the page."""
     if not page.page and (page.host, page.port) != (LOOPBACK, PORT):
         raise InputError("--host and --port are those of the page; give --page too")
     outlets = Outlets()
@@ -302,7 +283,7 @@ def _to_signal_k(address: str, stack: ExitStack) -> Tell:
     from narrows.warning.monitoring.alert_publisher import SignalKSender
 
     sender = stack.enter_context(SignalKSender(address))
-    return lambda watched, status, since_1970: sender.tell(watched.desk, since_1970)
+    return lambda monitored, status, since_1970: sender.tell(monitored.desk, since_1970)
 
 
 def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
@@ -315,12 +296,11 @@ def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
     outlets.asked.append(shown.watch)
 
 
-# Keys while a ship is watched: who looks at the screen acknowledges and silences there.
 HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30 s, Ctrl-C ends the watch."
 
 
 def with_keys(
-    ticks: Iterable["Tick"], watched: "BridgeMonitor", lines: Iterable[str] | None = None
+    ticks: Iterable["Tick"], monitored: "BridgeMonitor", lines: Iterable[str] | None = None
 ) -> Iterator["Tick"]:
     """Yield ticks, with a command for every alert that a key was pressed for."""
     typed: SimpleQueue[str] = SimpleQueue()
@@ -328,7 +308,7 @@ def with_keys(
     for tick in ticks:
         commands = list(tick.commands)
         while not typed.empty():
-            commands += _commands(typed.get(), tick.t, watched)
+            commands += _commands(typed.get(), tick.t, monitored)
         yield tick._replace(commands=commands)
 
 
@@ -337,7 +317,7 @@ def _read(lines: Iterable[str], typed: "SimpleQueue[str]") -> None:
         typed.put(line.strip())
 
 
-def _commands(key: str, t: float, watched: "BridgeMonitor") -> list[bytes]:
+def _commands(key: str, t: float, monitored: "BridgeMonitor") -> list[bytes]:
     """Sentences of a key: for each alert of which its command can be."""
     from narrows.warning.alerts.alert import Command
     from narrows.warning.alerts.alert_sentences import acn
@@ -345,5 +325,5 @@ def _commands(key: str, t: float, watched: "BridgeMonitor") -> list[bytes]:
     keys = {"a": Command.ACKNOWLEDGE, "s": Command.SILENCE}
     if key not in keys:
         return []
-    alerts = [one for one in watched.desk.alerts if one.commanded(keys[key], t) is not None]
+    alerts = [one for one in monitored.desk.alerts if one.commanded(keys[key], t) is not None]
     return [acn(alert.identifier, alert.instance, keys[key]) for alert in alerts]

@@ -27,7 +27,7 @@ def waterway(
     json: AsJson = False,
 ) -> None:
     """Check a waterway and say how long, wide and deep it is; from a chart, measure it along a centreline."""
-    from narrows.report.tables import print_waterway, waterway_summary
+    from narrows.report.printed_tables import print_waterway, waterway_summary
     from narrows.waterway import read_waterway, write_waterway
 
     if (file.suffix == ".000") != (line is not None):

@@ -85,20 +85,7 @@ class Tank:
 
 
 def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
-    """List the runs that fit between the walls and into the length of a tank.
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and canal.
-    tank : Tank
-        What it can do.
-
-    Raises
-    ------
-    InputError
-        Where none fits, or a depth leaves no water under the keel.
-    """
+    """List the runs that fit between the walls and into the length of a tank."""
     if _room(configuration, tank) <= 0:
         raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
     for depth in tank.depths:

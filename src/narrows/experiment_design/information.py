@@ -6,7 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.captive.synthetic import NOISE, Run, StraightRun, motion_of
+from narrows.captive.settings import FORCE_NOISE
+from narrows.captive.synthetic import Run, StraightRun, motion_of
 from narrows.errors import InputError
 from narrows.identification.identifiability.evidence import ONE_TEST
 from narrows.identification.regression.problem import slots
@@ -67,7 +68,7 @@ def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
 
 def planned_run(
     run: Run, configuration: Configuration, terms: TermTable, forces: Forces, level: Mapping[str, float],
-    noise: Mapping[str, float] = NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
+    noise: Mapping[str, float] = FORCE_NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
 ) -> PlannedRun:  # fmt: skip
     """Work out what one run would tell."""
     # level [N, N, N m]; noise [N, N, N m]; correlation_time [s]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.captive.read import as_tests
-from narrows.captive.synthetic import NOISE, HarmonicRun, Run, StraightRun, motion_of
+from narrows.captive.settings import FORCE_NOISE
+from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
 from narrows.experiment_design.information import (
@@ -148,7 +149,7 @@ def _row(run: Run) -> dict[str, Any]:
 
 def plan_tests(
     configuration: ShipSource, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
-    targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = NOISE,
+    targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = FORCE_NOISE,
     correlation_time: float = 0.5, after: Any = None, errors: RunErrors | None = None,
 ) -> Plan:  # fmt: skip
     """Choose the runs that make some coefficients best known, all others being unknown too.

@@ -37,8 +37,6 @@ OF_LAW = Quantity("SI", "of the law that steers")
 
 @dataclass(frozen=True)
 class ExportedNumber:
-    """A parameter, input or state of an exported file."""
-
     name: str  # In the file
     value: float  # Unless a caller changes it
     unit: str  # In SI
@@ -47,8 +45,6 @@ class ExportedNumber:
 
 @dataclass(frozen=True)
 class ExportedShip:
-    """A model with the choices of simulation, ready to be written in another language."""
-
     ship: SimulatedShip  # The model under its choices
     # Whose table goes into the file; the section of the water then changes along the way
     waterway: "Waterway | None" = None
@@ -57,7 +53,6 @@ class ExportedShip:
 
     @cached_property
     def portable(self) -> Portable:
-        """The programs."""
         shape = self.ship.shape if isinstance(self.ship.shape, str) else len(self.ship.shape)
         motion = self.ship.system().rates.motion
         law, told = (self.steering.law, tuple(self.steering.parameters)) if self.steering else (None, ())
@@ -66,14 +61,12 @@ class ExportedShip:
 
     @property
     def programs(self) -> Mapping[str, Program]:
-        """The programs, those of the constants with what hull and gear ask for."""
         constants = self.portable.programs["constants"]
         results = (*constants.results, *self._derived.values())
         return {**self.portable.programs, "constants": Program(constants.assignments, results)}
 
     @property
     def constants(self) -> tuple[str, ...]:
-        """What stays the same through a voyage, in order."""
         return (*self.portable.constants, *self._derived)
 
     @cached_property
@@ -95,14 +88,12 @@ class ExportedShip:
 
     @cached_property
     def channel(self) -> Channel:
-        """Where it sails."""
         if self.waterway is None:
             return straight_channel(self.ship.values(), self.ship.shape)
         return along_waterway(self.waterway, self.ship.model, self.ship.shape)
 
     @cached_property
     def parameters(self) -> tuple[ExportedNumber, ...]:
-        """What the constants are made of."""
         symbols = {str(symbol): name for name, symbol in self.portable.parameters.items()}
         asked = self.programs["constants"].asked
         missing = [symbols.get(name, name) for name in asked if self._values.get(symbols.get(name, name)) is None]
@@ -158,7 +149,6 @@ class ExportedShip:
 
     @property
     def controls(self) -> tuple[str, ...]:
-        """The columns of the derivatives by inputs."""
         return (*INPUTS.values(), *(actuator.name for actuator in self.ship.actuators))
 
     @property
@@ -168,14 +158,12 @@ class ExportedShip:
 
     @property
     def rule(self) -> dict[str, Any]:
-        """The numbers of the rule that ends a voyage."""
         return {
             "EXACT": self.exact, "WATERWAY": self.waterway is not None, "LEAVES": self.portable.choices.leaves,
             "KEPT": len(self.portable.kept),
         }  # fmt: skip
 
     def about(self) -> Iterator[str]:
-        """Whose model it is, in lines of a comment."""
         model = self.ship.model
         yield f"{model.configuration.ship.name}: motion between two banks by the terms {model.terms.name}."
         yield f"Written by narrows {version('narrows')}."

@@ -1,8 +1,13 @@
 """A model as an FMU: its C, an interface, a description, and libraries for the platforms that can be built for."""
 
 import hashlib
+import platform
+import shutil
+import struct
+import subprocess
+import sys
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
@@ -12,8 +17,8 @@ from tempfile import TemporaryDirectory
 
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.portable import ORDERED
+from narrows.errors import InputError, needs
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
-from narrows.export.native_builds import NativeBuild, libraries_of_source
 from narrows.export.rendering import c_number, c_text, commented, rendered
 from narrows.quantities.dimensions import dimension_of
 from narrows.quantities.names import MOTION
@@ -35,9 +40,28 @@ SOURCES = {
 }
 
 
+@dataclass(frozen=True)
+class NativeBuild:
+    folder: str  # Of the platform in an FMU
+    command: tuple[str, ...]  # That compiles and links
+    suffix: str  # Of what it makes
+
+    def compiled(self, source: Path) -> bytes:
+        target = source.with_name(f"{self.folder}{self.suffix}")
+        libraries = () if self.suffix == ".dll" else ("-lm",)
+        try:
+            done = subprocess.run(
+                [*self.command, *FLAGS, str(source), "-o", str(target), *libraries], capture_output=True, text=True
+            )
+        except OSError as error:
+            raise InputError(f"{self.command[0]} cannot be run ({error.strerror}); mend the compiler") from None
+        if done.returncode or not target.exists():
+            line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
+            raise InputError(f"the compiler for {self.folder} fails ({line.strip()[:200]}); nothing was written")
+        return target.read_bytes()
+
+
 def fmu_bytes(exported: ExportedShip, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2) -> bytes:
-    """Return an FMU."""
-    # speed [m/s]; dt [s]
     header, variables = c_text(exported), variables_of(exported, speed, dt, fmi)
     token = hashlib.sha256(f"{header} {speed!r} {dt!r} {fmi}".encode()).hexdigest()[:32]
     sources = {"ship.h": header, "choices.h": _choices(exported, token, speed, dt)}
@@ -70,13 +94,9 @@ def _packed(parts: Mapping[str, bytes]) -> bytes:
     return archive.getvalue()
 
 
-# The variables of an FMU, and the description that tells an importer of them.
 HEADING = "heading, positive clockwise seen from above"
-
 CLEARANCES = {"clearance_starboard": "starboard", "clearance_port": "port"}
-
 INDICATORS = {"contact_starboard": "starboard", "contact_port": "port"}
-
 PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
 
 
@@ -98,7 +118,6 @@ class FmuVariable:
 
 def variables_of(exported: ExportedShip, speed: float, dt: float, fmi: int) -> tuple[FmuVariable, ...]:
     """Return the variables of an FMU, by the order of their references."""
-    # speed [m/s]; dt [s]
     variables = tuple(_variables(exported, speed, dt))
     return variables if fmi < 3 else (*variables, *_indicators(len(variables)))
 
@@ -146,7 +165,6 @@ def unit_powers(unit: str) -> dict[str, int]:
 
 
 def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str, fmi: int) -> str:
-    """Return the description of an FMU."""
     outputs = [index for index, one in enumerate(variables, 1) if one.causality == "output"]
     rates = [index for index, one in enumerate(variables, 1) if one.derivative]
     first = [
@@ -159,3 +177,58 @@ def description_text(exported: ExportedShip, variables: tuple[FmuVariable, ...],
         structure={"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": first},
         indicators=[one.reference for one in variables if one.name in INDICATORS],
     )  # fmt: skip
+
+
+FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
+
+# What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard,
+# its suffix.
+ZIG = (
+    ("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
+    ("aarch64-linux-gnu.2.17", {2: "aarch64-linux", 3: "aarch64-linux"}, ".so"),
+    ("x86_64-windows-gnu", {2: "win64", 3: "x86_64-windows"}, ".dll"),
+    ("x86_64-macos.11.0", {2: "darwin64", 3: "x86_64-darwin"}, ".dylib"),
+    ("aarch64-macos.11.0", {2: "darwin64", 3: "aarch64-darwin"}, ".dylib"),
+)
+
+PAGE = 1 << 14
+FAT, PROCESSOR, ALIGNMENT = 0xCAFEBABE, slice(4, 12), 14
+LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
+
+
+def lacks_zig() -> str:
+    """Return what to do for libraries for all platforms where their compiler is not here, else nothing."""
+    try:
+        with needs("fmu", "an FMU for Linux, Windows and macOS at once"):
+            import ziglang  # noqa: F401
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
+    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own."""
+    if not lacks_zig():
+        zig = (sys.executable, "-m", "ziglang", "cc", "-s", "-target")
+        return tuple(NativeBuild(folders[fmi], (*zig, target), suffix) for target, folders, suffix in ZIG)
+    compiler, folders = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
+    return (NativeBuild(folders[fmi], (compiler, "-s"), ".so"),) if compiler and folders else ()
+
+
+def libraries_of_source(source: Path, builds: tuple[NativeBuild, ...]) -> Mapping[str, bytes]:
+    """Return the library of a source for each platform, by its place in an FMU."""
+    made: dict[str, list[bytes]] = {}
+    for build in builds:
+        made.setdefault(f"binaries/{build.folder}/ship{build.suffix}", []).append(build.compiled(source))
+    return {place: own[0] if len(own) == 1 else universal(own) for place, own in made.items()}
+
+
+def universal(libraries: Sequence[bytes]) -> bytes:
+    """Return one library for macOS of those for its processors: a table of them, then each on pages of its own."""
+    entries, body = b"", b""
+    for library in libraries:
+        processor, kind = struct.unpack("<2I", library[PROCESSOR])
+        entries += struct.pack(">5I", processor, kind, PAGE + len(body), len(library), ALIGNMENT)
+        body += library + bytes(-len(library) % PAGE)
+    head = struct.pack(">2I", FAT, len(libraries)) + entries
+    return head + bytes(PAGE - len(head)) + body

@@ -18,7 +18,6 @@ from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
 
 WIDTH = 108
-
 # How a voyage ends, in the order of their codes.
 FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED")
 
@@ -32,15 +31,12 @@ PLAIN = (
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
-    """Return the plain functions that a file ends with."""
     absent = frozenset[str]() if exported.waterway else frozenset({"waterway"})
     return PlainSource(tuple(map(text_of, PLAIN)), exported.rule, absent)
 
 
 Named = Callable[[str], str]
-
 Field = Callable[[str, str], str]
-
 Body = Callable[[Program, list[str], dict[str, str]], list[str]]
 
 
@@ -60,7 +56,6 @@ def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> d
 
 
 def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body: Body) -> dict[str, str]:
-    """Return the body of each function of the lines."""
     places = places_in(exported, of, call, named)
     bodies = {}
     for name, program in exported.programs.items():
@@ -88,11 +83,6 @@ def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> l
     return source.needed(*(("clearance",) * exported.exact), "sail", *more)
 
 
-def rate_names(exported: ExportedShip) -> tuple[str, ...]:
-    """Return what ``rates`` gives, in order."""
-    return tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))
-
-
 def water_of(exported: ExportedShip, number: Callable[[float], str]) -> dict[str, Any] | None:
     """Return the table of the waterway as text, its arrays with their lengths; None in a straight canal."""
     if exported.waterway is None:
@@ -105,7 +95,6 @@ def water_of(exported: ExportedShip, number: Callable[[float], str]) -> dict[str
 
 
 def text_of(module: str) -> str:
-    """Return the text of a module of the package."""
     spec = find_spec(module)
     assert spec is not None
     assert spec.origin is not None
@@ -119,25 +108,19 @@ def commented(text: str) -> str:
 
 
 def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
-    """Return a template with the numbers of a ship."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.export", "templates")
     environment = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["commented"] = commented
-    environment.filters["set_in"] = _set_in
-    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rate_names(exported)}
+    environment.filters["set_in"] = lambda text, by="    ": text.replace("\n", f"\n{by}")
+    rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
+    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates}
     text = environment.get_template(template).render(**alike, **told)
     return text.rstrip() + "\n"
 
 
-def _set_in(text: str, by: str = "    ") -> str:
-    return text.replace("\n", f"\n{by}")
-
-
-# A model as one C99 header without dependencies.
 def c_text(exported: ExportedShip) -> str:
-    """Return the header of a ship."""
     printer = CArithmetic(exported.prefix)
     bodies = bodies_of(exported, "{}->{}".format, "{}({})".format, c_name, partial(c_body, printer=printer))
     bodies["step_block"] = "\n    ".join(_block(exported, printer))
@@ -149,7 +132,6 @@ def c_text(exported: ExportedShip) -> str:
 
 
 def _block(exported: ExportedShip, printer: CArithmetic) -> list[str]:
-    """The body of a step of many ships."""
     portable = exported.portable
     places = places_in(exported, "{}->{}".format, "{}({})".format, c_name)
     for column, rows in (("state", portable.kept), ("inputs", portable.inputs)):

@@ -190,8 +190,7 @@ def write_fmu(
         As ``write_c``; where the contact is ``none``, or a compiler fails.
     """
     from narrows.export.exported_ship import ExportedShip
-    from narrows.export.fmu import fmu_bytes
-    from narrows.export.native_builds import builds_here
+    from narrows.export.fmu import builds_here, fmu_bytes
     from narrows.simulation.departure import usual_voyage
 
     form_of(path, (".fmu",))

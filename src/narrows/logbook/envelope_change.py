@@ -10,23 +10,15 @@ import xarray as xr
 
 from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficient import ON_TWINS
+from narrows.logbook.settings import CHANGE_OFFSETS, CHANGE_SAMPLES, CHANGE_SPEEDS, RUDDER_BAND
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.results import Shown
-from narrows.safety.answer import SafeEnvelope
 from narrows.safety.envelope import safe_envelope
+from narrows.safety.result import SafeEnvelope
 
 if TYPE_CHECKING:
     import pandas as pd
-
-# Of coefficients and disturbances: a look, not a chart to sail by.
-SAMPLES = 200
-# Offsets that are looked at, over the farthest of a record.
-BESIDE = (0.0, 0.5, 1.0, 1.5)
-# Speeds, over the mean of a record.
-SLOWER_AND_FASTER = (0.8, 1.0, 1.2)
-# Of the samples, between which a rudder angle is told.
-BAND = (0.05, 0.95)
 
 
 @dataclass(frozen=True, repr=False)
@@ -95,7 +87,7 @@ class EnvelopeChange(Shown):
 
 def envelope_change(
     before: Model, after: Model, y: Sequence[float] | np.ndarray, u: Sequence[float] | np.ndarray, *,
-    samples: int = SAMPLES, seed: int = 0, **envelope: Any,
+    samples: int = CHANGE_SAMPLES, seed: int = 0, **envelope: Any,
 ) -> EnvelopeChange:  # fmt: skip
     """Ask the same safe envelope of a model before a record and after it.
 
@@ -126,14 +118,13 @@ def envelope_change(
 
 
 def places_of(y: np.ndarray, u: np.ndarray, room: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return offsets [m] and speeds [m/s] at which to look, of those of a record."""
     # y (n,) [m]; u (n,) [m/s]; room [m]
     far = float(np.abs(y).max()) or room / 4
-    offsets = far * np.array(BESIDE)
-    return offsets[offsets < room], float(u.mean()) * np.array(SLOWER_AND_FASTER)
+    offsets = far * np.array(CHANGE_OFFSETS)
+    return offsets[offsets < room], float(u.mean()) * np.array(CHANGE_SPEEDS)
 
 
-def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = SAMPLES, seed: int = 0) -> np.ndarray:
+def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = CHANGE_SAMPLES, seed: int = 0) -> np.ndarray:
     """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (offsets, 3)."""
     # y (offsets,) [m]; u [m/s]
     rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=samples, seed=seed)["rudder"]
@@ -141,7 +132,7 @@ def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = SAMPLES, s
     # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.
     beyond = np.where(np.asarray(y) < 0, -np.inf, np.inf)[:, None]
     ordered = np.where(np.isnan(angles), beyond, angles)
-    low, high = BAND
+    low, high = RUDDER_BAND
     return np.asarray(np.quantile(ordered, (low, 0.5, high), axis=1, method="higher").T)
 
 

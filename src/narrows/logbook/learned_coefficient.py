@@ -2,13 +2,15 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.identification.identifiability.verdict import IDENTIFIED
+from narrows.logbook.settings import LEARNED_TO, PAIR_CORRELATION, SHARPENED_TO, TIED_CORRELATION
+from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
 from narrows.results import Shown
 
@@ -16,45 +18,21 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
-
-# Of the standard error before, what is left where a record has three quarters or a fifth of the information.
-LEARNED_TO, SHARPENED_TO = 0.5, 0.9
-
 # Standard errors either way, 95 % of a normal distribution.
 WIDE = 1.959964
-
-# Correlation over which two coefficients are one.
-ONE = 1 - 1e-9
-
-# Correlation over which two coefficients are told as a pair.
-TELLING = 0.7
 
 
 @dataclass(frozen=True)
 class LearnedCoefficient:
-    """A coefficient before a record and after it.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-    unit : str
-        Of its values.
-    prior, prior_std : float
-        Value and standard error before.
-    value, std : float
-        After.
-    from_bank : bool
-        Whether its term is one of the bank.
-    """
+    """A coefficient before a record and after it."""
 
     name: str
     unit: str
-    prior: float
-    prior_std: float
-    value: float
-    std: float
-    from_bank: bool
+    prior: float  # Value before
+    prior_std: float  # Standard error before
+    value: float  # Value after
+    std: float  # Standard error after
+    from_bank: bool  # Whether its term is one of the bank
 
     @property
     def left(self) -> float:
@@ -93,12 +71,10 @@ class LearnedCoefficient:
         return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.unresolved else self.word
 
     def to_dict(self) -> dict[str, Any]:
-        """Give it by name."""
         known = {"prior": self.prior, "prior_std": self.prior_std, "value": self.value, "std": self.std}
         return {"name": self.name, "unit": self.unit, **known, "interval": list(self.interval), "verdict": self.verdict}
 
     def sentence(self) -> str:
-        """Say what was learned of it."""
         low, high = self.interval
         told = f"{self.name} is {low:.3g} to {high:.3g} (standard error {self.std:.2g}, {self.prior_std:.2g} before)"
         if not (self.from_bank and self.unresolved):
@@ -109,8 +85,6 @@ class LearnedCoefficient:
 
 
 def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarray) -> dict[str, LearnedCoefficient]:
-    """Return each coefficient before and after."""
-    # values (n,); covariance (n, n)
     before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
     return {
         term.name: LearnedCoefficient(
@@ -122,7 +96,6 @@ def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarra
 
 
 def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.DataFrame":
-    """Return coefficients as a table: a row each, before and after."""
     import pandas as pd
 
     rows = [
@@ -134,15 +107,14 @@ def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.Dat
 
 def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray) -> list[tuple[str, str, float]]:
     """Return what was learned only together with another: a name, its nearest partner, their correlation."""
-    # covariance (n, n)
     names, size = list(coefficients), np.sqrt(np.maximum(np.diag(covariance), 0.0))
     scale = np.where(size > 0, size, np.inf)
     correlation = covariance / np.outer(scale, scale)
-    correlation[np.abs(correlation) > ONE] = 0.0  # Itself, and what is tied to it.
+    correlation[np.abs(correlation) > TIED_CORRELATION] = 0.0  # Itself, and what is tied to it.
     found: dict[frozenset[str], tuple[str, str, float]] = {}
     for i, name in enumerate(names):
         j = int(np.abs(correlation[i]).argmax())
-        if coefficients[name].word != PRIOR and abs(correlation[i, j]) >= TELLING:
+        if coefficients[name].word != PRIOR and abs(correlation[i, j]) >= PAIR_CORRELATION:
             found.setdefault(frozenset((name, names[j])), (name, names[j], float(correlation[i, j])))
     return list(found.values())
 
@@ -157,10 +129,7 @@ def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient],
     return {**prior.verdicts, **settled}
 
 
-# What answers of records have alike: what each coefficient was taught.
 class LearnedAnswer(Shown):
-    """What was taught of each coefficient, by name."""
-
     coefficients: Mapping[str, LearnedCoefficient]
 
     @property
@@ -183,7 +152,6 @@ class LearnedAnswer(Shown):
         return coefficient_frame(self.coefficients)
 
 
-# Which coefficients a record is to tell.
 def learnable(model: Model, targets: object) -> tuple[str, ...]:
     """Return the coefficients that matter: those that were named, or those of the bank."""
     names = (targets,) if isinstance(targets, str) else targets
@@ -199,6 +167,144 @@ def learnable(model: Model, targets: object) -> tuple[str, ...]:
     return names
 
 
-# What this room's answers rest on, wherever they are shown.
 # The label of every page, result and report.
 ON_TWINS = "Bank coefficients from legs and transits are shown on twins only, until a log is at hand."
+
+
+def learned_model(
+    prior: Model, coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray, source: str,
+    offsets: Range, speeds: Range, contradicted: bool = False,
+) -> Model:  # fmt: skip
+    return replace(
+        prior,
+        coefficients={name: coefficient.value for name, coefficient in coefficients.items()},
+        covariance=(covariance + covariance.T) / 2,
+        data_range=covered_range(prior, offsets, speeds),
+        source=replace(prior.source, text="; ".join(filter(None, (prior.source.text, source)))),
+        verdicts=verdicts_after(prior, coefficients, contradicted),
+    )
+
+
+def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
+    # offsets [m]; speeds [m/s]
+    # In a section that no test had, the record alone says how far off the middle and how fast the bank was met; slower
+    # than that, its force is less. Where no bank is felt, speeds count alone.
+    known, configuration = prior.data_range, prior.configuration
+    section = {"width_to_beam": configuration.canal.width / configuration.ship.beam}
+    if configuration.canal.depth is not None:
+        section["depth_to_draft"] = configuration.canal.depth / configuration.ship.draft
+    if not prior.feels_bank:
+        low, high = known.speed or speeds
+        return replace(known, speed=(min(speeds[0], low), max(speeds[1], high)))
+    new = any(getattr(known, name) is None or known.outside(name, ratio) for name, ratio in section.items())
+    slowest = min(speeds[0], (known.speed or speeds)[0])
+    fastest = speeds[1] if new else max(speeds[1], (known.speed or speeds)[1])
+    farthest = offsets[1] if new else max(offsets[1], (known.abs_y or offsets)[1])
+    nearest = 0.0 if new else min(offsets[0], (known.abs_y or offsets)[0])
+    here = {name: (ratio, ratio) for name, ratio in section.items()} if new else {}
+    return replace(known, speed=(slowest, fastest), abs_y=(nearest, farthest), **here)
+
+
+# A normal prior and blocks of linear readings make a normal posterior: at any rank of the prior, and within bounds.
+UNLIKE = (
+    "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and its unit"
+)
+
+# Of a standard deviation, by which a bound may be missed.
+MISSED = 1e-12
+
+
+@dataclass(frozen=True)
+class NormalPrior:
+    """What is known before: means, and a root of the covariance."""
+
+    mean: np.ndarray  # (n,) Means
+    root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance
+
+    @classmethod
+    def of(cls, mean: np.ndarray, covariance: np.ndarray) -> "NormalPrior":
+        """Return the prior of a covariance, which may lack rank: coefficients that are one, or are known exactly."""
+        # mean (n,); covariance (n, n)
+        size = np.sqrt(np.diag(covariance))
+        scale = np.where(size > 0, size, 1.0)
+        share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+        if not np.isfinite(share).all() or share[0] < -1e-6 * len(mean):
+            raise InputError("the covariance of this model's coefficients is none; identify the model again")
+        kept = share > 1e-13 * share[-1]
+        return cls(mean, size[:, None] * axes[:, kept] * np.sqrt(share[kept]))
+
+    @property
+    def covariance(self) -> np.ndarray:
+        return np.asarray(self.root @ self.root.T)
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Linear readings ``value = design @ unknowns + error`` in blocks whose errors are independent."""
+
+    value: np.ndarray  # (blocks, q) Read
+    design: np.ndarray  # (blocks, q, n) By the unknowns
+    covariance: np.ndarray  # (blocks, q, q) Of the errors
+
+    def whitened(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return values and design with independent errors of size one."""
+        try:
+            root = np.linalg.cholesky(self.covariance)
+        except np.linalg.LinAlgError:
+            raise InputError(UNLIKE) from None
+        return np.linalg.solve(root, self.value[..., None])[..., 0], np.linalg.solve(root, self.design)
+
+
+@dataclass(frozen=True)
+class Posterior:
+    mean: np.ndarray  # (n,) Means, within bounds where there are any
+    free_mean: np.ndarray  # (n,) Means without the bounds
+    root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance, bounds left aside
+    # Of the readings under the prior, bounds left aside: sum of squares over what was to be expected [1]
+    chi_square: float
+    beside: np.ndarray  # (blocks,) The same of each block beside all others and the prior [1]
+
+    @property
+    def covariance(self) -> np.ndarray:
+        return np.asarray(self.root @ self.root.T)
+
+
+def updated(prior: NormalPrior, blocks: Blocks, bounds: np.ndarray | None = None) -> Posterior:
+    """Return what is known after readings, exactly for linear ones (Bayes)."""
+    # bounds (n, 2)
+    value, design = blocks.whitened()
+    innovation, seen = value - design @ prior.mean, design @ prior.root
+    rows = seen.reshape(-1, seen.shape[-1])
+    inner = np.linalg.cholesky(np.eye(rows.shape[1]) + rows.T @ rows)
+    moved = np.linalg.solve(inner.T, np.linalg.solve(inner, rows.T @ innovation.ravel()))
+    root = np.linalg.solve(inner, prior.root.T).T
+    mean = prior.mean + prior.root @ moved
+    rest = innovation - seen @ moved
+    within = mean if bounds is None else brought_within(mean, root, bounds)
+    return Posterior(within, mean, root, float(np.sum(innovation * rest)), _beside(rest, design @ root))
+
+
+def _beside(rest: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Sum of squares of each block over what all others leave open of it, (blocks,)."""
+    # The residual of a block beside the others is that of the fit over what of the block's own error no fit takes up.
+    share = np.eye(rest.shape[1]) - known @ np.swapaxes(known, 1, 2)
+    return np.asarray(np.einsum("bq,bq->b", rest, np.linalg.solve(share, rest[..., None])[..., 0]))
+
+
+def brought_within(mean: np.ndarray, root: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """Return the most likely values of a normal distribution within bounds."""
+    # mean (n,); root (n, rank); bounds (n, 2)
+    # Lawson and Hanson (1974), Solving least squares problems, chapter 23: least distance programming.
+    from scipy.optimize import nnls
+
+    size = np.linalg.norm(root, axis=1)
+    sign = np.repeat([1.0, -1.0], len(mean))
+    lacking, wide = np.concatenate([bounds[:, 0] - mean, mean - bounds[:, 1]]), np.tile(size, 2)
+    asked = np.flatnonzero((wide > 0) & np.isfinite(lacking))
+    if not (lacking[asked] > MISSED * wide[asked]).any():
+        return mean
+    rows = (sign / np.where(wide > 0, wide, 1.0))[asked, None] * np.tile(root, (2, 1))[asked]
+    least = lacking[asked] / wide[asked]
+    aim = np.append(np.zeros(root.shape[1]), 1.0)
+    rest = np.concatenate([rows.T, least[None]]) @ nnls(np.concatenate([rows.T, least[None]]), aim)[0] - aim
+    return np.asarray(mean + root @ (-rest[:-1] / rest[-1]))

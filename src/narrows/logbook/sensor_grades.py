@@ -140,18 +140,7 @@ GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}
 
 
 def sensor_grade(sensors: str | SensorGrade) -> SensorGrade:
-    """Return a grade of sensors.
-
-    Parameters
-    ----------
-    sensors : str or SensorGrade
-        ``rtk``, ``vdr``, ``ais``, or your own.
-
-    Raises
-    ------
-    InputError
-        Where there is no such grade.
-    """
+    """Return a grade of sensors."""
     if isinstance(sensors, SensorGrade):
         return sensors
     check_choice("sensors", sensors, GRADES)

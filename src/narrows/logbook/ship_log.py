@@ -51,19 +51,15 @@ class ShipLog(Shown):
         return tuple(record.name for record in self.records)
 
     def __len__(self) -> int:
-        """How many records."""
         return len(self.records)
 
     def __iter__(self) -> Iterator[ShipRecord]:
-        """The records."""
         return iter(self.records)
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is such a record."""
         return name in self.names
 
     def __getitem__(self, key: str | int) -> ShipRecord:
-        """A record."""
         if isinstance(key, str):
             if key not in self.names:
                 raise InputError(f"there is no record {key!r}{did_you_mean(key, self.names)}")

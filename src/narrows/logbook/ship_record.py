@@ -44,7 +44,6 @@ class Signal:
             raise InputError("a signal holds what is not finite; leave out the times at which nothing was measured")
 
     def __len__(self) -> int:
-        """How many values."""
         return len(self.t)
 
     @property
@@ -116,17 +115,14 @@ class ShipRecord:
             raise InputError(f"record {self.name}: an antenna stands forward and to starboard of midship; give both")
 
     def __getitem__(self, name: str) -> Signal:
-        """A signal."""
         if name not in self.signals:
             raise InputError(f"record {self.name} has no signal {name!r}{did_you_mean(name, self.signals)}")
         return self.signals[name]
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is such a signal."""
         return name in self.signals
 
     def __iter__(self) -> Iterator[str]:
-        """The names of its signals."""
         return iter(self.signals)
 
     @property
@@ -203,7 +199,6 @@ class ShipRecord:
         return frame.rename_axis("t")
 
 
-# What a ship's own records hold: one quantity at its own times, under names that are written once.
 MEETING = "meeting"
 
 # Every signal: its unit and meaning.
@@ -230,7 +225,6 @@ TURNING = ("psi", "course", "wind_direction")
 
 
 def check_signals(names: Iterable[str]) -> None:
-    """Raise where a name is no signal's."""
     for name in names:
         if name not in SIGNALS:
             raise InputError(f"there is no signal {name!r}{did_you_mean(str(name), SIGNALS)}")

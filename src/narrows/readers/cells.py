@@ -12,17 +12,12 @@ import pandas as pd
 from narrows.errors import InputError, needs, reason, shown
 from narrows.readers.frames import Sheet
 from narrows.readers.headers import Column
+from narrows.readers.settings import LARGEST, LONGEST_CELL
 from narrows.readers.text_table import FIRST_ROW, seen
-
-LONGEST_CELL = 60
-
-# Beyond this a number stands for a missing one (netCDF fills with 9.97e36), and its square spoils every sum.
-LARGEST = 1e20
 
 
 def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
     """Return the file's row of the first hit."""
-    # where (rows,)
     return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
 
 
@@ -46,14 +41,14 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
 
 
 def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) -> np.ndarray:
-    """Return a column as floats."""
     values = _floats(frame[header])
     # NaN is not below either.
     wrong = ~(np.abs(values) < LARGEST)
     if blanks:
         wrong &= ~_blank(frame[header])
     if wrong.any():
-        cell = _word(frame[header].iloc[int(np.argmax(wrong))])
+        cell = frame[header].iloc[int(np.argmax(wrong))]
+        cell = cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         row = row_number(frame, wrong)
         raise InputError(f"{table}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell")
@@ -75,10 +70,6 @@ def _floats(column: pd.Series) -> np.ndarray:
         return np.array([_float(cell) for cell in column])
 
 
-def _word(cell: Any) -> str:
-    return cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
-
-
 def _float(cell: Any) -> float:
     try:
         return float(cell)
@@ -87,14 +78,12 @@ def _float(cell: Any) -> float:
 
 
 def labels(frame: pd.DataFrame, header: str, table: str) -> np.ndarray:
-    """Return a column of names as words, without blanks around them."""
     empty = frame[header].isna().to_numpy()
     if empty.any():
         raise InputError(f"{table}: row {row_number(frame, empty)}, column {header!r} is empty; name the {header}")
     return frame[header].astype(str).str.strip().to_numpy(dtype=object)
 
 
-# Tables that a program has already: pandas, Polars, Arrow, xarray, or a mapping of columns.
 def as_sheet(table: object) -> Sheet:
     """Return a table of a program as the reader takes it: rows counted from 0 in sentences."""
     try:
@@ -109,12 +98,10 @@ def as_sheet(table: object) -> Sheet:
 
 
 def name_of(table: object) -> str:
-    """Return what to call a table that is no file."""
     return f"the {type(table).__name__}"
 
 
 def sha256_of_frame(frame: pd.DataFrame) -> str:
-    """Return a hash of the cells and headers of a frame."""
     words = {header: str for header in frame if pd.api.types.is_object_dtype(frame[header])}
     rows = pd.util.hash_pandas_object(frame.astype(words), index=False)
     return hashlib.sha256("\n".join(frame.columns).encode() + rows.to_numpy().tobytes()).hexdigest()

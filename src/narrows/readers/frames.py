@@ -11,27 +11,20 @@ import pandas as pd
 
 from narrows.errors import InputError, needs, reason
 from narrows.progress import counted, file_stage
+from narrows.readers.settings import DEEPEST, SHEET_ROWS
 from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, read_text, text_chunks
 
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
-
 READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
-
 STREAMED = (*TEXT, ".parquet")
-
-# Of a sheet, among which its header is looked for.
-SHEET_ROWS = 400
 
 
 class Sheet(NamedTuple):
-    """A table as it was read."""
-
     frame: pd.DataFrame  # Its index counts the rows of the file, less ``FIRST_ROW``
     notes: tuple[str, ...] = ()  # What there is to say of the file
 
 
 def read_frame(path: Path) -> Sheet:
-    """Read a whole table."""
     readers: dict[str, Callable[[Path], Sheet]] = {
         **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
     }  # fmt: skip
@@ -42,23 +35,19 @@ def read_frame(path: Path) -> Sheet:
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
-    """Read a table chunk by chunk, holding one at a time."""
     parquet = _suffix(path, STREAMED) == ".parquet"
-    chunks = _parquet_chunks(path, rows) if parquet else guarded(path, lambda: _text_chunks(path, rows))
+    chunks = (
+        _parquet_chunks(path, rows) if parquet else guarded(path, lambda: text_chunks(path, dialect_of(path), rows))
+    )
     while (chunk := guarded(path, lambda: next(chunks, None))) is not None:
         yield chunk
 
 
 def notes_of(path: Path) -> tuple[str, ...]:
-    """Return what there is to say of a file that is read in chunks."""
     if _suffix(path, STREAMED) == ".parquet":
         return ()
     notes: tuple[str, ...] = guarded(path, lambda: dialect_of(path).head.notes)
     return notes
-
-
-def _text_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
-    return text_chunks(path, dialect_of(path), rows)
 
 
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
@@ -111,7 +100,6 @@ def _read_parquet(path: Path) -> Sheet:
 
 
 def _read_excel(path: Path) -> Sheet:
-    """The first sheet of a workbook."""
     with needs("excel", "Excel"):
         import openpyxl  # noqa: F401  # pandas asks for it
     with pd.ExcelFile(path, engine="openpyxl") as book:
@@ -141,21 +129,14 @@ def _read_mat(path: Path) -> Sheet:
 
 # What a .mat file must be before SciPy may read it: its reader ends the whole process on types that it does not know.
 HEADER = 128
-
 MATRIX, COMPRESSED = 14, 15
-
 # Types of numbers and of characters.
 NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
-
 # Types of the first three elements of a matrix.
 FLAGS, SHAPE, NAME = 6, (5, 6), (1, 16)
-
 CHARACTERS, SPARSE, OPAQUE = 4, 5, 17
-
 # Elements of a matrix by its class, where all of them are numbers; an imaginary part is one more.
 PARTS = {CHARACTERS: 4, SPARSE: 6, **dict.fromkeys(range(6, 16), 4)}
-
-DEEPEST = 50
 
 
 def check_elements(content: bytes) -> None:
@@ -166,7 +147,6 @@ def check_elements(content: bytes) -> None:
 
 
 def _check(data: memoryview, order: str, depth: int) -> None:
-    """Look through elements that stand one after the other."""
     for kind, body in _elements(data, order):
         if depth > DEEPEST:
             raise ValueError("nested too deeply")
@@ -192,7 +172,6 @@ def _check_matrix(body: memoryview, order: str) -> None:
 
 
 def _elements(data: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
-    """Each element's type and data."""
     while data:
         kind, start, size = _tag(data, order)
         body = data[start : start + size]

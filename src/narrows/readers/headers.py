@@ -51,16 +51,12 @@ SUFFIXES = (
 
 
 class Vocabulary(NamedTuple):
-    """What tables of one kind may carry."""
-
     quantities: Mapping[str, Quantity]  # Columns of numbers
     labels: tuple[str, ...] = ()  # Columns of words
     blanks: bool = False  # Whether a cell of numbers may be empty
 
 
 class Column(NamedTuple):
-    """A column of the user's table."""
-
     header: str  # As in the table
     quantity: str  # Of the vocabulary
     scale: float  # How many SI units one of it is [1]
@@ -77,7 +73,6 @@ def parse_header(header: str, known: Mapping[str, Quantity]) -> Column | None:
 
 
 def recognised_in(frame: "pd.DataFrame", known: Mapping[str, Quantity], table: str) -> list[Column]:
-    """Return the columns of a frame that are quantities."""
     try:
         return [column for header in frame.columns if (column := parse_header(str(header), known))]
     except InputError as error:
@@ -123,7 +118,6 @@ def _powers(unit: str) -> str:
 
 @cache
 def is_unit(word: str) -> bool:
-    """Say whether a word is a unit of anything."""
     try:
         _registry()(SPELLINGS.get(word, _powers(word)))
     except Exception:  # The units library raises nearly anything on what is no unit.

@@ -51,7 +51,6 @@ class ColumnMapping:
             _sign(name, way, self.name)
 
     def applied(self, frame: pd.DataFrame, table: str, vocabulary: Vocabulary) -> tuple[pd.DataFrame, tuple[str, ...]]:
-        """Bring a frame to the documented headers, units and signs, with a sentence of what was done."""
         headers = {str(header): _parsed(str(header), vocabulary) for header in frame.columns}
         sources = self._sources(headers, table, vocabulary)
         notes = []
@@ -66,13 +65,13 @@ class ColumnMapping:
             notes.append(f"{name} is {header!r}{way}")
         others = [
             header for header, quantity in headers.items()
-            if header not in sources.values() and not self._replaced(quantity, sources)
+            # A column that is not read must not pass for one that is, nor one that is mapped to nothing for itself.
+            if header not in sources.values() and quantity not in sources and self.columns.get(quantity or "") != ""
         ]  # fmt: skip
         note = (f"by {self.name}: {'; '.join(notes)}",) if notes else ()
         return pd.concat([frame[others], pd.DataFrame(new, index=frame.index)], axis="columns"), note
 
     def _sources(self, headers: Mapping[str, str | None], table: str, vocabulary: Vocabulary) -> dict[str, str]:
-        """The header of each quantity that the mapping speaks of."""
         known = (*vocabulary.quantities, *vocabulary.labels)
         sources = {}
         for name in dict.fromkeys([*self.columns, *self.units, *self.positive]):
@@ -100,14 +99,8 @@ class ColumnMapping:
             )
         return matching[0]
 
-    def _replaced(self, name: str | None, sources: Mapping[str, str]) -> bool:
-        """Whether a column that the mapping does not read would pass for one that it does, or says to be none."""
-        return name in sources or self.columns.get(name or "") == ""
-
 
 def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None) -> ColumnMapping | None:
-    """Return a mapping of columns, read where it is a file."""
-    # mapping [columns]
     if mapping is None or isinstance(mapping, ColumnMapping):
         return mapping
     tables = mapping if isinstance(mapping, Mapping) else load_toml(mapping)
@@ -131,7 +124,6 @@ def _sign(name: str, way: str, table: str) -> float:
 
 
 def _parsed(header: str, vocabulary: Vocabulary) -> str | None:
-    """The quantity of a header, whatever its unit."""
     if header in vocabulary.labels:
         return header
     try:
@@ -142,7 +134,6 @@ def _parsed(header: str, vocabulary: Vocabulary) -> str | None:
 
 
 def _bare(header: str) -> str:
-    """A header without its unit in brackets."""
     return re.sub(r"\s*[\[(][^\])]*[\])]$", "", header).strip()
 
 

@@ -16,28 +16,21 @@ import pandas as pd
 from narrows.errors import InputError, shown
 from narrows.progress import opened
 from narrows.readers.headers import is_unit
+from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, UNIT_SHARE
 
 # What editors call the row under a header: the index of a frame counts from there.
 FIRST_ROW = 2
-
-# Bytes that are looked at together.
-BLOCK = 1 << 22
-
 # Before a line that is a comment or empty.
 BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
 
 
 class Head(NamedTuple):
-    """The top of a table."""
-
     headers: tuple[str, ...]  # One for each column, with the unit where a row of units stands under them
     first: int  # The line, or row of a sheet, with which the data begin, counted from 1
     notes: tuple[str, ...]  # What there is to say of it
 
 
 class Dialect(NamedTuple):
-    """How a file is written."""
-
     encoding: str  # Of its text
     separator: str  # Of cells; a blank stands for any white space
     decimal: str  # Point or comma
@@ -50,11 +43,11 @@ def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
         with opened(path) as file:
             frame: pd.DataFrame = pd.read_csv(file, skiprows=dialect.head.first - 1, **_options(dialect))
         return _counted(_with_commas(frame, dialect), dialect.head.first - FIRST_ROW)
-    return next(_from_lines(path, dialect, None), _nothing(dialect))
+    nothing = pd.DataFrame(columns=list(dialect.head.headers), index=pd.RangeIndex(0))
+    return next(_from_lines(path, dialect, None), nothing)
 
 
 def text_chunks(path: Path, dialect: Dialect, rows: int) -> Iterator[pd.DataFrame]:
-    """Read a table chunk by chunk."""
     if _is_broken(path, dialect):
         yield from _from_lines(path, dialect, rows)
         return
@@ -76,10 +69,6 @@ def _options(dialect: Dialect) -> dict[str, Any]:
         "encoding_errors": "backslashreplace", "header": None, "names": list(dialect.head.headers),
         "skipinitialspace": True, "low_memory": False,
     }  # fmt: skip
-
-
-def _nothing(dialect: Dialect) -> pd.DataFrame:
-    return pd.DataFrame(columns=list(dialect.head.headers), index=pd.RangeIndex(0))
 
 
 def _counted(frame: pd.DataFrame, first: int) -> pd.DataFrame:
@@ -135,22 +124,12 @@ def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             yield frame
 
 
-# Which row of a table is its header, which its units, and where its numbers begin.
 NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.IGNORECASE)
-
-# Of its cells that a row has at least, where it is no line of text above the table.
-MOST = 0.5
-
-# Of the cells under a header that read as units, where they are its units.
-UNITS = 0.6
-
 NO_UNIT = ("-", "--", "n/a", "none")
-
 Row = Sequence[str]
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
-    """Say whether a cell reads as a number."""
     if decimal == ",":
         cell = "" if "." in cell else cell.replace(",", ".")
     return NUMBER.fullmatch(cell.strip()) is not None
@@ -162,9 +141,8 @@ def width_of(rows: Sequence[Row]) -> int:
 
 
 def head_of(rows: Sequence[Row], lines: Sequence[int], decimal: str = ".", remark: Row = ()) -> Head:
-    """Find header, units and first row of a table."""
     width = width_of(rows)
-    full = MOST * sorted(map(_filled, rows[len(rows) // 2 :]))[len(rows[len(rows) // 2 :]) // 2]
+    full = FULL_SHARE * sorted(map(_filled, rows[len(rows) // 2 :]))[len(rows[len(rows) // 2 :]) // 2]
     texts = [not any(is_number(cell, decimal) for cell in row) and _filled(row) >= full for row in rows]
     is_data = [not text and _filled(row) >= full and len(row) >= width for row, text in zip(rows, texts, strict=True)]
     first = is_data.index(True) if True in is_data else len(rows)
@@ -189,7 +167,7 @@ def _without_header(
         return Head(_headers(rows[0], ()), lines[0] + 1, ())
     if len(remark) == width:
         return Head(_headers(remark, ()), lines[first], ())
-    if first and texts[first - 1] and len(rows[first - 1]) >= MOST * width:
+    if first and texts[first - 1] and len(rows[first - 1]) >= FULL_SHARE * width:
         fault = "more" if width > len(rows[first - 1]) else "fewer"
         raise InputError(
             f"row {lines[first]} has {fault} cells than the header, {width} where {lines[first - 1]} has "
@@ -213,11 +191,10 @@ def _trimmed(row: Row, width: int) -> Row:
 def _are_units(row: Row) -> bool:
     words = [_bare(cell) for cell in row if cell.strip()]
     known = sum(word.lower() in NO_UNIT or is_unit(word) for word in words)
-    return bool(words) and known >= UNITS * len(words)
+    return bool(words) and known >= UNIT_SHARE * len(words)
 
 
 def _bare(cell: str) -> str:
-    """A unit without its brackets."""
     return cell.strip().strip("[]()").strip()
 
 
@@ -235,19 +212,11 @@ def _headers(names: Row, units: Row) -> tuple[str, ...]:
 
 
 def seen(row: Row) -> str:
-    """Return the first cells of a row, for a sentence."""
     return ", ".join(shown(cell.strip()) for cell in row[:5]) + (", ..." if len(row) > 5 else "")
 
 
-# How a table of text is written: its encoding, what parts cells and decimals, where header and rows begin.
-# Bytes that are looked at.
-SAMPLE = 1 << 18
-
-ROWS = 400
-
 # What may part cells; blanks are any white space.
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
-
 # With which a comment begins.
 REMARKS = ("#", "%")
 
@@ -259,8 +228,6 @@ LINE = re.compile(r"\r\n|\n|\r")
 
 
 class Split(NamedTuple):
-    """Lines parted at a separator."""
-
     separator: str  # Of cells
     rows: list[list[str]]  # The cells
     decimal: str  # Point or comma, whichever makes more cells numbers
@@ -268,9 +235,8 @@ class Split(NamedTuple):
 
 
 def dialect_of(path: Path) -> Dialect:
-    """Find how a table of text is written."""
     encoding, numbered = _sample(path)
-    lines = [(number, line) for number, line in numbered if not line.lstrip().startswith(REMARKS)][:ROWS]
+    lines = [(number, line) for number, line in numbered if not line.lstrip().startswith(REMARKS)][:DIALECT_ROWS]
     if not lines:
         raise InputError("the table is empty; give a header and rows")
     split = _best([line for _, line in lines])
@@ -284,10 +250,10 @@ def dialect_of(path: Path) -> Dialect:
 def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
     """The encoding of a file, and its first lines with their numbers, empty ones left out."""
     with path.open("rb") as file:
-        raw = file.read(SAMPLE)
+        raw = file.read(DIALECT_BYTES)
     encoding = _encoding(raw)
     lines = LINE.split(raw.decode(encoding, errors="replace"))
-    whole = lines[:-1] if len(raw) == SAMPLE and len(lines) > 1 else lines
+    whole = lines[:-1] if len(raw) == DIALECT_BYTES and len(lines) > 1 else lines
     if any("\0" in line for line in whole):
         kind = "a ZIP archive, as workbooks are (name it .xlsx)" if raw.startswith(b"PK") else "no text in UTF-8"
         raise InputError(f"it holds bytes that are no characters: it is {kind}; export it as text")
@@ -300,7 +266,7 @@ def _encoding(raw: bytes) -> str:
         if raw.startswith(mark):
             return encoding
     try:
-        codecs.getincrementaldecoder("utf-8")().decode(raw, final=len(raw) < SAMPLE)
+        codecs.getincrementaldecoder("utf-8")().decode(raw, final=len(raw) < DIALECT_BYTES)
     except UnicodeDecodeError:
         return "latin-1"
     return "utf-8"
@@ -346,7 +312,6 @@ def _check_decimals(rows: list[list[str]], lines: list[int]) -> None:
 
 
 def cells_of(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
-    """Part lines into cells."""
     if separator == " ":
         return (line.split() for line in lines)
     return (next(csv.reader([line], delimiter=separator, skipinitialspace=True)) for line in lines)

@@ -11,18 +11,30 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from rich.console import Console
 from rich.table import Table
 
 from narrows.quantities.names import KNOT
-from narrows.report.rules_view import draw_rudders, draw_speeds, draw_widths, rules_table
-from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREY, ORANGE, PURPLE, Picture, given_axes, headed, titled
-from narrows.safety import MEDIAN, SURE_SHARE, SafeEnvelope
+from narrows.report.style import (
+    BLACK,
+    BLUE,
+    DASHES,
+    FONT,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Picture,
+    given_axes,
+    headed,
+    panels,
+    titled,
+)
+from narrows.report.terminal import console_of, print_notes, table_of
+from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
+from narrows.safety.channel_rules import READ, REMEMBERED
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
-
 UNTESTED = ".."
-
 # A4, lying [in].
 PAGE = (11.7, 8.3)
 
@@ -85,7 +97,6 @@ def _line(
 
 
 def _draw_marks(axes: Axes, envelope: SafeEnvelope) -> None:
-    """A single offset or speed: a mark where the model has it safe."""
     for safe, colour in ((envelope.by_some_helm(), PALER), (envelope.by_model(), PALE)):
         where = safe.stack(place=("y", "u"))
         safe = where[where.to_numpy()]
@@ -98,7 +109,6 @@ def _half(values: np.ndarray) -> float:
 
 
 def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Any]:
-    """Hatch what blocks the ship, and what no test covered."""
     data, handles = envelope.data.transpose("y", "u", ...), list[Any]()
     for low, high in _bands(~data["clear"].to_numpy(), u):
         axes.axhspan(low, high, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
@@ -201,18 +211,14 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
 
 
-# The right column of the page of a safe envelope: a table by offset to pin up, and what the answer rests on.
 HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held by one pilot;\none who knew", "rudder of 19\nin 20 [deg]",
          "what limits it")  # fmt: skip
 
 WIDTHS = (0.1, 0.17, 0.25, 0.18, 0.3)
-
 # Heights as shares of the column: the head of the table, a row of it, a line of small print.
 HEAD, ROW, LINE = 0.055, 0.03, 0.0225
-
 # Letters of table and notes [pt]: what can be read on paper.
 SMALL = 7.2
-
 # In a line of small print.
 LETTERS = 72
 
@@ -252,20 +258,17 @@ def _degrees(angle: float) -> str:
     return f"{angle:.0f}" if np.isfinite(angle) else "none"
 
 
-# The safe envelope in the terminal.
 def print_envelope(envelope: SafeEnvelope) -> None:
     """Print the tables that a pilot reads: by offset, and by speed."""
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, 130)
+    console = console_of(130)
     console.print(envelope.summary())
     console.print(f"{envelope.description}; {envelope.weather}; {envelope.samples} cases tried at each place.")
     console.print(_by_offset(envelope))
     console.print()
     console.print(_by_speed(envelope))
     console.print("\nRules from outside, for comparison (* not all of its numbers were read by us):")
-    console.print(rules_table(envelope.rules))
-    for note in (*envelope.notes, *envelope.rules.notes):
-        console.print(f"- {note}", style="dim")
+    console.print(table_of(RULE_HEADS, map(cells, envelope.rules.rows()), left=("rule",)))
+    print_notes(console, (*envelope.notes, *envelope.rules.notes))
 
 
 def _by_offset(envelope: SafeEnvelope) -> Table:
@@ -293,13 +296,14 @@ def _by_offset(envelope: SafeEnvelope) -> Table:
 
 
 def _by_speed(envelope: SafeEnvelope) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for head in ("speed [kn]", "under the keel [m]", "safest offset [m]"):
-        table.add_column(head, justify="right")
-    for row in envelope.speed_rows():
-        under = _cell(row["keel_clearance"], ".2f") + ("" if row["keel_clear"] else " !")
-        table.add_row(f"{row['speed']:.1f}", under, _cell(row["safest_offset"], "+.1f"))
-    return table
+    rows = (
+        (
+            f"{row['speed']:.1f}", _cell(row["keel_clearance"], ".2f") + ("" if row["keel_clear"] else " !"),
+            _cell(row["safest_offset"], "+.1f"),
+        )
+        for row in envelope.speed_rows()
+    )  # fmt: skip
+    return table_of(("speed [kn]", "under the keel [m]", "safest offset [m]"), rows)
 
 
 def _speeds(low: float, high: float) -> str:
@@ -308,3 +312,81 @@ def _speeds(low: float, high: float) -> str:
 
 def _cell(value: float, form: str) -> str:
     return f"{value:{form}}" if math.isfinite(value) else "-"
+
+
+STYLES = ("-", "--", ":")
+RULE_STYLE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
+# Of the picture [knots].
+TOP = 16.0
+RULE_HEADS = ("rule", "at [kn]", "offsets it leaves [m]", "speed limit [kn]", "of choking", "rudder [deg]")
+
+
+def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
+    """Draw how far off the middle each rule of widths lets a ship go, by its speed; return the keys of the legend."""
+    low, high = axes.get_ylim()
+    widths = [row for row in rules.rows() if row["width"] is not None]
+    styles = dict(zip(dict.fromkeys(row["rule"] for row in widths), STYLES, strict=False))
+    labels: dict[str, str] = {}
+    for row in widths:
+        slow, fast = max(row["slowest"], low), min(row["fastest"] or math.inf, high)
+        if slow >= fast:
+            continue
+        label = labels.setdefault(row["rule"], row["rule"] + doubt(row))
+        if row["starboard"] is None and "; none" not in label:
+            labels[row["rule"]] += "; none" + (f" over {row['slowest']:g} knots" if row["slowest"] else "")
+        for side in ("port", "starboard") if row["starboard"] is not None else ():
+            axes.plot([row[side]] * 2, [slow, fast], ls=styles[row["rule"]], **RULE_STYLE)
+    return [Line2D([], [], label=label, ls=styles[rule], **RULE_STYLE) for rule, label in labels.items()]
+
+
+def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
+    for row in rules.rows():
+        for angle in () if row["rudder"] is None else (row["rudder"], -row["rudder"]):
+            axes.axhline(angle, ls="--", **RULE_STYLE)
+            words = f" {row['rule'].partition(',')[0]}: at most, for long" if angle > 0 else ""
+            axes.text(0.01, angle, words, transform=axes.get_yaxis_transform(), va="bottom", fontsize=7.5)
+
+
+def doubt(row: dict[str, Any]) -> str:
+    """Return what the legend adds to a rule whose numbers were not all read."""
+    return {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
+
+
+def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
+    low, high = axes.get_ylim()
+    for row in rules.rows():
+        if row["speed_limit"] is not None and low <= row["speed_limit"] <= high:
+            axes.axhline(row["speed_limit"], xmin=0.97, color=GREEN, lw=1.6, clip_on=False)
+            axes.text(
+                1.01, row["speed_limit"], row["rule"], transform=axes.get_yaxis_transform(),
+                va="center", fontsize=7.2, color=BLACK,
+            )  # fmt: skip
+
+
+def rules_figure(rules: OutsideRules) -> Figure:
+    """Draw how far off the middle each rule lets a ship go at each speed, and the speed limits."""
+    figure, axes = panels(1, 1, 3.6)
+    panel = axes[0, 0]
+    panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)
+    panel.set_xlim(-1.02 * rules.port, 1.02 * rules.starboard)
+    keys = draw_widths(panel, rules)
+    draw_speeds(panel, rules)
+    for wall in (-rules.port, rules.starboard):
+        panel.axvline(wall, color=BLACK, lw=3)
+    panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
+    panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    panel.grid(alpha=0.3)
+    return figure
+
+
+def cells(row: dict[str, Any]) -> tuple[str, ...]:
+    """Return a row of the rules in words, in the order of ``RULE_HEADS``."""
+    speeds = left = ""
+    if row["width"] is not None:
+        speeds = f"{row['slowest']:g} " + (f"to {row['fastest']:g}" if row["fastest"] else "on")
+        fits = row["starboard"] is not None
+        left = f"{row['port']:+.0f} to {row['starboard']:+.0f}" if fits else f"none (asks for {row['width']:.0f} m)"
+    limit = "" if row["speed_limit"] is None else f"{row['speed_limit']:.2f}"
+    share = f"{100 * row['of_choking']:.0f} %" if row["of_choking"] else ""
+    rudder = "" if row["rudder"] is None else f"{row['rudder']:g}"
+    return row["rule"] + ("" if row["standing"] == READ else " *"), speeds, left, limit, share, rudder

@@ -15,6 +15,7 @@ from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, render, section
 from narrows.report.fit_table import heading, print_fit
 from narrows.report.style import interval, readable
+from narrows.report.terminal import console_of, table_of
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
@@ -68,15 +69,15 @@ def bank_said(row: dict[str, Any]) -> str:
 
 def print_explanation(explanation: Explanation, label: str = "") -> None:
     """Print a model on a table of tests."""
-    console = Console(highlight=False, markup=False)
+    console = console_of()
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
-    table = Table(box=None, pad_edge=False, title="The model beside these tests", title_justify="left")
-    for header in ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"):
-        table.add_column(header, justify="left" if header in ("", "unit") else "right", no_wrap=True)
-    for name in explanation.fit.terms.names:
-        row = _row(explanation, name)
-        table.add_row(*(row[key] for key in ("name", "model", "value", "interval", "apart", "unit")))
+    rows = (_row(explanation, name) for name in explanation.fit.terms.names)
+    table = table_of(
+        ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"),
+        ([row[key] for key in ("name", "model", "value", "interval", "apart", "unit")] for row in rows),
+        left=("", "unit"), no_wrap=True, title="The model beside these tests", title_justify="left",
+    )  # fmt: skip
     console.print(table)
     print_fit(explanation.fit, label)
     print_comparison(explanation.comparison, console)
@@ -84,7 +85,7 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
 
 def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
     """Print tables of terms side by side."""
-    console = console or Console(highlight=False, markup=False)
+    console = console or console_of()
     title = "Tables of terms by their error (RMSE) on what was left out"
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
     for header in ("terms", "force", "fit", "tests left out", "speeds left out", "confounded"):

@@ -11,6 +11,7 @@ from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
 from narrows.errors import InputError, shown
 from narrows.estimation import Consistency, EstimatedTrack
+from narrows.estimation.states import STATES
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.logbook import EnvelopeChange, Foresight, LogFindings, ShipLog, SteadyFit, SteadyPlan
@@ -19,19 +20,17 @@ from narrows.model.froude import Scaled
 from narrows.model.model import Model
 from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
-from narrows.report.envelope_chart import envelope_chart
-from narrows.report.estimation_figures import consistency_figure, track_figure
+from narrows.report.envelope_chart import envelope_chart, rules_figure
 from narrows.report.fit_figures import comparison_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure
-from narrows.report.model_figures import model_figure
 from narrows.report.pilot_page import foresight_figure, pilot_page
-from narrows.report.rules_view import rules_figure
 from narrows.report.steady_report import change_figure, steady_figure
-from narrows.report.style import BLACK, BLUE, ORANGE, drawing_on, panels
+from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure
 from narrows.safety import OutsideRules, SafeEnvelope
+from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
 from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
@@ -42,20 +41,7 @@ MOST_CURVES = 5
 
 
 def figure_of(result: Any, axes: Axes | None = None) -> Figure:
-    """Draw a result.
-
-    Parameters
-    ----------
-    result : Result
-        What to draw.
-    axes : Axes, optional
-        Where to draw what has one panel, or its main one; a figure of its own unless given.
-
-    Raises
-    ------
-    InputError
-        Where nothing is drawn of its kind, or axes cannot hold it.
-    """
+    """Draw a result."""
     if axes is not None and not isinstance(axes, Axes):
         raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes")
     with drawing_on(axes):
@@ -69,19 +55,101 @@ def _drawn(result: Any) -> Figure:
 
 
 _drawn.register(Fit, intervals_figure)
+
 _drawn.register(OutsideRules, rules_figure)
+
 _drawn.register(SafeEnvelope, envelope_chart)
+
+
+def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:
+    """Draw states over time with their band of 95 %, and where sensors were refused or suspected."""
+    names = [name for name in SHOWN if name in track.states]
+    first = int(truth is not None)
+    figure, axes = panels(first + len(names), 1, 1.1 + 0.95 * (first + len(names)), sharex=True)
+    if truth is not None:
+        _error(axes[0, 0], track, truth)
+    for axis, name in zip(axes[first:, 0], names, strict=True):
+        _state(axis, track, name, None if truth is None else truth[:, track.states.index(name)])
+    for axis in axes[:, 0]:
+        axis.grid(alpha=0.3)
+        _mark(axis, track)
+    handles, labels = axes[first, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, ncols=4, loc="outside upper left")
+    axes[-1, 0].set_xlabel("time [s]")
+    notes_below(figure, track.notes)
+    return figure
+
+
 _drawn.register(EstimatedTrack, track_figure)
+
+
+def consistency_figure(result: Consistency) -> Figure:
+    """Draw the mean NEES of the twins over time within its bounds, and the errors of each state over their band."""
+    figure, axes = panels(1, 2, 2.8)
+    left, right = axes[0]
+    mean = np.nanmean(result.nees[:, result.counted], axis=0) / len(result.states)
+    low, high = result.bounds()
+    left.axhspan(low, high, color=BLUE, alpha=0.2, linewidth=0, label="95 % by chance")
+    left.plot(result.t[result.counted], mean, color=BLUE, label=f"mean of {len(result.nees)} twins")
+    left.set(xlabel="time [s]", ylabel=f"NEES of {len(result.states)} states over {len(result.states)} [1]")
+    left.legend(frameon=False)
+    covered = result.covered
+    right.barh([name.replace("_", " ") for name in covered], list(covered.values()), color=BLUE)
+    right.axvline(0.95, color=BLACK, linestyle="--", linewidth=1.0)
+    right.set(xlabel="errors within the 95 % band [1]", xlim=(0.0, 1.0))
+    right.invert_yaxis()
+    for axis in (left, right):
+        axis.grid(alpha=0.3)
+    notes_below(figure, result.notes)
+    return figure
+
+
 _drawn.register(Consistency, consistency_figure)
+
 _drawn.register(ShipLog, log_figure)
+
 _drawn.register(LogFindings, findings_figure)
+
 _drawn.register(Trials, manoeuvres_figure)
+
 _drawn.register(Voyage, voyage_figure)
+
 _drawn.register(CaptiveTests, motions_figure)
+
+
+def model_figure(model: Model) -> Figure:
+    """Draw sway force and yaw moment over the offset, the bank's part beside the whole; over drift without banks."""
+    speed = _speed(model)
+    figure, axes = panels(2, 1, 4.2, sharex=True)
+    if model.feels_bank:
+        place = REACH * (model.configuration.canal.width - model.ship.beam) / 2 * np.linspace(-1, 1, POINTS)
+        motion, label = Motion(y=place, u=speed), "offset y to starboard of the centreline [m]"
+    else:
+        place = np.linspace(-DRIFT, DRIFT, POINTS)
+        motion = Motion(u=speed * np.cos(np.radians(place)), v=-speed * np.sin(np.radians(place)))
+        label = "drift angle, bow to starboard of the way [deg]"
+    forces, banks = model.forces(motion), model.bank_forces(motion)
+    for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
+        panel.plot(place, np.broadcast_to(forces[force], place.shape), color=BLUE, label="all terms")
+        if model.feels_bank:
+            panel.plot(place, np.broadcast_to(banks[force], place.shape), "--", color=ORANGE, label="bank's part")
+        panel.set_ylabel(FORCE_LABELS[force])
+        panel.grid(alpha=0.3)
+    axes[0, 0].set_title(f"{model.ship.in_words}; {speed:.3g} m/s", loc="left")
+    axes[0, 0].legend(frameon=False)
+    axes[-1, 0].set_xlabel(label)
+    notes_below(figure, model.notes)
+    return figure
+
+
 _drawn.register(Model, model_figure)
+
 _drawn.register(SteadyFit, steady_figure)
+
 _drawn.register(Foresight, foresight_figure)
+
 _drawn.register(EnvelopeChange, change_figure)
+
 _drawn.register(WatchedTransit, transit_figure)
 
 
@@ -157,7 +225,6 @@ def _(result: Squat) -> Figure:
 
 @_drawn.register
 def _(result: Plan) -> Figure:
-    """Standard errors after each run, beside those of the usual tests."""
     figure, axes = panels(1, len(result.targets), 2.6)
     for panel, name in zip(axes[0], result.targets, strict=True):
         panel.plot(range(1, len(result.runs) + 1), result.std[name], color=BLUE, marker="o", label="these runs")
@@ -175,3 +242,49 @@ def _bars(values: dict[str, float], label: str, log: bool = False) -> Figure:
     axes[0, 0].set_xlabel(label)
     axes[0, 0].grid(alpha=0.3, axis="x")
     return figure
+
+
+IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
+SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "heading_bias")
+NORMAL_95 = 1.959964
+
+
+def _state(axis: Axes, track: EstimatedTrack, name: str, truth: np.ndarray | None) -> None:
+    place = track.states.index(name)
+    unit, factor = IN_DEGREES.get(STATES[name][0], (STATES[name][0], 1.0))
+    mean, wide = factor * track.mean[:, place], NORMAL_95 * factor * track.std[:, place]
+    axis.fill_between(track.t, mean - wide, mean + wide, color=BLUE, alpha=0.25, linewidth=0, label="95 % band")
+    axis.plot(track.t, mean, color=BLUE, label="estimate")
+    if truth is not None:
+        axis.plot(track.t, factor * truth, color=BLACK, linestyle="--", linewidth=1.0, label="truth")
+    axis.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
+
+
+def _error(axis: Axes, track: EstimatedTrack, truth: np.ndarray) -> None:
+    place = track.states.index("y")
+    wide = NORMAL_95 * track.std[:, place]
+    axis.fill_between(track.t, -wide, wide, color=BLUE, alpha=0.25, linewidth=0)
+    axis.plot(track.t, track.mean[:, place] - truth[:, place], color=BLUE)
+    axis.set_ylabel("error of y [m]", fontsize=8)
+
+
+def _mark(axis: Axes, track: EstimatedTrack) -> None:
+    looks = ((track.refused, ORANGE, "", "refused"), (track.suspected, GREY, "///", "suspected"))
+    for flags, colour, hatch, what in looks:
+        for name, flag in flags.items():
+            if flag.any():
+                axis.fill_between(
+                    track.t, 0, 1, where=flag.tolist(), transform=axis.get_xaxis_transform(), color=colour, alpha=0.25,
+                    hatch=hatch, linewidth=0, step="mid", label=f"{name} {what}",
+                )  # fmt: skip
+
+
+REACH, DRIFT, POINTS = 0.9, 20.0, 181
+# Froude number of the speed of the picture, where the data did not say one.
+SPEED_OF_LENGTH = 0.1
+
+
+def _speed(model: Model) -> float:
+    """The middle of the tested speeds [m/s]."""
+    covered = model.data_range.speed
+    return float(np.mean(covered)) if covered else SPEED_OF_LENGTH * float(np.sqrt(9.81 * model.ship.length))

@@ -6,8 +6,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.table import Table
 
 from narrows.files import write_whole
 from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
@@ -17,10 +15,10 @@ from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows, with_truth
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
+from narrows.report.terminal import print_result, table_of
 
 # What forecasts miss: state, words, factor.
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
-
 BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
 
 
@@ -48,7 +46,6 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
 
 
 def _pictures(record: RecordAnswer) -> Iterator[dict[str, str]]:
-    """A record with its forecasts: from above where its places are known, and over time."""
     if {"x", "y"} <= set(record.measured):
         yield figure(log_track_figure(record), f"From above. {BESIDE}")
     yield figure(forecast_figure(record), BESIDE)
@@ -72,10 +69,8 @@ def _row(fit: LogFit, number: int) -> dict[str, object]:
     }  # fmt: skip
 
 
-# Pictures of what a log taught: coefficients before and after, what each record did, forecasts beside the record.
 # Coefficients and records that are named.
 MOST_ROWS = 24
-
 BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the other records"))
 
 
@@ -136,8 +131,6 @@ def forecast_figure(record: RecordAnswer) -> Figure:
 
 
 def draw_pieces(axes: Axes, foretold: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
-    """Draw the pieces of a forecast, each a line of its own."""
-    # across, up (n,)
     begins = np.append(0, foretold.ends[:-1] + 1)
     for number, (begin, end) in enumerate(zip(begins, foretold.ends, strict=True)):
         piece = slice(begin, end + 1)
@@ -153,13 +146,10 @@ def _within(axes: np.ndarray, record: RecordAnswer) -> None:
             panel.set_ylim(values.min() - room, values.max() + room)
 
 
-# A record from above: where the ship was, beside where it was foretold.
 # Height of the picture [in].
 TALLEST, FLATTEST = 5.5, 1.6
-
 # Along over across, up to which both are drawn to one scale.
 TRUE_SHAPE = 8.0
-
 # Beside the track, of its extent: what is foretold further off is not shown.
 ROOM = 0.08
 
@@ -188,35 +178,22 @@ def log_track_figure(record: RecordAnswer) -> Figure:
 
 
 def _about(values: np.ndarray) -> tuple[float, float]:
-    """From where to where a track is shown."""
     room = ROOM * float(np.ptp(values)) + 1.0
     return float(values.min()) - room, float(values.max()) + room
 
 
-# What a log taught, in the terminal.
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
     """Print what a log taught."""
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, 110)
-    console.print(fit.summary())
-    table = Table(box=None, pad_edge=False)
-    for head in (*LEARNED_HEADS, "what the log says", *(("truth",) if truth else ())):
-        table.add_column(head, justify="right" if head in (*LEARNED_HEADS[1:4], "truth") else "left")
-    for row in with_truth(learned_rows(fit.coefficients), truth):
-        table.add_row(*row)
-    console.print(table)
-    for note in fit.notes:
-        console.print(f"- {note}", style="dim")
+    words = "what the log says"
+    heads = (*LEARNED_HEADS, words, *(("truth",) if truth else ()))
+    rows = with_truth(learned_rows(fit.coefficients), truth)
+    print_result(fit, table_of(heads, rows, left=("", "unit", words)))
 
 
-# Pictures of a ship's own records: where it went, how rudder, heading and speed went with it, what is wrong.
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
-
 # Of a curve.
 MOST_POINTS = 4000
-
 MOST_RECORDS = 12
-
 LEGEND_RECORDS = 5
 
 

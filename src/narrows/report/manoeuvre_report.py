@@ -2,33 +2,29 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.table import Table
 
 from narrows.manoeuvres.manoeuvring_trials import Trials
 from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, panels
+from narrows.report.terminal import console_of, print_notes, table_of
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 
 
 def print_manoeuvres(trials: Trials) -> None:
     """Print turning circles and overshoots."""
-    console, results = Console(highlight=False, markup=False), trials.to_dict()
-    circles = Table(box=None, pad_edge=False)
-    for head in ("rudder [deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach"):
-        circles.add_column(head, justify="right")
-    for order, measures in results["turning"].items():
-        circles.add_row(order, *(f"{value:.2f}" for value in measures.values()))
-    zigzags = Table(box=None, pad_edge=False)
-    for head in ("zigzag [deg]", "overshoots [deg]"):
-        zigzags.add_column(head, justify="right")
-    for order, measures in results["zigzags"].items():
-        zigzags.add_row(order, ", ".join(f"{angle:.1f}" for angle in measures["overshoots_deg"]))
+    console, results = console_of(), trials.to_dict()
+    circles = (
+        (order, *(f"{value:.2f}" for value in measures.values())) for order, measures in results["turning"].items()
+    )
+    zigzags = (
+        (order, ", ".join(f"{angle:.1f}" for angle in measures["overshoots_deg"]))
+        for order, measures in results["zigzags"].items()
+    )
     console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
-    for table in (circles, zigzags):
-        console.print(table)
-    for note in trials.notes:
-        console.print(f"- {note}", style="dim")
+    heads = ("rudder [deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach")
+    console.print(table_of(heads, circles))
+    console.print(table_of(("zigzag [deg]", "overshoots [deg]"), zigzags))
+    print_notes(console, trials.notes)
 
 
 def manoeuvres_figure(trials: Trials) -> Figure:

@@ -9,8 +9,6 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
-from rich.console import Console
-from rich.table import Table
 
 from narrows.files import form_of, save_figure, write_whole
 from narrows.logbook import Foresight, SteadyPlan
@@ -32,10 +30,10 @@ from narrows.report.style import (
     panels,
     readable,
 )
+from narrows.report.terminal import print_result, table_of
 
 # A4, upright [in].
 PAGE = (8.27, 11.69)
-
 FORMS = (".html", ".pdf", ".svg", ".png")
 
 HEADS = (
@@ -44,10 +42,8 @@ HEADS = (
 )  # fmt: skip
 
 FIRST_BLANK, WIDTHS = 5, (0.055, 0.135, 0.085, 0.15, 0.155, 0.095, 0.095, 0.11, 0.12)
-
 # Yaw rate [deg/s] below which a leg is steady, and beams off its line beyond which it is broken off.
 MOST_TURNING, STRAYED = 0.02, 0.25
-
 # Characters in a line of the steps.
 WRAPPED, BOLD = 104, 88
 
@@ -210,25 +206,16 @@ def _foot(page: Figure, plan: SteadyPlan) -> None:
     page.text(0.06, 0.02, "\n".join(wrapped), fontsize=7.2, va="bottom", color=GREY)
 
 
-# What transits will tell, in the terminal and as a picture.
 COLOURS = (BLACK, BLUE, ORANGE, GREEN, PURPLE)
 
 
 def print_foresight(foresight: Foresight) -> None:
     """Print how tight coefficients will get."""
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, 110)
-    console.print(foresight.summary())
-    if foresight.kinds:
-        table = Table(box=None, pad_edge=False)
-        for head in ("transits", "", *(f"std {name}" for name in foresight.targets)):
-            table.add_column(head, justify="left" if head == "" else "right")
-        for row in foresight.rows():
-            stds = (f"{row[f'std {name}']:.2g}" for name in foresight.targets)
-            table.add_row(str(row["transits"]), row["excursion"], *stds)
-        console.print(table)
-    for note in foresight.notes:
-        console.print(f"- {note}", style="dim")
+    columns = [f"std {name}" for name in foresight.targets]
+    rows = (
+        (str(row["transits"]), row["excursion"], *(f"{row[name]:.2g}" for name in columns)) for row in foresight.rows()
+    )
+    print_result(foresight, table_of(("transits", "", *columns), rows) if foresight.kinds else None)
 
 
 def foresight_figure(foresight: Foresight) -> Figure:
@@ -253,13 +240,11 @@ def foresight_figure(foresight: Foresight) -> Figure:
 
 # Coefficients before a record and after it, as a table has them.
 LEARNED_HEADS = ("", "before", "after", "95 % interval", "unit")
-
 # From here a number is written with a power of ten.
 LONG = 1e5
 
 
 def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[str, ...]]:
-    """Return what a table says of each coefficient that a record taught something of, the surest first."""
     learned = sorted((c for c in coefficients.values() if c.word != PRIOR), key=lambda c: c.left)
     return [
         (c.name, f"{_short(c.prior, c.prior_std)} ± {_short(c.prior_std, c.prior_std)}",
@@ -270,7 +255,6 @@ def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[s
 
 
 def with_truth(rows: list[tuple[str, ...]], truth: Mapping[str, float] | None) -> list[tuple[str, ...]]:
-    """Return rows with the truth of a twin as their last cell."""
     return rows if truth is None else [(*row, f"{truth[row[0]]:.3g}") for row in rows]
 
 

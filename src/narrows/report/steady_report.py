@@ -7,16 +7,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.console import Console
-from rich.table import Table
 
 from narrows.files import write_whole
 from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
 from narrows.logbook.envelope_change import rudder_band
 from narrows.logbook.learned_coefficient import ON_TWINS, WIDE
-from narrows.logbook.steady_legs.steady_fit import SHARED
+from narrows.logbook.steady_legs.learn_steady import SHARED
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
+from narrows.report.terminal import WIDTH, console_of, print_notes, print_result, table_of
 from narrows.safety import SURE_SHARE
 
 
@@ -44,7 +44,6 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
     write_whole(path, page)
 
 
-# Pictures of steady legs: rudder by offset, bank coefficients and safe envelope, each before and after.
 # Of the curves, and how far beyond the farthest leg they go.
 OFFSETS, BESIDE = 21, 1.5
 
@@ -107,36 +106,24 @@ def change_figure(change: EnvelopeChange) -> Figure:
     return figure
 
 
-# Steady legs in the terminal: what they taught, what that changes of the safe envelope, and a plan of them.
 def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> None:
     """Print what steady legs taught."""
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, 110)
+    console, words = console_of(WIDTH), "what the legs say"
     console.print(fit.summary())
-    table = Table(box=None, pad_edge=False)
-    for head in (*LEARNED_HEADS, "what the legs say"):
-        table.add_column(head, justify="right" if head in LEARNED_HEADS[1:4] else "left")
-    for row in learned_rows(fit.coefficients):
-        table.add_row(*row)
-    console.print(table)
+    console.print(table_of((*LEARNED_HEADS, words), learned_rows(fit.coefficients), left=("", "unit", words)))
     if change is not None:
         print_change(change, console)
-    for note in fit.notes:
-        console.print(f"- {note}", style="dim")
+    print_notes(console, fit.notes)
 
 
 def print_change(change: EnvelopeChange, console: Console | None = None) -> None:
     """Print what a record changes of the safe envelope."""
-    console = console or Console(highlight=False, markup=False)
+    console = console or console_of()
     speed = change.rows()[0]["speed"]
     title = (
         f"The safe envelope: rudder that holds the ship (9 cases of 10 between) and cases held, at {speed:.1f} knots"
     )
-    table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
-    for head in CHANGE_HEADS:
-        table.add_column(head, justify="right")
-    for row in change_rows(change):
-        table.add_row(*row)
+    table = table_of(CHANGE_HEADS, change_rows(change), title=title, title_justify="left", title_style="bold")
     console.print(table)
     console.print(change.summary())
 
@@ -157,24 +144,18 @@ def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
 
 def print_steady_plan(plan: SteadyPlan) -> None:
     """Print a plan of steady legs."""
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, 110)
-    console.print(plan.summary())
-    if plan.legs:
-        table = Table(box=None, pad_edge=False)
-        heads = ("leg", "offset [m]", "speed [kn]", "rudder to expect [deg]", "drift to expect [deg]")
-        for head in (*heads, *(f"std {name} then" for name in plan.targets)):
-            table.add_column(head, justify="right")
-        for number, row in enumerate(plan.rows(), start=1):
-            table.add_row(
-                str(number), f"{row['offset']:+g}", f"{row['speed']:g}",
-                f"{_degrees(row['rudder_low'])} to {_degrees(row['rudder_high'])}",
-                f"{_degrees(row['drift_low'], 1)} to {_degrees(row['drift_high'], 1)}",
-                *(f"{row[f'std {name}']:.2g}" for name in plan.targets),
-            )  # fmt: skip
-        console.print(table)
-    for note in plan.notes:
-        console.print(f"- {note}", style="dim")
+    heads = ("leg", "offset [m]", "speed [kn]", "rudder to expect [deg]", "drift to expect [deg]")
+    rows = (
+        (
+            str(number), f"{row['offset']:+g}", f"{row['speed']:g}",
+            f"{_degrees(row['rudder_low'])} to {_degrees(row['rudder_high'])}",
+            f"{_degrees(row['drift_low'], 1)} to {_degrees(row['drift_high'], 1)}",
+            *(f"{row[f'std {name}']:.2g}" for name in plan.targets),
+        )
+        for number, row in enumerate(plan.rows(), start=1)
+    )  # fmt: skip
+    table = table_of((*heads, *(f"std {name} then" for name in plan.targets)), rows)
+    print_result(plan, table if plan.legs else None)
 
 
 def _band(row: dict[str, float], when: str) -> str:

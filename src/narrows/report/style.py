@@ -17,11 +17,8 @@ from narrows.errors import InputError
 
 # Okabe and Ito's.
 BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
-
 DASHES = ("-", "--", ":", "-.")
-
 HATCHES = ("", "///", "...")
-
 FORCE_LABELS = {"X": "surge force X [N]", "Y": "sway force Y [N]", "N": "yaw moment N [N m]"}
 
 FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsize": 8.0, "axes.spines.top": False,
@@ -29,10 +26,8 @@ FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsiz
 
 # In a line of small print across a picture.
 CHARACTERS = 125
-
 # Of a title.
 LETTERS_AN_INCH = 14.2
-
 # Of a page's picture [in].
 WIDTH = 7.2
 
@@ -47,8 +42,6 @@ class Picture(Figure):
 
 
 class Margins(NamedTuple):
-    """Room around panels and between them."""
-
     left: float = 0.75  # Around all of them [in]
     right: float = 0.15  # Around all of them [in]
     bottom: float = 0.5  # Around all of them [in]
@@ -71,13 +64,11 @@ def drawing_on(axes: Axes | None) -> Iterator[None]:
 
 
 def given_axes() -> tuple[Figure, Axes] | None:
-    """Return the axes to draw on and their figure, where a caller gave some."""
     axes = _GIVEN.get()
     return None if axes is None else (cast(Figure, axes.figure), axes)
 
 
 def titled(axes: Axes, sentences: Iterable[str]) -> None:
-    """Write what belongs to a picture over axes of a caller's."""
     letters = int(LETTERS_AN_INCH * axes.bbox.width / axes.figure.dpi)
     axes.set_title(
         "\n".join(line for sentence in sentences for line in wrap(sentence, letters)), fontsize=8, loc="left"
@@ -88,7 +79,6 @@ def panels(
     rows: int, columns: int, height: float, margins: Margins | None = None, **options: Any
 ) -> tuple[Figure, Any]:
     """Make a figure of the page's width and its axes, (rows, columns)."""
-    # height [in]
     if given := given_axes():
         if rows * columns > 1:
             raise InputError(f"this picture has {rows * columns} panels, which one ax cannot hold; leave ax out")
@@ -120,14 +110,12 @@ def headed(figure: Figure, title: str, lines: Iterable[str] = ()) -> None:
 
 
 def notes_below(figure: Figure, notes: Iterable[str]) -> None:
-    """Write what is to be known of what a picture shows below it, in small print."""
     lines = [line for note in notes for line in wrap(note, CHARACTERS)]
     if lines:
         figure.supxlabel("\n".join(lines), fontsize=7, x=0.01, ha="left")
 
 
 def svg(figure: Figure) -> str:
-    """Return a figure as SVG to set into a page."""
     from io import StringIO
 
     memory = StringIO()
@@ -137,7 +125,6 @@ def svg(figure: Figure) -> str:
     return text[text.index("<svg") :]
 
 
-# Numbers as people read them: as many digits as their uncertainty leaves.
 def readable(value: float, std: float = math.nan) -> str:
     """Write a number to the second digit of its standard error, or to four digits."""
     if not math.isfinite(value):
@@ -149,5 +136,4 @@ def readable(value: float, std: float = math.nan) -> str:
 
 
 def interval(ends: tuple[float, float], std: float) -> str:
-    """Write an interval."""
     return f"{readable(ends[0], std)} to {readable(ends[1], std)}"

@@ -15,7 +15,8 @@ from narrows.report.fit_page import figure, render
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
 from narrows.ship.cross_section import half_swept
 from narrows.warning.alerts.alert import Priority
-from narrows.warning.monitoring.watched_transit import NEAR, WatchedTransit
+from narrows.warning.monitoring.watched_transit import WatchedTransit
+from narrows.warning.settings import NEAR_MISS
 
 TRACK = (
     "The canal from above, unrolled, as wide as the keel has room, starboard down: the course of midship, and what the "
@@ -44,7 +45,6 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
     write_whole(path, page)
 
 
-# Pictures of a watched transit: where it went, what was foretold, the rudder it needed, and when it was alerted.
 # Behind the curves, where an alert of that kind held.
 SHADES = {
     Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
@@ -76,7 +76,7 @@ def transit_figure(transit: WatchedTransit) -> Figure:
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
         panel.legend(frameon=False, fontsize=7, loc="best")
-    axes[0, 0].axhline(NEAR, color=BLACK, lw=0.7, ls="--")
+    axes[0, 0].axhline(NEAR_MISS, color=BLACK, lw=0.7, ls="--")
     axes[-1, 0].set_xlabel("time since the watch began [s]")
     figure.legend(handles=_patches(0.35), loc="lower center", ncols=4, frameon=False, fontsize=7)
     return figure
@@ -120,7 +120,6 @@ def _levels(level: np.ndarray) -> Iterator[tuple[slice, Priority]]:
 
 
 def _shade(panel: Axes, t: np.ndarray, level: np.ndarray) -> None:
-    """The times over which a level held."""
     for part, held in _levels(level):
         if colour := SHADES.get(held):
             panel.axvspan(t[part][0], t[part][-1], color=colour, alpha=0.35, lw=0)

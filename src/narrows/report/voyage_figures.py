@@ -36,10 +36,8 @@ from narrows.simulation.voyage import Voyage
 from narrows.waterway.waterway import Waterway
 
 PANEL_GREY = "#5A5A5A"
-
 # Width of a track, height of a panel below it [in].
 TRACK, HISTORY = 5.6, 0.9
-
 DEGREES = 180 / math.pi
 
 # What is drawn of a voyage over time: unit, factor, and words by name.
@@ -49,9 +47,7 @@ HISTORIES = (
 )  # fmt: skip
 
 BANK_POINTS = 400
-
 SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oranges_r")}
-
 # A hull of which only midship meets a bank: over length and beam.
 BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
 
@@ -69,7 +65,8 @@ def voyage_figure(voyage: Voyage) -> Figure:
         above, *below = (figure.add_subplot(grid[row]) for row in range(grid.nrows))
         _draw_path(above, voyage)
         _draw_histories(below, voyage)
-        high = min(max(TRACK * _steepness(above), 0.7), 0.6 * TRACK)
+        (left, right), (low, top) = above.get_xlim(), above.get_ylim()
+        high = min(max(TRACK * abs((top - low) / (right - left)), 0.7), 0.6 * TRACK)
         grid.set_height_ratios([high, *(HISTORY for _ in below)])
         figure.set_figheight(high + len(below) * (HISTORY + 0.3) + 1.4)
         headed(figure, *described(voyage))
@@ -78,21 +75,13 @@ def voyage_figure(voyage: Voyage) -> Figure:
 
 
 def _draw_path(axes: Axes, voyage: Voyage) -> None:
-    """Draw where it went: in its canal, or on the map."""
     if voyage.waterway is None:
         paths_on(axes, [voyage], voyage.configuration)
     else:
         track_on_map(axes, voyage, voyage.waterway)
 
 
-def _steepness(axes: Axes) -> float:
-    """Height over width of what axes show."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    return abs((high - low) / (right - left))
-
-
 def _draw_histories(panels: Sequence[Axes], voyage: Voyage) -> None:
-    """Draw angles, yaw rate and velocities over time, a panel a unit."""
     for axes, (unit, factor, names) in zip(panels, HISTORIES, strict=True):
         for (name, words), colour, style in zip(names.items(), (BLUE, ORANGE), DASHES, strict=False):
             if name != "rudder" or np.ptp(voyage.rudder) > 0:
@@ -116,7 +105,6 @@ def described(voyage: Voyage) -> tuple[str, list[str]]:
 
 
 def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
-    """Draw a voyage and the banks beside it on the map, north up."""
     length, colour = voyage.configuration.ship.length, _colour(voyage)
     near, far = (float(end) for end in (voyage.x.min() - 2 * length, voyage.x.max() + 2 * length))
     s = np.linspace(max(near, 0.0), min(far, waterway.line.length), BANK_POINTS)
@@ -192,7 +180,6 @@ def distances_figure(
     distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], configuration: Configuration
 ) -> Figure:
     """Draw the distance to grounding against the clearance at the start, a line a reading (fig. ground_dist)."""
-    # distances [m]
     figure = Picture(figsize=(7.2, 3.8), layout="constrained")
     axes = figure.subplots()
     edge = (configuration.canal.width - configuration.ship.beam) / 2
@@ -207,7 +194,6 @@ def distances_figure(
     return figure
 
 
-# Maps of where ships ground, and how likely.
 LABELS = {
     "x": "start along the waterway x(0) [m]",
     "y": "start to starboard of the centreline y(0) [m]",
@@ -267,7 +253,6 @@ def map_figure(
 
 
 def _title(configuration: Configuration, waterway: Waterway | None, start: Mapping[str, Any]) -> tuple[str, list[str]]:
-    """The ship at its size, where it is, and what did not vary."""
     where = waterway.name if waterway else configuration.canal.in_words
     parts = [f"{configuration.ship.in_words}, in {where}"]
     held = {name: float(value) for name, value in start.items() if np.ndim(value) == 0}
@@ -279,7 +264,6 @@ def _title(configuration: Configuration, waterway: Waterway | None, start: Mappi
 
 
 def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> None:
-    """Words in place of an empty plot."""
     at = _scaled(quantity, str(quantity.dims[0]))
     axes.set_xlim(float(at.min()), float(at.max()))
     axes.set_yticks([])
@@ -288,7 +272,6 @@ def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> N
 
 
 def _mark_tested(axes: Axes, quantity: xr.DataArray, known: DataRange) -> list[Any]:
-    """Hatch where starts or speeds are beyond the tests; return the key to it."""
     tested = {"y": known.abs_y and (-known.abs_y[1], known.abs_y[1]), "u": known.speed}
     marked = False
     for axis, name in enumerate(str(name) for name in quantity.dims):
@@ -347,7 +330,6 @@ def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArra
 
 
 def _clearance_on_top(axes: Axes, configuration: Configuration) -> None:
-    """The paper's own axis: starboard clearance at the start."""
     edge = (configuration.canal.width - configuration.ship.beam) / 2
 
     def other_side(value: Any) -> Any:

@@ -16,35 +16,19 @@ if TYPE_CHECKING:
 
 # Makes what goes into a file, or writes a folder itself.
 Form = Callable[[], str | bytes | None]
-
 # Gives what is said of a table, by name.
 Words = Callable[[], dict[str, str]]
-
 # Suffixes by what libraries call the form, as in ``to_netcdf``.
 FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
 
 
 def save_dataset(dataset: "xarray.Dataset", path: str | Path) -> None:
-    """Write a dataset in the form that the suffix says, whole or not at all.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Of an ensemble.
-    path : str or Path
-        Where to: ``.nc``, ``.zarr``, ``.csv``, ``.parquet``, ``.mat`` or ``.json``; NetCDF into a device.
-
-    Raises
-    ------
-    InputError
-        Where there is no such form, or the file cannot be written.
-    """
+    """Write a dataset in the form that the suffix says, whole or not at all."""
     forms = _dataset_forms(dataset, path) | {".json": lambda: to_json(_as_mapping(dataset))}
     write(forms, path)
 
 
 def write(forms: Mapping[str, Form], path: str | Path) -> None:
-    """Write what the suffix of a path says."""
     content = forms[form_of(path, tuple(forms))]()
     if content is not None:
         write_whole(path, content)
@@ -56,22 +40,15 @@ def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
     if hasattr(result, "dataset"):
         forms |= _dataset_forms(result.dataset(), path)
     if hasattr(result, "to_dataframe"):
-        forms |= _table_forms(result.to_dataframe, path, lambda: _words_of(result))
-    forms[".json"] = lambda: to_json(_with_data(result))
+        forms |= _table_forms(
+            result.to_dataframe, path, lambda: {"summary": result.summary(), "notes": "\n".join(result.notes)}
+        )
+    forms[".json"] = lambda: to_json(
+        {**result.to_dict(), **({"data": _as_mapping(result.dataset())} if hasattr(result, "dataset") else {})}
+    )
     if hasattr(result, "track"):
         forms |= {".geojson": lambda: str(result.track().geojson()), ".kml": lambda: str(result.track().kml())}
     return forms | {suffix: lambda kind=suffix: picture_of(result.plot(), kind) for suffix in PICTURES}
-
-
-def _with_data(result: Any) -> dict[str, Any]:
-    """A result by name, and its data where these are a dataset."""
-    data = {"data": _as_mapping(result.dataset())} if hasattr(result, "dataset") else {}
-    return dict(result.to_dict()) | data
-
-
-def _words_of(result: Any) -> dict[str, str]:
-    """What a result says of itself, to go into its files."""
-    return {"summary": result.summary(), "notes": "\n".join(result.notes)}
 
 
 def _table_forms(table: Callable[[], "pd.DataFrame"], path: str | Path, words: Words) -> dict[str, Form]:
@@ -83,7 +60,6 @@ def _table_forms(table: Callable[[], "pd.DataFrame"], path: str | Path, words: W
 
 
 def _noted(frame: "pd.DataFrame", words: Mapping[str, str]) -> "pd.DataFrame":
-    """A table with what is said of it, where its file has room for that."""
     frame = frame.copy(deep=False)
     frame.attrs.update(words)
     return frame
@@ -107,7 +83,6 @@ def _dataset_forms(dataset: "xarray.Dataset", path: str | Path) -> dict[str, For
 
 
 def _as_mapping(dataset: "xarray.Dataset") -> dict[str, Any]:
-    """A dataset by name: its coordinates, its variables and what is known of it."""
     return {
         "attributes": dict(dataset.attrs),
         "coordinates": {str(name): _column(coordinate) for name, coordinate in dataset.coords.items()},
@@ -126,18 +101,7 @@ def csv_of(frame: Any, **options: Any) -> str:
 
 # The one way from a result to JSON.
 def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: None for NaN and infinity, lists for arrays.
-
-    Parameters
-    ----------
-    value : Any
-        Mappings, sequences, arrays, numbers, words, True, False, None.
-
-    Raises
-    ------
-    TypeError
-        Where there is anything else in it.
-    """
+    """Return a value as JSON can hold it: None for NaN and infinity, lists for arrays."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if value is None or isinstance(value, str | bool | int):
@@ -152,11 +116,5 @@ def plain(value: Any) -> Any:
 
 
 def to_json(value: Any) -> str:
-    """Write a value, or what a result's ``to_dict`` gives, as JSON.
-
-    Parameters
-    ----------
-    value : Any
-        As in ``plain``.
-    """
+    """Write a value, or what a result's ``to_dict`` gives, as JSON."""
     return json.dumps(plain(value), indent=2, allow_nan=False)

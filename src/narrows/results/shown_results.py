@@ -197,15 +197,7 @@ class Shown(Described):
 
 
 def shortened(text: str, most: int = 120) -> str:
-    """Return the first line of a text, cut where it is long.
-
-    Parameters
-    ----------
-    text : str
-        Lines.
-    most : int
-        Characters of it.
-    """
+    """Return the first line of a text, cut where it is long."""
     line = text.partition("\n")[0].rstrip(".")
     return line if len(line) <= most else f"{line[: most - 3]}..."
 

@@ -1,12 +1,12 @@
 """How fast, and how far off the middle of a canal, a ship is still in hand."""
 
-from narrows.safety.answer import MEDIAN as MEDIAN
-from narrows.safety.answer import SURE_SHARE as SURE_SHARE
-from narrows.safety.answer import SafeEnvelope as SafeEnvelope
 from narrows.safety.channel_rules import OutsideRules as OutsideRules
 from narrows.safety.channel_rules import outside_rules as outside_rules
-from narrows.safety.disturbance import Disturbance as Disturbance
-from narrows.safety.disturbance import wind_force as wind_force
-from narrows.safety.envelope import RESERVE as RESERVE
 from narrows.safety.envelope import safe_envelope as safe_envelope
+from narrows.safety.request import Disturbance as Disturbance
+from narrows.safety.request import wind_force as wind_force
+from narrows.safety.result import MEDIAN as MEDIAN
+from narrows.safety.result import SafeEnvelope as SafeEnvelope
+from narrows.safety.settings import RESERVE as RESERVE
+from narrows.safety.settings import SURE_SHARE as SURE_SHARE
 from narrows.safety.speed_limits import speed_limits as speed_limits

@@ -9,13 +9,11 @@ import xarray as xr
 from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.safety.answer import SURE_SHARE, SafeEnvelope
 from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
 from narrows.safety.pilots import PILOTS
-from narrows.safety.question import EnvelopeQuestion, Keel
-
-# Below this [m] a hull is taken for a model's.
-SHIP_LENGTH = 30.0
+from narrows.safety.request import EnvelopeRequest, Keel
+from narrows.safety.result import SafeEnvelope
+from narrows.safety.settings import SHIP_LENGTH, SURE_SHARE
 
 SQUARED = (
     "every force of these terms goes with the square of the speed, so the rudder that holds the ship is the same at "
@@ -23,49 +21,49 @@ SQUARED = (
 )
 
 
-def with_caveats(found: SafeEnvelope, question: EnvelopeQuestion, under: Keel, samples: int) -> SafeEnvelope:
-    """Return an answer with all that it rests on as its attributes."""
-    model, configuration = question.model, question.model.configuration
-    rules = outside_rules(configuration, question.bank, question.walls)
+def with_caveats(found: SafeEnvelope, request: EnvelopeRequest, under: Keel, samples: int) -> SafeEnvelope:
+    model, configuration = request.model, request.model.configuration
+    rules = outside_rules(configuration, request.bank, request.walls)
     notes = (
-        *envelope_notes(question, under),
+        *envelope_notes(request, under),
         *((SQUARED,) if found.speed_free else ()),
-        *bolder_than(found.data, rules, SURE_SHARE),
+        *exceeded_rules(found.data, rules, SURE_SHARE),
     )
+    # [m/s] and [m], as far as the tests say.
+    ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
     rests_on = {
         "setting": f"{configuration.ship.in_words}, in {configuration.canal.in_words}",
-        "weather": question.disturbance.words,
+        "weather": request.disturbance.words,
         "notes": "\n".join(notes),
         "beam": configuration.ship.beam,
-        "wall_port": question.walls[0],
-        "wall_starboard": question.walls[1],
+        "wall_port": request.walls[0],
+        "wall_starboard": request.walls[1],
         "rudder_limit": configuration.gear.limit,
-        "reserve": question.reserve,
-        "pilot": question.pilot,
-        "pilot_words": PILOTS[question.pilot].words,
+        "reserve": request.reserve,
+        "pilot": request.pilot,
+        "pilot_words": PILOTS[request.pilot].words,
         "samples": samples,
         "untested": untested_section(model),
         "trust": model.trust_note,
-        **tested_ranges(model),
+        **{name: list(covered) for name, covered in ranges.items() if covered is not None},
         **rules.attributes(),
     }
     return SafeEnvelope(found.data.assign_attrs(rests_on))
 
 
-def envelope_notes(question: EnvelopeQuestion, under: Keel) -> tuple[str, ...]:
-    """Say what the answer to a question rests on, and what it leaves out, a sentence each."""
-    model, configuration = question.model, question.model.configuration
-    notes = [*model.bank_notes, *beyond_tests(model, question.offsets, question.speeds), *under.notes]
+def envelope_notes(request: EnvelopeRequest, under: Keel) -> tuple[str, ...]:
+    model, configuration = request.model, request.model.configuration
+    notes = [*model.bank_notes, *beyond_tests(model, request.offsets, request.speeds), *under.notes]
     if model.covariance is None:
         notes.append("no covariance of the coefficients is known: the samples are of disturbances alone")
     if configuration.canal.depth is not None:
-        notes.append(f"{question.clearance:.2g} m are to be left under the keel")
-    notes.append(f"one pilot for all cases: {PILOTS[question.pilot].words}")
+        notes.append(f"{request.clearance:.2g} m are to be left under the keel")
+    notes.append(f"one pilot for all cases: {PILOTS[request.pilot].words}")
     gear = configuration.gear
     notes.append(f"rudder to {gear.limit_deg:.3g} degrees at {gear.rate_deg:.3g} degrees a second")
     if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:
         notes.append("that gear is a ship's, and this is a model's size: scale the model, or give [steering] its rate")
-    return (*notes, _propulsion(model, question.most_revolutions))
+    return (*notes, _propulsion(model, request.most_revolutions))
 
 
 def _propulsion(model: Model, most: float | None) -> str:
@@ -84,11 +82,10 @@ WHY_WIDER = (
 )
 
 WHY_RUDDER = "here the steady rudder is to leave a reserve for the unforeseen, which is tried, and not to stay small"
-
 WHY_FASTER = "those limits guard banks and traffic too, which is not asked here"
 
 
-def bolder_than(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
+def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
     """Say where the model has a ship safe beyond what a rule allows, and why, a sentence each."""
     data = data.transpose("y", "u", ...)
     safe = ((data["held"] >= share) & data["clear"]).to_numpy()
@@ -139,11 +136,10 @@ def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
 # What of an envelope lies within the tests behind its model.
 # How ranges of the data are spoken of on a bridge.
 IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
-
 SECTION = ("depth_to_draft", "width_to_beam")
 
 
-def within_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
     """Return which offsets and speeds the tests covered, (offsets, speeds); all where they do not say."""
     # offsets (n,) [m]; speeds (m,) [m/s]
     # A place nearer to the middle than the tests were is inside.
@@ -153,19 +149,11 @@ def within_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.nd
 
 
 def _to_the_middle(model: Model) -> DataRange:
-    """What the tests covered, the offsets nearer to the middle than theirs with them."""
     known = model.data_range
     return replace(known, abs_y=known.abs_y and (0.0, known.abs_y[1]))
 
 
-def tested_ranges(model: Model) -> dict[str, list[float]]:
-    """Return the speeds [m/s] and offsets [m] that the tests covered, as far as they are known."""
-    ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
-    return {name: list(covered) for name, covered in ranges.items() if covered is not None}
-
-
 def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
-    """Say in what a question goes beyond the tests, or that they do not say what they covered."""
     # offsets (n,) [m]; speeds (m,) [m/s]
     asked = {"speed": speeds, "abs_y": np.abs(offsets).max(), **_section(model)}
     return extrapolation(_to_the_middle(model), asked, IN_KNOTS, unknown=True)

@@ -16,18 +16,14 @@ if TYPE_CHECKING:
 
 # Kinds of bank that rules tell apart; a wall is steep.
 BANKS = ("gentle", "sloping", "steep")
-
 # How sure the numbers of a rule are.
 READ, REMEMBERED = "read by us", "from memory, not read by us"
-
 # Kilometres an hour in one metre a second, and metres in one foot.
 HOUR, FOOT = 3.6, 0.3048
 
 
 @dataclass(frozen=True)
 class Passage:
-    """A ship in a section of water, as rules ask for it."""
-
     length: float  # Of the ship [m]
     beam: float  # Of the ship [m]
     draft: float  # Of the ship [m]
@@ -47,7 +43,6 @@ class Lane:
 
 
 def nothing(passage: Passage) -> float:
-    """Return no addition to a lane [1]."""
     return 0.0
 
 
@@ -59,8 +54,6 @@ def shallow_lane(passage: Passage) -> float:
 
 @dataclass(frozen=True)
 class ChannelRule:
-    """A rule from outside."""
-
     name: str  # As the table and the chart call it
     asks: str  # What it looks at
     says: str  # What it says, in words
@@ -300,7 +293,6 @@ def outside_rules(
 
 
 def rules_of(attributes: Mapping[str, Any]) -> OutsideRules:
-    """Return the rules again from the attributes of a dataset."""
     known = {entry.name: attributes[entry.name] for entry in fields(Passage)}
     passage = Passage(**{**known, "depth": None if math.isnan(known["depth"]) else known["depth"]})
     return OutsideRules(passage, attributes["wall_port"], attributes["wall_starboard"], attributes["choke"])

@@ -12,24 +12,18 @@ from narrows.control.self_propulsion import with_propulsion
 from narrows.control.steady_course import check_rudder, steady_course
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
-from narrows.safety.answer import MEDIAN, SURE_SHARE, SafeEnvelope
-from narrows.safety.caveats import with_caveats, within_tests
-from narrows.safety.disturbance import Disturbance
+from narrows.safety import settings
+from narrows.safety.caveats import data_coverage, with_caveats
 from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
-from narrows.safety.question import EnvelopeQuestion, Keel, Walls, envelope_question, keel_at
+from narrows.safety.request import Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
+from narrows.safety.result import MEDIAN, SafeEnvelope
 from narrows.simulation.inputs import check_workers
-
-# Of disturbances alone, that the ship of the most likely coefficients is tried in.
-LIKELY_SAMPLES = 200
-
-# Of the rudder, to be left when the ship is steady.
-RESERVE = 1 / 3
 
 
 def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
-    disturbance: Disturbance | None = None, reserve: float = RESERVE, keel: float | None = None,
+    disturbance: Disturbance | None = None, reserve: float = settings.RESERVE, keel: float | None = None,
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
     bank: str = "steep", controller: str = "regulator", workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
@@ -80,37 +74,33 @@ def safe_envelope(
     """
     check_rudder(model)
     check_workers(workers)
-    check_pilot(controller)
-    question = envelope_question(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller)
-    bounds = bounds_of(question)
+    check_choice("controller", controller, PILOTS)
+    request = envelope_request(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller)
+    bounds = bounds_of(request)
     try_more = partial(
-        trials, y=question.offsets, u=question.speeds, heave=bounds.under.midship, disturbance=question.disturbance,
-        walls=question.walls, chosen=choose_pilot(question, bounds, seed, workers), workers=workers, progress=progress,
+        trials, y=request.offsets, u=request.speeds, heave=bounds.under.midship, disturbance=request.disturbance,
+        walls=request.walls, chosen=choose_pilot(request, bounds, seed, workers), workers=workers, progress=progress,
     )  # fmt: skip
-    tried = settled_trials(partial(try_more, model), samples, seed, question.rudder_limit, bounds.clear & bounds.tested)
+    tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, bounds.clear & bounds.tested)
     likely = tried
     if model.covariance is not None:
-        likely = try_more(replace(model, covariance=None), samples=LIKELY_SAMPLES, seed=seed)
-    data = shares_of(tried, question.rudder_limit).assign(bounds.columns())
-    data = data.assign(likely_shares(likely, question.rudder_limit))
+        likely = try_more(replace(model, covariance=None), samples=settings.LIKELY_SAMPLES, seed=seed)
+    data = controllable_fraction(tried, request.rudder_limit).assign(bounds.columns())
+    data = data.assign(best_estimate_fraction(likely, request.rudder_limit))
     if most_revolutions is not None:
-        data = data.assign(rudder_kick=rudder_of_a_kick(question, bounds.under))
+        data = data.assign(rudder_kick=rudder_of_propeller_burst(request, bounds.under))
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
-    return with_caveats(SafeEnvelope(data), question, bounds.under, tried.sizes["sample"])
+    return with_caveats(SafeEnvelope(data), request, bounds.under, tried.sizes["sample"])
 
 
-# What bounds a safe envelope before any trial: the keel, the choking of the canal, the engine, the tests.
 @dataclass(frozen=True)
 class Bounds:
-    """Where keel, canal, engine and tests leave a ship."""
-
     under: Keel  # Water under the keel at each speed
     driven: np.ndarray  # (speeds,) Whether the engine turns the propeller as fast as the speed asks
     clear: np.ndarray  # (speeds,) The same, and whether the keel is clear and the canal not choked
     tested: np.ndarray  # (offsets, speeds) Whether the tests covered it
 
     def columns(self) -> dict[str, tuple[object, ...]]:
-        """Return them as variables of the answer, with their dimensions."""
         return {
             "clearance": ("u", self.under.clearance, {"units": "m"}),
             "clear": ("u", self.clear),
@@ -119,13 +109,12 @@ class Bounds:
         }
 
 
-def bounds_of(question: EnvelopeQuestion) -> Bounds:
-    """Return what bounds the answer to a question before any trial."""
-    model, speeds = question.model, question.speeds
-    under, driven = keel_at(model, speeds), _driven(model, speeds, question.most_revolutions)
-    floating = (under.clearance >= question.clearance) | (model.configuration.canal.depth is None)
+def bounds_of(request: EnvelopeRequest) -> Bounds:
+    model, speeds = request.model, request.speeds
+    under, driven = keel_at(model, speeds), _driven(model, speeds, request.most_revolutions)
+    floating = (under.clearance >= request.clearance) | (model.configuration.canal.depth is None)
     clear = floating & (speeds < under.choke) & driven
-    return Bounds(under, driven, clear, within_tests(model, question.offsets, speeds))
+    return Bounds(under, driven, clear, data_coverage(model, request.offsets, speeds))
 
 
 def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
@@ -140,44 +129,34 @@ def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
     return np.asarray(asked, float) <= most
 
 
-def rudder_of_a_kick(question: EnvelopeQuestion, under: Keel) -> xr.DataArray:
+def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataArray:
     """Return the steady rudder with the engine at its most, over offsets and speeds [rad]."""
     course = steady_course(
-        question.model, y=question.offsets, u=question.speeds, heave=xr.DataArray(under.midship, dims="u"),
-        revolutions=question.most_revolutions,
+        request.model, y=request.offsets, u=request.speeds, heave=xr.DataArray(under.midship, dims="u"),
+        revolutions=request.most_revolutions,
     )  # fmt: skip
     return course["rudder"].transpose("y", "u").drop_vars(["y", "u"], errors="ignore")
 
 
-# Which tuning of a pilot is tried: the one that holds most of other samples than those it is judged by.
-# Of the trials that choose, and at how many places.
-SAMPLES, OFFSETS, SPEEDS = 200, 5, 2
-
-# Sets the samples that choose apart from those that judge.
-ASIDE = 13
-
-
-def check_pilot(name: str) -> None:
-    """Raise where there is no pilot of a name."""
-    check_choice("controller", name, PILOTS)
-
-
-def choose_pilot(question: EnvelopeQuestion, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
+def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
     """Choose the tuning of a pilot that holds most samples at a few of the offsets and speeds asked about."""
-    pilot = PILOTS[question.pilot]
+    pilot = PILOTS[request.pilot]
     if len(pilot.tunings) == 1:
         return ChosenPilot(pilot, pilot.tunings[0])
-    open_to = np.flatnonzero(bounds.clear) if bounds.clear.any() else np.arange(len(question.speeds))
-    speeds, offsets = open_to[_spread(len(open_to), SPEEDS)], _spread(len(question.offsets), OFFSETS)
-    other_seed = int(np.random.SeedSequence((abs(seed), ASIDE)).generate_state(1)[0])
+    open_to = np.flatnonzero(bounds.clear) if bounds.clear.any() else np.arange(len(request.speeds))
+    speeds, offsets = (
+        open_to[_spread(len(open_to), settings.TUNING_SPEEDS)],
+        _spread(len(request.offsets), settings.TUNING_OFFSETS),
+    )
+    other_seed = int(np.random.SeedSequence((abs(seed), settings.TUNING_SEED)).generate_state(1)[0])
     shares = []
     for tuning in pilot.tunings:
         tried = trials(
-            question.model, question.offsets[offsets], question.speeds[speeds], bounds.under.midship[speeds],
-            question.disturbance, SAMPLES, other_seed, question.walls, ChosenPilot(pilot, tuning), knowing=False,
-            workers=workers,
+            request.model, request.offsets[offsets], request.speeds[speeds], bounds.under.midship[speeds],
+            request.disturbance, settings.TUNING_SAMPLES, other_seed, request.walls, ChosenPilot(pilot, tuning),
+            knowing=False, workers=workers,
         )  # fmt: skip
-        safe = (np.abs(tried["rudder"]) <= question.rudder_limit) & tried["held"]
+        safe = (np.abs(tried["rudder"]) <= request.rudder_limit) & tried["held"]
         shares.append(float(safe.mean()))
     return ChosenPilot(pilot, pilot.tunings[int(np.argmax(shares))])
 
@@ -189,10 +168,6 @@ def _spread(size: int, most: int) -> np.ndarray:
     return np.unique(np.round((np.arange(most) + 0.5) * size / most - 0.5).astype(int))
 
 
-# Trials of many samples as shares and quantiles, and as many samples as settle the edge.
-# Tried at first where no number is given, and doubled until the edge is settled, up to so many.
-FIRST_SAMPLES, MOST_SAMPLES = 400, 6400
-
 # Trials of so many ``samples`` from a ``seed``, over y, u and sample.
 Trial = Callable[..., xr.Dataset]
 
@@ -202,10 +177,10 @@ def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float
     # limit [rad]; clear (offsets, speeds)
     if samples is not None:
         return try_more(samples=samples, seed=seed)
-    tried, rounds = try_more(samples=FIRST_SAMPLES, seed=seed), 0
-    while (count := tried.sizes["sample"]) < MOST_SAMPLES:
+    tried, rounds = try_more(samples=settings.FIRST_SAMPLES, seed=seed), 0
+    while (count := tried.sizes["sample"]) < settings.MOST_SAMPLES:
         held = safely(tried, limit, "held").mean("sample").transpose("y", "u").to_numpy()
-        if is_settled(*share_interval(held, count), SURE_SHARE, clear):
+        if is_settled(*share_interval(held, count), settings.SURE_SHARE, clear):
             break
         rounds += 1
         another = int(np.random.SeedSequence((seed, rounds)).generate_state(1)[0])
@@ -213,8 +188,7 @@ def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float
     return tried
 
 
-def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
-    """Return shares and quantiles of the samples over y and u."""
+def controllable_fraction(tried: xr.Dataset, limit: float) -> xr.Dataset:
     # tried [rad]; limit [rad]
     # A sample without a course counts as beyond hard over, on the side of the others.
     found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
@@ -227,13 +201,11 @@ def shares_of(tried: xr.Dataset, limit: float) -> xr.Dataset:
 
 def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
     """Return in which trials a ship is held on a course that leaves the reserve."""
-    # limit [rad]
     return (np.abs(tried["rudder"]) <= limit) & tried[name]
 
 
-def likely_shares(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
+def best_estimate_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
     """Return what the ship of the most likely coefficients says, over y and u: ``certain``, ``rudder_likely``."""
-    # limit [rad]
     share = safely(tried, limit, "known").mean("sample").assign_attrs(units="1")
     return {"certain": share, "rudder_likely": tried["rudder"].isel(sample=0).assign_attrs(units="rad")}
 
@@ -251,9 +223,9 @@ def _quantiles(rudder: xr.DataArray) -> dict[str, xr.DataArray]:
     middle = _quantile(filled, MEDIAN, "midpoint")
     return {
         "rudder": middle.where(np.isfinite(middle)).assign_attrs(units="rad"),
-        "rudder_low": _quantile(filled, 1 - SURE_SHARE, "lower"),
-        "rudder_high": _quantile(filled, SURE_SHARE, "higher"),
-        "rudder_95": _quantile(size, SURE_SHARE, "higher"),
+        "rudder_low": _quantile(filled, 1 - settings.SURE_SHARE, "lower"),
+        "rudder_high": _quantile(filled, settings.SURE_SHARE, "higher"),
+        "rudder_95": _quantile(size, settings.SURE_SHARE, "higher"),
     }
 
 
@@ -263,7 +235,6 @@ def _quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
     return quantiles.assign_attrs(units="rad")
 
 
-# How far a share of samples can be trusted, and whether more of them would move an edge.
 # Standard deviations either way, 95 % of a normal distribution.
 SURE = 1.959964
 

@@ -14,7 +14,6 @@ NOWHERE = (
 
 
 def headline(data: xr.Dataset, share: float) -> str:
-    """Say from where to where it is safe, what ends that, and how well the edge is known."""
     # The offsets and speeds are those of the largest block of the grid in which every place is safe. First comes in
     # what the section was not tested; with what is safe, where a pilot who knew the ship would hold it.
     data = data.transpose("y", "u", ...)
@@ -54,7 +53,6 @@ def _best(data: xr.Dataset) -> xr.Dataset | None:
 
 
 def _way(data: xr.Dataset, share: float) -> str:
-    """What is in the way where nowhere is safe, at the best place."""
     best = _best(data)
     here = data.isel(y=len(data["y"]) // 2, u=0) if best is None else best
     return f"The limit is {AT_LENGTH[cause(here, share, _reserved(data))]}."
@@ -65,7 +63,6 @@ def _reserved(data: xr.Dataset) -> float:
 
 
 def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
-    """What ends a block to the sides, and in speed."""
     rows, columns = block
     middle_row, middle_column = (rows.start + rows.stop - 1) // 2, (columns.start + columns.stop - 1) // 2
     aside = rows.stop if rows.stop < len(data["y"]) else rows.start - 1
@@ -112,7 +109,6 @@ def _offsets(data: xr.Dataset, block: tuple[slice, slice], share: float, name: s
 
 
 def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[str]:
-    """How far the number of cases leaves the edges open."""
     y, u, clear = data["y"].to_numpy(), data["u"].to_numpy(), data["clear"].to_numpy() & data["tested"].to_numpy()
     sure, perhaps = (
         largest_rectangle((data[name].to_numpy() >= share) & clear, y, u) for name in ("held_low", "held_high")
@@ -127,12 +123,9 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
 
 # What ends the range in which a ship is safe, in words.
 CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
-
 NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "what throws it off"
-
 KNOWLEDGE, PILOT, TESTS, RANGE = "what the tests know", "the pilot", "the tests end", "faster was not asked"
 
-# The same in a sentence.
 AT_LENGTH = {
     CHOKED: "the choking of the canal",
     AGROUND: "the water under the keel",
@@ -148,10 +141,10 @@ AT_LENGTH = {
 
 
 def cause(here: xr.Dataset, share: float, limit: float) -> str:
-    """Say what keeps a ship from being safe at an offset and a speed."""
-    # limit [rad]
     if not bool(here["clear"]):
-        return _blocked(here)
+        if not bool(here.get("driven", True)):
+            return ENGINE
+        return CHOKED if math.isnan(float(here["clearance"])) else AGROUND
     if float(here["held"]) >= share:
         return TESTS
     if float(here["known"]) >= share:
@@ -162,16 +155,8 @@ def cause(here: xr.Dataset, share: float, limit: float) -> str:
     return NONE if math.isnan(rudder) else RUDDER if abs(rudder) > limit else UPSET
 
 
-def _blocked(here: xr.Dataset) -> str:
-    if not bool(here.get("driven", True)):
-        return ENGINE
-    return CHOKED if math.isnan(float(here["clearance"])) else AGROUND
-
-
-# Edges of what is safe on a grid of offsets and speeds.
 def first_run(safe: np.ndarray) -> tuple[int, int] | None:
     """Return the first and the last place of the first run of true; None where nothing is."""
-    # safe (n,)
     if not safe.any():
         return None
     first = int(safe.argmax())

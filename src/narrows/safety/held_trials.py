@@ -16,10 +16,10 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
-from narrows.safety.disturbance import Disturbance
-from narrows.safety.likely_courses import LikelyCourses
+from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.safety.pilots import PILOTS, Pilot, regulator_of
-from narrows.safety.question import Walls
+from narrows.safety.request import Disturbance, Walls
+from narrows.safety.settings import BACK_LENGTHS, MOST_TRIALS, STEPS_A_LENGTH, TRIAL_BLOCK, TRIAL_LENGTHS
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
@@ -27,28 +27,14 @@ from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
-# Ship lengths that a trial lasts after a gust, and the last of them, through which the ship is to be back.
-LENGTHS, LATE = 15.0, 3.0
-
-STEPS_A_LENGTH = 40
-
-BLOCK = 65_536
-
-# Points of one call: beyond it the answer does not fit in memory.
-MOST = 50_000_000
-
 KEPT = ("rudder", "held", "known")
-
 # What the columns call what throws a ship off, the numbers of the pilot, and the gains of one who knows it.
 OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
-
 Columns = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class ChosenPilot:
-    """A pilot with what was chosen of it."""
-
     pilot: Pilot  # Who is tried
     tuning: Any  # One of its own
 
@@ -67,12 +53,14 @@ def trials(
     # held where it touches no bank, stays within 85 degrees of the canal, and is back within half a beam of its line
     # for the last three ship lengths of the trial. That is tried twice: by one pilot, who is made for the most likely
     # coefficients, and by one who knows those that were drawn.
-    if samples * len(y) * len(u) > MOST:
+    if samples * len(y) * len(u) > MOST_TRIALS:
         points = samples * len(y) * len(u)
-        raise InputError(f"{points} points are more than {MOST}; take fewer samples, offsets or speeds")
+        raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
     thrown = disturbance.drawn(samples, seed)
     ship, grid = SimulatedShip(model), _grid(model, y, u, heave, samples, seed)
-    numbers = chosen.pilot.numbers(LikelyCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave)), chosen.tuning)
+    numbers = chosen.pilot.numbers(
+        BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave)), chosen.tuning
+    )
     # Off to the other side on the other side of the middle: a canal that mirrors itself gets an answer that does.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
     extra = {OFF(name): side * column for name, column in thrown.items()}
@@ -92,10 +80,9 @@ def _grid(model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, samples
 
 
 def _tried(trial: "_Trial", whole: Grid, progress: bool) -> dict[str, np.ndarray]:
-    """What is kept of every trial, block by block."""
     kept = {name: np.empty(tuple(whole.sizes.values())) for name in KEPT}
     with bar(whole.vessels, progress) as advance:
-        for block in whole.blocks(BLOCK):
+        for block in whole.blocks(TRIAL_BLOCK):
             values, shape = whole.flat(block)
             for name, column in trial.sailed(values, math.prod(shape)).items():
                 kept[name][whole.region(block)] = column.reshape(shape)
@@ -109,7 +96,7 @@ def _knowing(ship: SimulatedShip, grid: Grid, workers: int | None) -> dict[str, 
     values = {name: value.isel(u=at, drop=True) if "u" in value.dims else value for name, value in grid.values.items()}
     one = Grid(values, {name: size for name, size in grid.sizes.items() if name != "u"})
     gains = np.empty((*one.sizes.values(), len(FELT)))
-    for block in one.blocks(BLOCK):
+    for block in one.blocks(TRIAL_BLOCK):
         columns, shape = one.flat(block)
         count = math.prod(shape)
         v, rudder = solved(ship, columns, count, workers)
@@ -147,16 +134,13 @@ class _Trial:
         if KNOWING("y") in values:
             gains = [np.broadcast_to(values[KNOWING(name)], count) for name in FELT]
             made = found & np.isfinite(gains).all(axis=0) & ~one
-            law = self._knowing_law(
-                [np.where(made, gain, 1.0) for gain in gains], held, float(np.ravel(values[KNOWING("made_for")])[0])
-            )
+            # Its law takes the course at the speed that it is made for, and the sway velocity goes with the speed.
+            made_for = float(np.ravel(values[KNOWING("made_for")])[0])
+            at_that_speed = {**held, "v": held["v"] * made_for / held["u"]}
+            gains = [np.where(made, gain, 1.0) for gain in gains]
+            law = regulator_of(self.ship, gains, at_that_speed, np.full(count, made_for))
             known = one | sail.held(law, made)
         return {"rudder": rudder, "held": one, "known": known}
-
-    def _knowing_law(self, gains: list[np.ndarray], held: Columns, made_for: float) -> ControlLaw:
-        # Its law takes the course at the speed that it is made for, and the sway velocity goes with the speed.
-        at_that_speed = {**held, "v": held["v"] * made_for / held["u"]}
-        return regulator_of(self.ship, gains, at_that_speed, np.full(len(held["u"]), made_for))
 
 
 @dataclass(frozen=True)
@@ -175,13 +159,13 @@ class _Sail:
         hull = ship.model.configuration.ship
         pace = hull.length / (STEPS_A_LENGTH * np.asarray(self.held_course["u"]))
         gusty = self.trial.gust_time if np.any(self.push["Y"]) else 0.0
-        steps = np.where(sailed, np.ceil(gusty / pace) + LENGTHS * STEPS_A_LENGTH, 0)
-        judged = JudgedLaw(law, self.held_course["y"], (steps - LATE * STEPS_A_LENGTH) * pace)
-        steering = steering_of(judged, ship.actuators)
+        steps = np.where(sailed, np.ceil(gusty / pace) + TRIAL_LENGTHS * STEPS_A_LENGTH, 0)
+        recorder = DeviationRecorder(law, self.held_course["y"], (steps - BACK_LENGTHS * STEPS_A_LENGTH) * pace)
+        steering = steering_of(recorder, ship.actuators)
         half = np.asarray(start["width"]) / 2
         inputs = {
             **start, **({"X": 0.0, **self.push, "push_end": gusty} if gusty else {}),
-            **{PARAMETER(name): value for name, value in judged.parameters().items()},
+            **{PARAMETER(name): value for name, value in recorder.parameters().items()},
             "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
         }  # fmt: skip
         run = KernelRun(ship, steps * pace, pace, steering=steering)
@@ -193,9 +177,8 @@ class _Sail:
         return np.asarray(sailed & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2))
 
 
-# A pilot under trial: its law, and how far off its line the ship was through the last part of the trial.
 @dataclass(frozen=True)
-class JudgedLaw:
+class DeviationRecorder:
     """Any control law that remembers how far off a line the ship was from a time on."""
 
     law: ControlLaw  # That steers
@@ -203,15 +186,12 @@ class JudgedLaw:
     late_from: Any  # From when it counts [s]
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the law's numbers, the line, and from when it counts."""
         return {**self.law.parameters(), "judged_y": self.y, "late_from": self.late_from}
 
     def memory(self, start: Named) -> Named:
-        """Return the law's memory, and how far off the ship was so far."""
         return {**self.law.memory(start), "farthest": 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the law's order, and how far off the ship was."""
         orders, memory = self.law.orders(at)
         counted = choice(at.t + at.dt / 2 - at.late_from, abs(at.y - at.judged_y), 0.0)
         return orders, {**memory, "farthest": maximum(at.farthest, counted)}

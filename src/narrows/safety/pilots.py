@@ -15,7 +15,7 @@ from narrows.control.track_pilot import track_gains
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
 from narrows.results import Described
-from narrows.safety.likely_courses import LikelyCourses
+from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.simulation.controllers import EARLY, Autopilot, ControlLaw, Named
 from narrows.simulation.ship import SimulatedShip
 
@@ -39,12 +39,12 @@ class Pilot:
     words: str  # Who it is, as a sentence of the answer has it
     tunings: tuple[Any, ...]  # What may be chosen of it by trials; the usual one first
     # Gives what it goes by at offsets and speeds, of the most likely courses and a tuning
-    numbers: Callable[[LikelyCourses, Any], Numbers]
+    numbers: Callable[[BestEstimateCourses, Any], Numbers]
     # Gives the law of many trials, of the ship, what it goes by in each, and the course of each
     law: Callable[[SimulatedShip, Numbers, Course], ControlLaw]
 
 
-def _regulator_numbers(courses: LikelyCourses, tuning: Tightness) -> Numbers:
+def _regulator_numbers(courses: BestEstimateCourses, tuning: Tightness) -> Numbers:
     """Gains, and rudder, heading and drift of the most likely course."""
     gains = courses.filled(stacked_gains(courses.ship, courses.values, courses.course, tuning))
     return {**{f"by_{name}": gains[..., i] for i, name in enumerate(FELT)}, **courses.held()}
@@ -55,7 +55,7 @@ def _regulator(ship: SimulatedShip, numbers: Numbers, course: Course) -> Control
     return regulator_of(ship, [numbers[f"by_{name}"] for name in FELT], {**numbers, "y": course["y"]}, course["u"])
 
 
-def _track_numbers(courses: LikelyCourses, tuning: None) -> Numbers:
+def _track_numbers(courses: BestEstimateCourses, tuning: None) -> Numbers:
     """Gains, one set a speed."""
     rows = [track_gains(courses.ship, speed, **felt) for speed, felt in courses.on_the_centreline()]
     gains = np.broadcast_to(np.array(rows), (len(courses.offsets), len(rows), len(TRACKED)))
@@ -68,7 +68,7 @@ def _track_pilot(ship: SimulatedShip, numbers: Numbers, course: Course) -> Contr
     return Autopilot(course["y"], (by_y, by_psi, by_v, by_r), course["rudder"], course["psi"], course["v"])
 
 
-def _hand_numbers(courses: LikelyCourses, share: float) -> Numbers:
+def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
     """A share of sensible gains, and rudder and heading of the most likely course."""
     hull, held = courses.ship.model.configuration.ship, courses.held()
     time = hull.length / np.broadcast_to(courses.speeds, held["rudder"].shape)

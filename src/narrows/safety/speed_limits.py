@@ -9,15 +9,13 @@ import numpy as np
 from narrows.control.linearization import linearize
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.safety.answer import SafeEnvelope
-from narrows.safety.envelope import RESERVE, safe_envelope
+from narrows.safety.envelope import safe_envelope
+from narrows.safety.result import SafeEnvelope
+from narrows.safety.settings import BEND_SPEEDS, RESERVE
 from narrows.simulation.inputs import check_waterway
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-# Speeds of a bend.
-TRIED = 24
 
 
 def speed_limits(
@@ -69,7 +67,7 @@ def _highest(
     top = float(straight.highest_speed()[0])
     if not np.isfinite(top):
         raise InputError(f"no speed is safe {place:g} m along the way: {_why(straight)}; hold another line there")
-    speeds = np.linspace(top / TRIED, top, TRIED)
+    speeds = np.linspace(top / BEND_SPEEDS, top, BEND_SPEEDS)
     turning = linearize(model, y, speeds, waterway=waterway, at=place).course["rudder"].ravel()
     left = np.abs(turning) <= (1 - reserve) * model.configuration.gear.limit
     if not left.any():

@@ -15,7 +15,6 @@ TABLES = {"kcs": "kcs_pmm_shallow.csv", "lataire2009": "lataire2009.csv"}
 
 
 def measured_files(name: str) -> tuple[Path, Path]:
-    """Return the table and the ship file of some bundled tests."""
     if name not in TABLES:
         raise InputError(f"no bundled tests are called {name!r}{did_you_mean(name, TABLES)}")
     folder = Path(str(files("narrows") / "captive" / "measured"))

@@ -32,8 +32,6 @@ from narrows.web import asset, without_exports
 
 
 def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[str, tuple[str, ...]]:
-    """Return the page of a ship, and what to say of it."""
-    # speed [m/s]
     u = float(usual_voyage(ship.model).speed if speed is None else speed)
     finite_numbers(u=u)
     if not u > 0:
@@ -46,33 +44,23 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
     return page_text(exported, u, own, why, wasm), tuple(filter(None, [lacking, why]))
 
 
-# The one file of a page: markup, styles, numbers, the exported model, scripts, and WebAssembly as text.
 BARE_DEFLATE = -15
-
 # What both the page and its workers run.
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
-
 # Signs of the model's text, which has no words between quotes, that need no blank beside them.
 SUMS = re.compile(r" ([+-]) (?![+-])")
-
 # Which the page's numbers say already.
 DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
-
 # Fields of a structure unpacked one after another.
 UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
-
 # Behind a number of the model's text.
 MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
-
 # Lines of the model's text that name a number each.
 IN_A_ROW = re.compile(r"(?:^const \w+=.*;\n){2,}", re.MULTILINE)
-
 MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
 
 
 def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:
-    """Return the page of a ship."""
-    # speed [m/s]
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from narrows.web import asset
@@ -83,17 +71,10 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     given = {"model.js": model_script(exported)}
     return template.get_template("page.html.j2").render(
         title=title, foot=_foot(exported), helm=helm, data=data.replace("<", "\\u003c"),
-        style=smaller(asset("palette.css") + own_style()),
+        style=smaller(asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8")),
         shared="".join(bundled(name, given, known) for name in FIRST),
         worker=bundled("worker.js", given, set(known)), script=bundled("page.js", given, known),
     )  # fmt: skip
-
-
-def own_style() -> str:
-    """Return the style of the page itself."""
-    from importlib.resources import files
-
-    return (files("narrows.export.page") / "page.css").read_text("utf-8")
 
 
 def model_script(exported: ExportedShip) -> str:
@@ -127,20 +108,13 @@ def _foot(exported: ExportedShip) -> str:
     )
 
 
-# ES modules that import each other, as text that stands by itself in a page: each a function that gives its names.
 IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)
-
 SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\n', re.MULTILINE)
-
 EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
-
 COMMENTS = re.compile(r"^[ \t]*(?://.*|/\*\*.*?\*/)[ \t]*\n", re.MULTILINE)
-
 BLOCK = re.compile(r"/\*\*.*?\*/\n", re.DOTALL)
-
 # Words between quotes, which stay as they are, and signs that need no blank beside them.
 SPACED = re.compile(r"""("[^"\n]*"|`[^`]*`)|[ ]*([=*/<>?:,{}();&|]+)[ ]*""")
-
 INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
 
 
@@ -184,19 +158,14 @@ def smaller(text: str) -> str:
     return re.sub(r"\n+", "\n", SPACED.sub(lambda match: match[1] or match[2], bare))
 
 
-# What a page knows of its ship: numbers in the order of the exported model, sliders, caveats.
 # Ship lengths that are looked at.
 LENGTHS = 7.0
-
 # Of fleet.c: ships of a task, those whose paths are kept, and points of a path.
 MOST, PATHS, SAMPLES = 4096, 1024, 96
-
 UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
 
 
 def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any]:
-    """Return everything that the scripts of a page ask for."""
-    # speed [m/s]
     model, kept = exported.ship.model, exported.portable.kept
     ship, sliders = model.configuration.ship, sliders_of(exported, speed, exported.steering is not None)
     names = [slider.name for slider in sliders if slider.group == COEFFICIENTS]
@@ -235,7 +204,6 @@ def _bounds(model: Model, name: str) -> list[float | None]:
 
 
 def _notes(model: Model, sliders: list[Slider]) -> list[str]:
-    """What the model says of itself, and what its data do not say."""
     said = {slider.name for slider in sliders if slider.tested}
     unsaid = [words for name, words in (("u", "speeds"), ("y", "offsets")) if name not in said]
     silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if unsaid else ""
@@ -253,10 +221,8 @@ def root_of(model: Model, names: list[str]) -> np.ndarray:
     return np.asarray((axes * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
 
 
-# The helm of a page: a regulator that can be switched on and off, and a rudder that stays where it is put.
 def helm_of(model: Model, speed: float) -> tuple[SwitchedLaw | None, str]:
     """Return what holds a ship in the middle of its canal, or why nothing does."""
-    # speed [m/s]
     from narrows.control.regulator import regulator
 
     if not any(actuator.name == "rudder" for actuator in model.terms.actuators):
@@ -274,11 +240,8 @@ FLAGS = (
 )  # fmt: skip
 
 SOURCES = ("fleet.c", "lanes.c", "math.h")
-
 NUMBER = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)(?![\w.])")
-
 FUNCTION = re.compile(r"(?<![\w.])(exp|log|pow|sin|cos|hypot|fmod|floor|trunc|fabs|sqrt|atan2)\(")
-
 LANE, SHIP = "lane", "ship"
 
 

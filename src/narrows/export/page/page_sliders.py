@@ -23,8 +23,6 @@ START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
 
 @dataclass(frozen=True)
 class Slider:
-    """A number that whoever plays may change."""
-
     name: str  # In the address, in words, of the value as it is shown, and where it stands
     label: str  # In the address, in words, of the value as it is shown, and where it stands
     unit: str  # In the address, in words, of the value as it is shown, and where it stands
@@ -39,7 +37,6 @@ class Slider:
     switch: bool = False  # Whether it is on or off
 
     def to_dict(self) -> dict[str, Any]:
-        """Give what there is to tell by name, with the digits of a value."""
         digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
         told = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
         if self.tested is None:
@@ -48,8 +45,6 @@ class Slider:
 
 
 def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:
-    """Return the sliders of a page, in order."""
-    # speed [m/s]
     model = exported.ship.model
     names = {parameter.name for parameter in exported.parameters}
     return [

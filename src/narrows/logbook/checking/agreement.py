@@ -6,17 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.logbook import settings
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.waterway import Waterway
-
-# Windows that must tell of a factor.
-FEWEST = 8
-
-# Standard errors that a number must be away.
-SURE = 4.0
-
-# Windows that share what they cover.
-OVERLAP = 2.0
 
 
 class Factor(NamedTuple):
@@ -26,10 +18,8 @@ class Factor(NamedTuple):
     # regression bound that of the relation.
 
     # Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
-    # errors [1]
     low: float
     # Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
-    # errors [1]
     high: float
     correlation: float  # Between the two [1]
     windows: float  # That tell independently
@@ -37,10 +27,9 @@ class Factor(NamedTuple):
     @property
     def told(self) -> bool:
         """Whether it is told at all: of one sign, by enough windows."""
-        return bool(self.windows >= FEWEST and self.low * self.high > 0)
+        return bool(self.windows >= settings.FEWEST_WINDOWS and self.low * self.high > 0)
 
     def holds(self, factor: float, slack: float) -> bool:
-        """Return whether it may be a number, or another within a factor of that."""
         low, high = sorted((factor / slack, factor * slack))
         return bool(self.low <= high and self.high >= low)
 
@@ -54,15 +43,15 @@ def factor_of(change: np.ndarray, expected: np.ndarray) -> Factor:
     """Return by which factor changes are those that are expected, but for a constant."""
     # change, expected (windows,)
     known = np.isfinite(change) & np.isfinite(expected)
-    windows = float(known.sum() / OVERLAP)
-    if windows < FEWEST:
+    windows = float(known.sum() / settings.OVERLAP)
+    if windows < settings.FEWEST_WINDOWS:
         return Factor(-np.inf, np.inf, 0.0, windows)
     a, b = change[known] - np.mean(change[known]), expected[known] - np.mean(expected[known])
     aa, bb, ab = float(a @ a), float(b @ b), float(a @ b)
     if not aa * bb > 0 or ab == 0:
         return Factor(-np.inf, np.inf, 0.0, windows)
     correlation = ab / np.sqrt(aa * bb)
-    error = SURE * np.sqrt(max(1 - correlation**2, 0.0) / (windows - 2) * aa / bb)
+    error = settings.SURE * np.sqrt(max(1 - correlation**2, 0.0) / (windows - 2) * aa / bb)
     # The error of the slope with all noise in the other grows as the correlation falls.
     gentle, steep = sorted((ab / bb, aa / ab), key=abs)
     gentle, steep = abs(gentle) - error, abs(steep) + error / correlation**2
@@ -84,29 +73,29 @@ def turned_of(way: np.ndarray, expected: np.ndarray) -> Turned | None:
     # way, expected (windows,) [m]
     known = np.isfinite(way) & np.isfinite(expected)
     a, b = way[known], expected[known]
-    windows, bb, aa = known.sum() / OVERLAP, float((np.abs(b) ** 2).sum()), float((np.abs(a) ** 2).sum())
-    if windows < FEWEST or not bb * aa > 0:
+    windows, bb, aa = known.sum() / settings.OVERLAP, float((np.abs(b) ** 2).sum()), float((np.abs(a) ** 2).sum())
+    if windows < settings.FEWEST_WINDOWS or not bb * aa > 0:
         return None
     factor = np.vdot(b, a) / bb
     left = float((np.abs(a - factor * b) ** 2).sum())
-    error = np.sqrt(left / (2 * (windows - 1)) / bb / OVERLAP)
+    error = np.sqrt(left / (2 * (windows - 1)) / bb / settings.OVERLAP)
     return Turned(float(abs(factor)), float(np.angle(factor)), float(error), float(np.sqrt(left / aa)))
 
 
 class Estimates(NamedTuple):
-    """Numbers by least squares."""
-
     values: np.ndarray  # (numbers,) With their standard errors
     errors: np.ndarray  # (numbers,) With their standard errors
 
 
-def least_squares(column: np.ndarray, regressors: Sequence[np.ndarray], overlap: float = OVERLAP) -> Estimates | None:
+def least_squares(
+    column: np.ndarray, regressors: Sequence[np.ndarray], overlap: float = settings.OVERLAP
+) -> Estimates | None:
     """Return the numbers that make a column of others; None where too few rows are known."""
     # column (rows,); regressors (rows,)
     design = np.stack(regressors, axis=1)
     known = np.isfinite(column) & np.isfinite(design).all(axis=1)
     rows = known.sum() / overlap - design.shape[1]
-    if rows < FEWEST:
+    if rows < settings.FEWEST_WINDOWS:
         return None
     scale = np.abs(design[known]).max(axis=0)
     scale[scale == 0] = 1.0
@@ -118,8 +107,6 @@ def least_squares(column: np.ndarray, regressors: Sequence[np.ndarray], overlap:
 
 
 class Pooled(NamedTuple):
-    """A mean of numbers, weighted by their standard errors."""
-
     value: float  # With its standard error
     error: float  # With its standard error
     numbers: int  # How many are in it
@@ -136,7 +123,6 @@ def pooled(effects: Sequence[tuple[float, float]]) -> Pooled | None:
 
 
 def nearest(factor: float, known: Mapping[str, float], slack: float = 1.1) -> str | None:
-    """Return what is known to make a factor; None where nothing comes near."""
     if not factor > 0:
         return None
     off = {cause: float(abs(np.log(factor / usual))) for cause, usual in known.items()}
@@ -144,26 +130,11 @@ def nearest(factor: float, known: Mapping[str, float], slack: float = 1.1) -> st
     return best if off[best] < np.log(slack) else None
 
 
-# A record at even times, each signal as the mean of what was measured about them, on the map and over windows.
-# Even times for the way of a ship length.
-A_LENGTH = 40
-
-# Even times of a record.
-FEWEST_READINGS, MOST = 16, 20_000
-
-# Of a record, over which its usual speed is measured.
-PIECES = 50
-
-# Steps of a signal or of even time, over which values are still joined.
-JOINED = 3.0
-
 Windows = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
 class EvenMotion:
-    """A record at even times."""
-
     t: np.ndarray  # (n,) Rising evenly [s]
     columns: dict[str, np.ndarray]  # (n,) By signal; NaN where nothing was measured near by
     # (n,) Direction that headings are measured from: of the waterway's line, from north; 0 in a plane [rad]
@@ -173,15 +144,12 @@ class EvenMotion:
 
     @property
     def dt(self) -> float:
-        """Between two times [s]."""
         return float(self.t[1] - self.t[0])
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is such a signal."""
         return name in self.columns
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A signal."""
         return self.columns[name]
 
     @property
@@ -214,13 +182,14 @@ def changes(values: np.ndarray, windows: Windows) -> np.ndarray:
 
 def even_motion(record: ShipRecord, length: float, waterway: Waterway | None = None) -> EvenMotion | None:
     """Return a record at even times; None where it is too short, or nothing tells how fast the ship is."""
-    # length [m]
     speed = usual_speed(record)
     if speed is None or not record.duration > 0:
         return None
     pace = length / speed
-    t = np.arange(record.start, record.stop, max(pace / A_LENGTH, record.duration / MOST))
-    if len(t) < FEWEST_READINGS:
+    t = np.arange(
+        record.start, record.stop, max(pace / settings.STEPS_A_LENGTH, record.duration / settings.MOST_READINGS)
+    )
+    if len(t) < settings.FEWEST_READINGS:
         return None
     columns = {name: _evenly(signal, t) for name, signal in record.signals.items() if len(signal)}
     axis, position = np.zeros(len(t)), np.full(len(t), np.nan, complex)
@@ -238,8 +207,8 @@ def even_motion(record: ShipRecord, length: float, waterway: Waterway | None = N
 
 def usual_speed(record: ShipRecord) -> float | None:
     """Return how fast the ship is by its positions [m/s], or else by its speeds; None where it has neither."""
-    if "x" in record and "y" in record and len(record["x"]) > PIECES:
-        at = np.linspace(record["x"].t[0], record["x"].t[-1], PIECES + 1)
+    if "x" in record and "y" in record and len(record["x"]) > settings.SPEED_PIECES:
+        at = np.linspace(record["x"].t[0], record["x"].t[-1], settings.SPEED_PIECES + 1)
         steps = np.hypot(*(np.diff(record[name].at(at)) for name in ("x", "y")))
         speed = float(np.median(steps[np.isfinite(steps)]) / (at[1] - at[0])) if np.isfinite(steps).any() else 0.0
     else:
@@ -256,4 +225,4 @@ def _evenly(signal: Signal, t: np.ndarray) -> np.ndarray:
         first = np.flatnonzero(np.diff(bins, prepend=-1))
         counts = np.diff(first, append=len(bins))
         signal = Signal(*(np.add.reduceat(column, first) / counts for column in (signal.t, signal.values)))
-    return signal.at(t, JOINED * max(signal.step, dt))
+    return signal.at(t, settings.JOINED * max(signal.step, dt))

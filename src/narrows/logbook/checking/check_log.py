@@ -5,13 +5,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from narrows.errors import InputError
-from narrows.logbook.checking.agreement import SURE, even_motion
+from narrows.logbook.checking.agreement import even_motion
 from narrows.logbook.checking.clock_and_unit_checks import check_clock, check_place, check_units
 from narrows.logbook.checking.finding import Examined, Finding, LogFindings
 from narrows.logbook.checking.heading_checks import check_heading, judge_yaw_rates, rate_shown
 from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, model_rates, rudder_effect
 from narrows.logbook.checking.sensor_checks import check_rudder_moves, check_sensors, check_wind
 from narrows.logbook.checking.velocity_checks import check_velocities
+from narrows.logbook.settings import SURE
 from narrows.logbook.ship_record import ShipRecord
 from narrows.model.model import Model
 from narrows.waterway import Waterway

@@ -4,27 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from narrows.logbook import settings
 from narrows.logbook.checking.agreement import usual_speed
 from narrows.logbook.checking.finding import Examined, Finding
 from narrows.logbook.ship_record import ShipRecord
 from narrows.quantities.names import GRAVITY
 
-# Usual steps of a signal, beyond which a step is a gap, and beyond which the clock may have jumped.
-WIDE, JUMPING = 10.0, 2.5
-
-# Of the time for a ship length, beyond which a gap matters, and a jump of the clock.
-A_GAP, A_JUMP = 0.25, 0.05
-
-# Of the way that a gap takes at the usual speed, below which the clock jumped and the ship did not.
-LITTLE_WAY = 0.5
-
-# Positions before and after a gap, by which the ship's speed there is known.
-BESIDE = 5
-
 
 def check_clock(record: ShipRecord, length: float) -> Iterator[Finding]:
-    """Yield what is wrong with the times of a record."""
-    # length [m]
     backward = list(_backward(record))
     yield from backward
     if not backward:
@@ -52,7 +39,11 @@ def _jumps_and_gaps(record: ShipRecord, length: float) -> Iterator[Finding]:
     if speed is None:
         return
     pace = length / speed
-    jumps = _jumps(record, _gaps(record["x"].t, JUMPING, A_JUMP * pace)) if {"x", "y"} <= record.signals.keys() else []
+    jumps = (
+        _jumps(record, _gaps(record["x"].t, settings.CLOCK_JUMP_STEPS, settings.CLOCK_JUMP_LENGTHS * pace))
+        if {"x", "y"} <= record.signals.keys()
+        else []
+    )
     if jumps:
         at, lost = max(jumps, key=lambda jump: jump[1])
         often = f", the largest of {len(jumps)} jumps" if len(jumps) > 1 else ""
@@ -63,7 +54,10 @@ def _jumps_and_gaps(record: ShipRecord, length: float) -> Iterator[Finding]:
             {"at": at, "jump": lost, "jumps": float(len(jumps))},
         )  # fmt: skip
         return
-    gaps = {name: _gaps(signal.t, WIDE, A_GAP * pace) for name, signal in record.signals.items()}
+    gaps = {
+        name: _gaps(signal.t, settings.GAP_STEPS, settings.GAP_LENGTHS * pace)
+        for name, signal in record.signals.items()
+    }
     if found := {name: steps for name, steps in gaps.items() if steps.size}:
         longest = {name: float(np.diff(record[name].t)[steps].max()) for name, steps in found.items()}
         name = max(longest, key=lambda own: longest[own])
@@ -93,26 +87,21 @@ def _jumps(record: ShipRecord, gaps: np.ndarray) -> list[tuple[float, float]]:
         speeds = [_speed(t[part], x[part], y[part]) for part in (_before(gap), _after(gap))]
         speed, lapse = float(np.nanmean(speeds)), float(t[gap + 1] - t[gap])
         way = float(np.hypot(x[gap + 1] - x[gap], y[gap + 1] - y[gap]))
-        if 0 < way < LITTLE_WAY * speed * lapse:
+        if 0 < way < settings.LITTLE_WAY * speed * lapse:
             found.append((float(t[gap]), lapse - way / speed))
     return found
 
 
 def _before(gap: int) -> slice:
-    return slice(max(gap - BESIDE, 0), gap + 1)
+    return slice(max(gap - settings.SPEED_POSITIONS, 0), gap + 1)
 
 
 def _after(gap: int) -> slice:
-    return slice(gap + 1, gap + 2 + BESIDE)
+    return slice(gap + 1, gap + 2 + settings.SPEED_POSITIONS)
 
 
 def _speed(t: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
     return float(np.hypot(x[-1] - x[0], y[-1] - y[0]) / (t[-1] - t[0])) if len(t) > 1 else np.nan
-
-
-# The ship's place: inside its banks, and its antenna where it is said to be.
-# Of the times at which a hull may reach into a bank, by the noise of its position.
-ASHORE = 0.002
 
 
 def check_place(at: Examined) -> Iterator[Finding]:
@@ -124,11 +113,11 @@ def check_place(at: Examined) -> Iterator[Finding]:
     starboard, port = _room(at)
     beyond = np.fmax(motion["y"] + reach - starboard, reach - motion["y"] - port)
     share = float(np.nanmean(beyond > 0))
-    if not share > ASHORE:
+    if not share > settings.ASHORE:
         return
     worst = int(np.nanargmax(beyond))
     mirrored = np.fmax(reach - motion["y"] - starboard, motion["y"] + reach - port)
-    turned = float(np.nanmean(mirrored > 0)) <= ASHORE
+    turned = float(np.nanmean(mirrored > 0)) <= settings.ASHORE
     yield at.finding(
         "banks", f"the hull reaches {beyond[worst]:.3g} m into a bank at t = {motion.t[worst]:.6g} s, y = "
         f"{motion['y'][worst]:.4g} m, and {share:.1%} of the time into one",
@@ -147,23 +136,7 @@ def _room(at: Examined) -> tuple[np.ndarray, np.ndarray]:
     return here.width / 2 + here.middle, here.width / 2 - here.middle
 
 
-# Sizes that no ship has: a rudder beyond its gear, revolutions that no propeller makes, a speed beyond the hull's.
-# Of the gear's limit, which no rudder passes.
-BEYOND = 1.3
-
 DEGREE = np.pi / 180
-
-# Advance ratios J = U / (n D) between which a ship under way sails.
-ADVANCE = (0.08, 5.0)
-
-# Of a propeller over the draft, where the model does not say.
-DIAMETER = 0.65
-
-# Radians that no ship turns on the way of its own length.
-SHARPEST = 3.0
-
-# Froude number that no displacement ship reaches.
-FASTEST = 0.5
 
 
 def check_units(at: Examined) -> Iterator[Finding]:
@@ -176,7 +149,7 @@ def check_units(at: Examined) -> Iterator[Finding]:
 
 def _speed_units(at: Examined) -> Iterator[Finding]:
     froude = at.speed / np.sqrt(GRAVITY * at.length)
-    if froude > FASTEST:
+    if froude > settings.MOST_FROUDE:
         yield at.finding(
             "speed", f"at {at.speed:.3g} m/s a ship of {at.length:.4g} m has a Froude number of {froude:.2f}, which no "
             "displacement ship reaches",
@@ -189,9 +162,9 @@ def _rudder(at: Examined) -> Iterator[Finding]:
     if "rudder" not in at.record:
         return
     most, limit = float(np.quantile(np.abs(at.record["rudder"].values), 0.99)), at.model.configuration.gear.limit
-    if most <= BEYOND * limit:
+    if most <= settings.RUDDER_EXCESS * limit:
         return
-    degrees = most <= BEYOND * limit / DEGREE
+    degrees = most <= settings.RUDDER_EXCESS * limit / DEGREE
     yield at.finding(
         "rudder",
         f"the rudder reaches {np.degrees(most):.4g} deg, where the gear's limit is {np.degrees(limit):.3g} deg",
@@ -204,7 +177,7 @@ def _yaw_rate(at: Examined) -> Iterator[Finding]:
     if "r" not in at.record:
         return
     turns = float(np.quantile(np.abs(at.record["r"].values), 0.99)) * at.motion.pace
-    if turns > SHARPEST:
+    if turns > settings.MOST_TURN:
         yield at.finding(
             "yaw rate", f"the ship would turn by {np.degrees(turns):.3g} deg on the way of its own length",
             "r looks like degrees a second, or a minute, taken as radians a second: give its unit", {"turns": turns},
@@ -216,15 +189,22 @@ def _revolutions(at: Examined) -> Iterator[Finding]:
         return
     turns = float(np.median(np.abs(at.record["revolutions"].values)))
     propeller, ship = at.model.configuration.propeller, at.model.configuration.ship
-    diameter = propeller.diameter if propeller else DIAMETER * ship.draft
+    diameter = propeller.diameter if propeller else settings.DIAMETER * ship.draft
     if not turns > 0:
         return
     advance = at.speed / (turns * diameter)
-    if ADVANCE[0] <= advance <= ADVANCE[1]:
+    if settings.ADVANCE_RATIOS[0] <= advance <= settings.ADVANCE_RATIOS[1]:
         return
     causes = {60.0: "turns a minute taken as turns a second: head them 'revolutions [rpm]'",
               1 / 60: "turns a second taken as turns a minute: head them 'revolutions [1/s]'"}  # fmt: skip
-    cause = next((word for factor, word in causes.items() if ADVANCE[0] <= factor * advance <= ADVANCE[1]), None)
+    cause = next(
+        (
+            word
+            for factor, word in causes.items()
+            if settings.ADVANCE_RATIOS[0] <= factor * advance <= settings.ADVANCE_RATIOS[1]
+        ),
+        None,
+    )
     yield at.finding(
         "revolutions",
         f"at {turns:.4g} turns a second and {at.speed:.3g} m/s a propeller of {diameter:.3g} m has an advance ratio of "

@@ -18,33 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is wrong, or doubtful, with a record.
+    """Something that is wrong, or doubtful, with a record."""
 
-    Parameters
-    ----------
-    check : str
-        What was looked at, as in ``rudder's sign``.
-    record : str
-        Of which record.
-    sentence : str
-        What was seen, with its numbers.
-    remedy : str
-        What to do.
-    evidence : mapping of str to float
-        The numbers.
-    wrong : bool
-        Whether it must be mended before a fit; else it is to be looked at.
-    """
-
-    check: str
+    check: str  # What was looked at, as in ``rudder's sign``
     record: str
-    sentence: str
+    sentence: str  # What was seen, with its numbers
     remedy: str
     evidence: Mapping[str, float] = field(default_factory=dict)
-    wrong: bool = True
+    wrong: bool = True  # Whether it must be mended before a fit; else it is to be looked at
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
         return {
             "check": self.check, "record": self.record, "sentence": self.sentence, "remedy": self.remedy,
             "evidence": dict(self.evidence), "wrong": self.wrong,
@@ -68,11 +51,9 @@ class LogFindings(Shown):
     records: int
 
     def __len__(self) -> int:
-        """How many findings."""
         return len(self.findings)
 
     def __iter__(self) -> Iterator[Finding]:
-        """The findings."""
         return iter(self.findings)
 
     @property
@@ -132,8 +113,6 @@ class LogFindings(Shown):
 
 # A record as the checks take it: with the ship that it is of, and its motion at even times.
 class Examined(NamedTuple):
-    """A record that is looked at."""
-
     record: ShipRecord  # As it was measured
     motion: EvenMotion  # The same at even times
     model: Model  # Of the ship
@@ -141,18 +120,15 @@ class Examined(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Of the ship [m]."""
         return self.model.configuration.ship.length
 
     @property
     def speed(self) -> float:
-        """Usual one [m/s]."""
         return self.length / self.motion.pace
 
     def finding(
         self, check: str, sentence: str, remedy: str, evidence: Mapping[str, float], wrong: bool = True
     ) -> Finding:
-        """Return a finding of this record."""
         return Finding(
             check, self.record.name, sentence, remedy, {name: float(n) for name, n in evidence.items()}, wrong
         )

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from narrows.logbook import settings
 from narrows.logbook.checking.agreement import (
-    SURE,
     Estimates,
     EvenMotion,
     Factor,
@@ -18,16 +18,6 @@ from narrows.logbook.checking.agreement import (
 from narrows.logbook.checking.finding import Examined, Finding
 
 FULL_TURN = 2 * np.pi
-# Yaw rate beyond all ships', in radians a ship length.
-SHARPEST = 2.0
-# Standard deviations of a sensor's noise that no step reaches.
-NOISE = 8.0
-# A step of heading that a quiet compass may show.
-SMALL = np.radians(3.0)
-# Windows over which changes are compared, in times for a ship length: the one that tells most is taken.
-LENGTHS = (0.25, 0.5, 1.0, 2.0)
-# By which factor a yaw rate may be off the heading's change, and the track's turn, which drifts, off the heading's.
-SLACK, LOOSE = 1.25, 2.0
 DEGREES = 180 / np.pi
 # Causes of a factor between the heading's change and the integral of the yaw rate.
 RATES = {
@@ -35,10 +25,6 @@ RATES = {
     "psi counts degrees": DEGREES, "r is 60 times too small": 60.0,
 }  # fmt: skip
 TURNED = '{} counts to port: turn its sign ([positive] {} = "port")'
-# Times the compass's noise that a change of heading is, where a yaw rate must show it.
-CLEAR = 5.0
-# Of such a change that a yaw rate shows at least.
-SHOWN = 0.5
 
 
 def check_heading(at: Examined) -> Iterator[Finding]:
@@ -56,7 +42,9 @@ def _steps(at: Examined) -> tuple[np.ndarray, np.ndarray]:
     psi = at.record["psi"]
     steps = np.diff(psi.values)
     noise = 1.4826 * np.median(np.abs(np.diff(steps))) / np.sqrt(6.0) if len(steps) > 2 else 0.0
-    return steps, SHARPEST * np.diff(psi.t) / at.motion.pace + NOISE * noise + SMALL
+    return steps, settings.MOST_YAW_RATE * np.diff(
+        psi.t
+    ) / at.motion.pace + settings.NOISE_FACTOR * noise + settings.COMPASS_STEP
 
 
 def _wraps(at: Examined) -> Iterator[Finding]:
@@ -87,10 +75,10 @@ def _jumps(at: Examined) -> Iterator[Finding]:
 def _signs_and_units(at: Examined) -> Iterator[Finding]:
     """Heading beside yaw rate and track: what disagrees with both others is wrong."""
     motion = at.motion
-    track = _best(_of_track(motion, lengths) for lengths in LENGTHS[1:])
-    rate = _best(_of_rate(motion, lengths) for lengths in LENGTHS) if "r" in motion else None
-    off_track = track is not None and track.told and not track.holds(1.0, LOOSE)
-    off_rate = rate is not None and rate.told and not rate.holds(1.0, SLACK)
+    track = _best(_of_track(motion, lengths) for lengths in settings.HEADING_WINDOWS[1:])
+    rate = _best(_of_rate(motion, lengths) for lengths in settings.HEADING_WINDOWS) if "r" in motion else None
+    off_track = track is not None and track.told and not track.holds(1.0, settings.TRACK_SLACK)
+    off_rate = rate is not None and rate.told and not rate.holds(1.0, settings.RATE_SLACK)
     if rate is not None and off_rate:
         yield _beside_rate(at, rate, "psi" if off_track else "r")
     elif track is not None and off_track:
@@ -103,10 +91,10 @@ def _no_yaw_rate(at: Examined) -> Iterator[Finding]:
     if "r" not in motion:
         return
     turned = changes(motion.heading, motion.windows(1.0))
-    if not np.isfinite(turned).any() or not np.nanstd(turned) > CLEAR * _noise(motion["psi"]):
+    if not np.isfinite(turned).any() or not np.nanstd(turned) > settings.CLEAR_OF_NOISE * _noise(motion["psi"]):
         return
     shown = _shown(motion, 1.0)
-    if shown and shown.values[0] + SURE * shown.errors[0] < SHOWN:
+    if shown and shown.values[0] + settings.SURE * shown.errors[0] < settings.LEAST_SHOWN:
         share, error = shown.values[0], 1.96 * shown.errors[0]
         yield at.finding(
             "yaw rate",
@@ -120,7 +108,7 @@ def rate_shown(at: Examined) -> Estimates | None:
     motion = at.motion
     if "r" not in motion or "psi" not in motion:
         return None
-    shown = (_shown(motion, lengths) for lengths in LENGTHS)
+    shown = (_shown(motion, lengths) for lengths in settings.HEADING_WINDOWS)
     return min(filter(None, shown), key=lambda told: told.errors[0], default=None)
 
 
@@ -137,7 +125,7 @@ def judge_yaw_rates(shown: list[tuple[float, float]], record: str) -> Iterator[F
     if (told := pooled(shown)) is None:
         return
     share, error, records = told
-    if share + SURE * error < 0:
+    if share + settings.SURE * error < 0:
         seen = f"the yaw rate shows {share:.2f} +- {1.96 * error:.2f} of the heading's changes, by {records} records"
         evidence = {"shown": share, "error": error, "records": float(records)}
         yield Finding("yaw rate", record, seen, TURNED.format("r", "r"), evidence)
@@ -184,11 +172,9 @@ def _of_track(motion: EvenMotion, lengths: float) -> Factor:
 
 
 def _best(factors: Iterator[Factor]) -> Factor | None:
-    """The factor that is told best."""
     enough = [factor for factor in factors if np.isfinite(factor.low)]
     return max(enough, key=lambda factor: abs(factor.correlation) * np.sqrt(factor.windows), default=None)
 
 
 def _noise(values: np.ndarray) -> float:
-    """Standard deviation of what is not smooth."""
     return float(1.4826 * np.nanmedian(np.abs(np.diff(values, 2))) / np.sqrt(6.0))

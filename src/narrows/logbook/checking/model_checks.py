@@ -6,18 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.control.self_propulsion import self_propulsion
-from narrows.logbook.checking.agreement import SURE, Estimates, changes, least_squares, pooled
+from narrows.logbook import settings
+from narrows.logbook.checking.agreement import Estimates, changes, least_squares, pooled
 from narrows.logbook.checking.finding import Examined, Finding
 from narrows.simulation.derivative import derivative
-
-# Windows over which the rudder's effect is sought, in times for a ship length.
-LENGTHS = (0.5, 1.0)
-
-# Of a ship length, by which a model's drift in turns may put the antenna wrong.
-AMIDSHIPS = 0.2
-
-# Times what the model says that a rudder's effect is, in which it is one of another sign or unit.
-WEAK, STRONG = 0.25, 5.0
 
 
 class ModelRates(NamedTuple):
@@ -30,7 +22,6 @@ class ModelRates(NamedTuple):
 
     def acceleration(self, place: int, v: np.ndarray | None = None, rudder: float = 1.0) -> np.ndarray:
         """Return an acceleration where it is known, of v, [m/s2], or of r, [rad/s2]."""
-        # v [m/s]
         positions: dict[str, Any] = {**self.positions, "rudder": rudder * self.positions["rudder"]}
         state = self.state if v is None else {**self.state, "v": v}
         rates: np.ndarray = derivative(self.at.model.in_open_water(), state, **positions)[place]
@@ -44,9 +35,13 @@ class ModelRates(NamedTuple):
 
     def sway(self) -> np.ndarray:
         """Return the sway velocity through the water that the model says to go with yaw rate and rudder [m/s]."""
-        v, small, most = np.zeros(self.known.sum()), SMALL * self.at.speed, LARGEST * self.at.speed
+        v, small, most = (
+            np.zeros(self.known.sum()),
+            settings.SWAY_DIFFERENCE * self.at.speed,
+            settings.SWAY_STEP * self.at.speed,
+        )
         slope = np.full(len(v), -1.0)
-        for _ in range(ROUNDS):
+        for _ in range(settings.SWAY_ROUNDS):
             slope = (self.acceleration(4, v + small) - self.acceleration(4, v - small)) / (2 * small)
             slope = np.minimum(slope, -1e-3 / self.at.motion.pace)
             v = v - np.clip(self.acceleration(4, v) / slope, -most, most)
@@ -59,7 +54,7 @@ def rudder_effect(at: Examined, rates: ModelRates) -> Estimates | None:
     effect, rest = rates.whole(rates.acceleration(5) - without), rates.whole(without)
     turning = rates.whole(rates.state["r"])
     found = []
-    for lengths in LENGTHS:
+    for lengths in settings.RUDDER_WINDOWS:
         windows = motion.windows(lengths)
         expected = motion.integrals(effect, windows)
         change = changes(turning, windows) - motion.integrals(rest, windows)
@@ -76,10 +71,10 @@ def judge_rudder(effects: list[tuple[float, float]], record: str) -> Iterator[Fi
     effect, error, records = told
     evidence = {"effect": effect, "error": error, "records": float(records)}
     seen = f"the rudder turns the ship by {effect:.2f} +- {1.96 * error:.2f} times what the model says"
-    if effect + SURE * error < -WEAK:
+    if effect + settings.SURE * error < -settings.LEAST_EFFECT:
         remedy = 'turn its sign ([positive] rudder = "port"): positive turns the bow to starboard'
         yield Finding("rudder's sign", record, seen, remedy, evidence)
-    elif effect - SURE * error > STRONG:
+    elif effect - settings.SURE * error > settings.MOST_EFFECT:
         yield Finding("rudder's unit", record, seen, "it looks like radians taken as degrees: check its unit", evidence)
 
 
@@ -89,7 +84,7 @@ def check_antenna(at: Examined, rates: ModelRates) -> Iterator[Finding]:
     if found is None:
         return
     forward, error, said = found.values[0], found.errors[0], at.record.antenna[0]
-    if abs(forward - said) > AMIDSHIPS * at.length + SURE * error:
+    if abs(forward - said) > settings.ANTENNA_TOLERANCE * at.length + settings.SURE * error:
         where = "forward" if forward > 0 else "aft"
         yield at.finding(
             "antenna", f"in turns the position swings as that of a point {abs(forward):.3g} +- {1.96 * error:.2g} m "
@@ -118,17 +113,6 @@ def _stacked(column: np.ndarray) -> np.ndarray:
     return np.concatenate([column.real, column.imag])
 
 
-# What the model says that rudder and motion of a record do to it.
-# Of Newton's method for the sway velocity that stays.
-ROUNDS = 6
-
-# Of the speed: a step of that, at most.
-LARGEST = 0.3
-
-# Of the speed, by which the slope of the sway force is measured.
-SMALL = 0.02
-
-
 def _lagging(aim: np.ndarray, share: np.ndarray) -> np.ndarray:
     """A column that makes up a share of what it lags behind at each step."""
     lagging, here = np.empty(len(aim)), aim[0] if len(aim) else 0.0
@@ -139,7 +123,6 @@ def _lagging(aim: np.ndarray, share: np.ndarray) -> np.ndarray:
 
 
 def model_rates(at: Examined) -> ModelRates | None:
-    """Return what the model says of a record; None where one of them tells too little."""
     motion, turning = at.motion, at.turning
     steered = any(own.name == "rudder" for own in at.model.terms.actuators)
     if turning is None or "rudder" not in motion or not steered or not np.isfinite(motion.position).any():

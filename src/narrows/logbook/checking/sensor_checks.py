@@ -4,34 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from narrows.logbook.checking.agreement import SURE, Estimates, changes, least_squares
+from narrows.logbook import settings
+from narrows.logbook.checking.agreement import Estimates, changes, least_squares
 from narrows.logbook.checking.finding import Examined, Finding
 from narrows.logbook.ship_record import Signal
 
-# A change of heading that a quiet compass may fail to show.
-SMALL = np.radians(3.0)
-
-# Steps, and times for a ship length, over which a sensor that is well does not say the same.
-STUCK_STEPS, STUCK_LENGTHS = 8, 0.3
-
-# Of a ship length: a way that any position shows.
-A_MOVE = 0.2
-
-# Of the time for a ship length, between values of a rudder: a helmsman moves it more often.
-SELDOM = 0.2
-
-# A rudder that moves less never moves.
-STILL = np.radians(0.2)
-
-# A change of heading over the way of a ship length, and how many to either side a rudder at rest does not explain.
-A_TURN, SWINGS = np.radians(2.0), 2
-
-# Times for a ship length that a helmsman may leave the rudder alone, and between banks.
-LONG, CONFINED = 3.0, 10.0
-
 
 def check_sensors(at: Examined) -> Iterator[Finding]:
-    """Yield what is wrong with single sensors."""
     yield from _missing(at)
     yield from _stuck(at)
     yield from _seldom(at)
@@ -55,7 +34,7 @@ def _seldom(at: Examined) -> Iterator[Finding]:
         return
     rudder = at.record["rudder"]
     lengths, moves = rudder.step / at.motion.pace, float(np.std(np.diff(rudder.values)))
-    if lengths > SELDOM and moves > STILL:
+    if lengths > settings.SELDOM and moves > settings.STILL:
         yield at.finding(
             "sampling",
             f"the rudder is told every {rudder.step:.3g} s only, in which the ship makes {lengths:.2g} of its length: "
@@ -71,7 +50,7 @@ def _stuck(at: Examined) -> Iterator[Finding]:
         signal = at.record[name]
         start, stop = longest_run(signal.values)
         lasting = float(signal.t[stop] - signal.t[start])
-        if stop - start < STUCK_STEPS or lasting < STUCK_LENGTHS * at.motion.pace:
+        if stop - start < settings.STUCK_STEPS or lasting < settings.STUCK_LENGTHS * at.motion.pace:
             continue
         begin, end = float(signal.t[start]), float(signal.t[stop])
         if evidence := _contradiction(at, name, begin, end):
@@ -86,7 +65,7 @@ def _contradiction(at: Examined, name: str, begin: float, end: float) -> str:
     if name == "x":
         way = at.speed * (end - begin)
         still = "y" in at.record and np.ptp(at.record["y"].between(begin, end).values) == 0
-        return f"the ship made some {way:.3g} m" if still and way > A_MOVE * at.length else ""
+        return f"the ship made some {way:.3g} m" if still and way > settings.LEAST_MOVE * at.length else ""
     other = "psi" if name == "r" else "r"
     if other not in at.record or len(seen := at.record[other].between(begin, end)) < 3:
         return ""
@@ -94,7 +73,11 @@ def _contradiction(at: Examined, name: str, begin: float, end: float) -> str:
     rate = at.record["r"].values[np.searchsorted(at.record["r"].t, begin)] if name == "r" else 0.0
     turned = float(np.ptp(angle - rate * (seen.t - begin)))
     grain = _grain(at.record[name]) * ((end - begin) if name == "r" else 1.0)
-    return f"the ship turned by {np.degrees(turned):.3g} deg more by {other}" if turned > SMALL + grain else ""
+    return (
+        f"the ship turned by {np.degrees(turned):.3g} deg more by {other}"
+        if turned > settings.COMPASS_STEP + grain
+        else ""
+    )
 
 
 def _integral(signal: Signal) -> np.ndarray:
@@ -102,7 +85,6 @@ def _integral(signal: Signal) -> np.ndarray:
 
 
 def _grain(signal: Signal) -> float:
-    """Least step that a sensor shows."""
     steps = np.abs(np.diff(signal.values))
     return float(steps[steps > 0].min()) if (steps > 0).any() else 0.0
 
@@ -113,12 +95,14 @@ def check_rudder_moves(at: Examined) -> Iterator[Finding]:
         return
     rudder = at.record["rudder"]
     start, stop = longest_run(rudder.values)
-    still = np.ptp(rudder.values) < STILL
+    still = np.ptp(rudder.values) < settings.STILL
     begin, end = (rudder.t[0], rudder.t[-1]) if still else (rudder.t[start], rudder.t[stop])
     lengths = float(end - begin) / at.motion.pace
     swings = _swings(at, begin, end)
     confined = at.waterway is not None or at.model.feels_bank
-    if lengths > LONG and (swings >= SWINGS or (confined and lengths > CONFINED)):
+    if lengths > settings.RUDDER_REST and (
+        swings >= settings.SWINGS or (confined and lengths > settings.RUDDER_REST_BETWEEN_BANKS)
+    ):
         how = "never moves" if still else f"stays where it is from t = {begin:.6g} s on"
         yield at.finding(
             "rudder", f"the rudder {how} for {lengths:.3g} ship lengths, while the ship swings {swings} times",
@@ -132,7 +116,7 @@ def _swings(at: Examined, begin: float, end: float) -> int:
     first, last = at.motion.windows(1.0)
     inside = (at.motion.t[first] >= begin) & (at.motion.t[last] <= end)
     turned = changes(at.motion.heading, (first[inside], last[inside]))
-    sides = np.sign(turned[np.abs(turned) > A_TURN])
+    sides = np.sign(turned[np.abs(turned) > settings.LEAST_TURN])
     return int((np.diff(sides) != 0).sum())
 
 
@@ -143,13 +127,6 @@ def longest_run(values: np.ndarray) -> tuple[int, int]:
     longest = int(np.argmax(np.diff(edges)))
     return int(edges[longest]), int(edges[longest + 1]) - 1
 
-
-# The wind: steady on the map, whatever the ship does; else its sign, its axes or the ship's own wind are wrong.
-# Of the ship's velocity that a wind over ground must not hold.
-HALF = 0.5
-
-# By which factor a wind must be steadier when it is told from the bow.
-BETTER = 3.0
 
 # Of how many times the ship's velocity it holds.
 CAUSES = {
@@ -170,7 +147,7 @@ def check_wind(at: Examined) -> Iterator[Finding]:
     if told is None or by_bow is None:
         return
     (share, unsteady), (_, unsteady_by_bow) = told, by_bow
-    if unsteady > BETTER * unsteady_by_bow:
+    if unsteady > settings.WIND_STEADIER * unsteady_by_bow:
         yield at.finding(
             "wind",
             f"the wind varies by {unsteady:.3g} m/s on the map, by {unsteady_by_bow:.2g} m/s if told from the bow",
@@ -178,7 +155,7 @@ def check_wind(at: Examined) -> Iterator[Finding]:
         )  # fmt: skip
         return
     held, error = share.values[0], share.errors[0]
-    if abs(held) > HALF + SURE * error:
+    if abs(held) > settings.WIND_SHARE + settings.SURE * error:
         nearest = min(CAUSES, key=lambda cause: abs(cause - held))
         yield at.finding(
             "wind", f"the wind holds {held:.2f} +- {1.96 * error:.2f} times the ship's own velocity", CAUSES[nearest],

@@ -4,32 +4,16 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from narrows.logbook import settings
 from narrows.logbook.checking.agreement import Turned, changes, factor_of, nearest, turned_of
 from narrows.logbook.checking.finding import Examined, Finding
 from narrows.quantities.names import KNOT
 
-# Of the windows, in times for a ship length.
-LENGTHS = 1.0
-# By which factor another reading of the velocities must leave less over.
-BETTER = 3.0
-# By which factor two readings leave as much over.
-ALIKE = 1.2
-# Of the way that must be left over, before another reading is looked for.
-LEAST = 0.015
-# By which factor a speed over ground may be off.
-STRETCH = 1.15
-# Of the ship's speed: a current beyond is another unit.
-CURRENT = 0.6
-# By which angle velocities may be turned, of a compass or an antenna that is not aligned; and what none is.
-TURN, WRONG_TURN = np.radians(5.0), np.radians(20.0)
-# Of the way: what is left over where nothing agrees.
-MUCH = 0.3
 # The way over what its speed says, where that is in another unit.
 UNITS = {"knots": KNOT, "kilometres an hour": 1 / 3.6, "metres a second read as knots": 1 / KNOT}
 
 
 def check_velocities(at: Examined) -> Iterator[Finding]:
-    """Yield where speeds disagree with the positions."""
     if not np.isfinite(at.motion.position).any():
         return
     yield from _over_ground(at)
@@ -39,7 +23,7 @@ def check_velocities(at: Examined) -> Iterator[Finding]:
 
 def _ways(at: Examined, velocities: Mapping[str, np.ndarray]) -> dict[str, Turned]:
     """How the way made good agrees with velocities on the map, by how these are read."""
-    windows = at.motion.windows(LENGTHS)
+    windows = at.motion.windows(settings.VELOCITY_WINDOW)
     way = changes(at.motion.position, windows)
     found = {name: turned_of(way, at.motion.integrals(column, windows)) for name, column in velocities.items()}
     return {name: turned for name, turned in found.items() if turned is not None}
@@ -87,30 +71,30 @@ def _read_otherwise(at: Examined, check: str, what: str, ways: Mapping[str, Turn
         return
     told, best = ways[""], min(ways, key=lambda name: ways[name].apart)
     evidence = {"apart": told.apart, "stretch": told.stretch, "turn_deg": np.degrees(told.turn)}
-    if told.apart > LEAST and told.apart > BETTER * ways[best].apart:
-        alike = [name for name, way in ways.items() if way.apart < ALIKE * ways[best].apart]
+    if told.apart > settings.UNEXPLAINED and told.apart > settings.READING_BETTER * ways[best].apart:
+        alike = [name for name, way in ways.items() if way.apart < settings.READING_ALIKE * ways[best].apart]
         yield at.finding(
             check, f"{what} leave {told.apart:.1%} of the way made good unexplained, {ways[best].apart:.1%} if read "
             "otherwise",
             ", or ".join(alike), {**evidence, "apart_otherwise": ways[best].apart},
         )  # fmt: skip
         told = ways[best]
-    elif told.apart > MUCH:
+    elif told.apart > settings.DISAGREEMENT:
         yield at.finding(
             check, f"{what} leave {told.apart:.0%} of the way made good unexplained", "look for other columns", evidence
         )
         return
     yield from _stretched(at, check, what, told)
-    if abs(told.turn) > TURN + 4 * told.error:
+    if abs(told.turn) > settings.MISALIGNED + 4 * told.error:
         yield at.finding(
             check, f"the way made good is {np.degrees(told.turn):.3g} deg off what {what} say",
             "check where headings are measured from, the compass's zero and the signs of the velocities", evidence,
-            wrong=abs(told.turn) > WRONG_TURN,
+            wrong=abs(told.turn) > settings.WRONG_TURN,
         )  # fmt: skip
 
 
 def _stretched(at: Examined, check: str, what: str, told: Turned) -> Iterator[Finding]:
-    if not abs(np.log(told.stretch)) > np.log(STRETCH) + 4 * told.error:
+    if not abs(np.log(told.stretch)) > np.log(settings.SPEED_SLACK) + 4 * told.error:
         return
     unit = nearest(told.stretch, UNITS)
     yield at.finding(
@@ -124,13 +108,13 @@ def _through_water(at: Examined) -> Iterator[Finding]:
     motion = at.motion
     if "psi" not in motion or "u" not in motion:
         return
-    windows = motion.windows(LENGTHS)
+    windows = motion.windows(settings.VELOCITY_WINDOW)
     ground = np.gradient(motion.position, motion.dt) * np.exp(-1j * motion.heading)
     known = np.isfinite(ground.real + motion["u"])
     if not known.any():
         return
     mean, through = float(np.mean(ground.real[known])), float(np.mean(motion["u"][known]))
-    if through != 0 and abs(mean - through) > CURRENT * abs(mean):
+    if through != 0 and abs(mean - through) > settings.MOST_CURRENT * abs(mean):
         unit = nearest(mean / through, UNITS, 1.25)
         yield at.finding(
             "speed through the water", f"the mean of u is {through:.3g} m/s, and {mean:.3g} m/s over ground",

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from narrows.logbook.learned_coefficient import learned_coefficients
-from narrows.logbook.learned_model import learned_model
+from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.granted import said_granted
 from narrows.logbook.learning.grid_source import GridSource
 from narrows.logbook.learning.log_fit import Gusts, LogFit

@@ -1,33 +1,56 @@
 """Rows of a log in SI: time, whose record each is, and columns with NaN where nothing was measured."""
 
+import math
+import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError
-from narrows.logbook.reading.log_columns import ABSENT, QUANTITIES, VOCABULARY, LogMapping, renamed
+from narrows.errors import InputError, did_you_mean, shown
+from narrows.logbook.settings import MOST_ROWS
+from narrows.logbook.ship_record import SIGNALS
+from narrows.quantities.names import KNOT, Quantity
 from narrows.readers import cells
-from narrows.readers.headers import recognised_in
+from narrows.readers.headers import DEGREE, Vocabulary, recognised_in
+from narrows.readers.mapping import ColumnMapping
+from narrows.ship.ship_file import load_toml
 
 # Degrees that a place on earth has at most.
 EARTH = {"latitude": 90.0, "longitude": 360.0}
 
 
 class LogRows(NamedTuple):
-    """Rows of a log."""
-
     t: np.ndarray  # (rows,) Time, as it came [s]
     record: np.ndarray  # (rows,) Whose each row is; empty where the log does not say
     columns: dict[str, np.ndarray]  # (rows,) In SI
 
 
-class RowReader:
-    """Brings pieces of one table to rows, one after the other."""
+@dataclass(frozen=True)
+class LogMapping:
+    columns: ColumnMapping = field(default_factory=ColumnMapping)  # Names, units and signs
+    # By how much a column was reported later than it was measured [s]
+    late: Mapping[str, float] = field(default_factory=dict)
+    antenna: tuple[float, float] = (0.0, 0.0)  # Of the position: forward and to starboard of midship [m]
+    condition: Mapping[str, float] = field(default_factory=dict)  # Of the loading, as in ``{"draft": 10.2}``
 
+    def __post_init__(self) -> None:
+        for name in self.late:
+            if name not in QUANTITIES:
+                raise InputError(f"late: there is no column {name!r}{did_you_mean(str(name), QUANTITIES)}")
+        _check_numbers("late", self.late)
+        _check_numbers("condition", self.condition)
+        if len(self.antenna) != len(ANTENNA):
+            raise InputError(f"an antenna = {shown(self.antenna)} is no place; give metres forward and to starboard")
+        _check_numbers("antenna", dict(zip(ANTENNA, self.antenna, strict=True)))
+
+
+class RowReader:
     def __init__(self, table: str, mapping: LogMapping) -> None:
         self.table, self.mapping = table, mapping
         self.notes: tuple[str, ...] = ()
@@ -35,7 +58,6 @@ class RowReader:
         self.absent: Counter[str] = Counter()
 
     def rows(self, raw: pd.DataFrame) -> LogRows:
-        """Return a piece in SI."""
         frame, notes = self.mapping.columns.applied(renamed(raw), self.table, VOCABULARY)
         self.notes = notes
         recognised = recognised_in(frame, QUANTITIES, self.table)
@@ -52,7 +74,6 @@ class RowReader:
         return LogRows(t, record, {name: self._measured(name, column) for name, column in columns.items()})
 
     def told(self) -> tuple[str, ...]:
-        """What there is to say of the rows that were read."""
         begin = (f"t counts from {self.begin.isoformat()}",) if self.begin is not None else ()
         absent = [f"{count} of {name} stand for none and were left out" for name, count in self.absent.items()]
         return (*self.notes, *begin, *absent)
@@ -88,22 +109,13 @@ class RowReader:
         return np.where(none, np.nan, column) if none.any() else column
 
 
-# Rows of a log to records: by their column, or where nothing came for long; none longer than memory likes.
-# Of a record: a longer one goes on in another, so that memory does not grow with the log.
-MOST_ROWS = 500_000
-
-
 class RawRecord(NamedTuple):
-    """The rows of one record."""
-
     name: str  # Of it
     t: np.ndarray  # (rows,) Time, as it came [s]
     columns: dict[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
 
 
 class RecordSplit:
-    """Cuts rows into records as they come."""
-
     def __init__(self, table: str, stem: str, gap: float) -> None:
         self.table, self.stem, self.gap = table, stem, gap
         self.names: list[str] = []
@@ -141,7 +153,6 @@ class RecordSplit:
             yield LogRows(piece.t[start:stop], piece.record[start:stop], columns), bool(other[start])
 
     def _finished(self) -> RawRecord:
-        """Put what is held together."""
         held, self._held = self._held, []
         name = self._named(_label(held[0]))
         names = dict.fromkeys(name for part in held for name in part.columns)
@@ -162,3 +173,103 @@ def _label(rows: LogRows) -> str:
 
 def _column(rows: LogRows, name: str) -> np.ndarray:
     return rows.columns.get(name, np.full(len(rows.t), np.nan))
+
+
+# What is told by the map, and is brought to the axes of the waterway or of the record.
+ON_EARTH = {
+    "longitude": Quantity("deg", "longitude of the antenna, WGS84"),
+    "latitude": Quantity("deg", "latitude of the antenna, WGS84"),
+    "east": Quantity("m", "antenna east of the origin of the map"),
+    "north": Quantity("m", "antenna north of the origin of the map"),
+    "heading": Quantity("rad", "heading, clockwise from true north"),
+    "course_over_ground": Quantity("rad", "course over ground, clockwise from true north"),
+    "east_rate": Quantity("m/s", "velocity over ground to the east"),
+    "north_rate": Quantity("m/s", "velocity over ground to the north"),
+    "wind_from": Quantity("rad", "where the wind comes from, clockwise from true north"),
+}
+
+IN_FIXED_AXES = {
+    "x_rate": Quantity("m/s", "velocity over ground along the axis of x"),
+    "y_rate": Quantity("m/s", "velocity over ground along the axis of y"),
+}
+
+FROM_THE_SHIP = {
+    "apparent_wind_speed": Quantity("m/s", "speed of the wind as felt on board"),
+    "apparent_wind_angle": Quantity("rad", "where it comes from, clockwise from the bow"),
+}
+
+QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES, **FROM_THE_SHIP}
+# Columns of words: the manoeuvre or transit; date and time where there is no ``t``.
+LABELS = ("record", "time")
+VOCABULARY = Vocabulary(QUANTITIES, LABELS, blanks=True)
+
+# What logs often call a column, in any case of letters; units stand in the header as ever.
+ALIASES = {
+    "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time",
+    "lat": "latitude", "lon": "longitude", "lng": "longitude", "hdg": "heading", "hdt": "heading",
+    "sog": "speed_over_ground", "cog": "course_over_ground", "rot": "r", "stw": "u",
+}  # fmt: skip
+
+# Numbers by which AIS says that it has none (ITU-R M.1371), as they stand and in SI.
+ABSENT = {
+    "longitude": (181.0,), "latitude": (91.0,), "heading": (511.0, 511.0 * DEGREE),
+    "course_over_ground": (360.0, 360.0 * DEGREE), "speed_over_ground": (102.3, 102.3 * KNOT),
+    "r": (-128.0, -128.0 * DEGREE / 60),
+}  # fmt: skip
+
+
+def renamed(frame: pd.DataFrame) -> pd.DataFrame:
+    headers = [str(header) for header in frame.columns]
+    return frame.rename(columns={old: new for old in headers if (new := _documented(old)) and new not in headers})
+
+
+def _documented(header: str) -> str | None:
+    match = re.fullmatch(r"([A-Za-z]+)(\s*[\[(].*[\])]|_[a-z]+)?", header.strip())
+    name = ALIASES.get(match[1].lower()) if match else None
+    return None if match is None or name is None else name + (match[2] or "")
+
+
+OF_COLUMNS = ("columns", "units", "positive")
+ANTENNA = ("forward", "starboard")
+
+
+def log_mapping(
+    mapping: str | Path | Mapping[str, Any] | None, units: Mapping[str, str] | None = None,
+    late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
+    condition: Mapping[str, float] | None = None,
+) -> LogMapping:  # fmt: skip
+    """Read how a log is to be understood; what is given beside a file goes before what is in it."""
+    tables, name = _tables(mapping)
+    parts = {section: tables.get(section, {}) for section in OF_COLUMNS}
+    columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)
+    return LogMapping(
+        columns,
+        {**tables.get("late", {}), **(late or {})},
+        _antenna(tables.get("antenna", {}), name) if antenna is None else antenna,
+        {**tables.get("condition", {}), **(condition or {})},
+    )
+
+
+def _tables(mapping: str | Path | Mapping[str, Any] | None) -> tuple[Mapping[str, Any], str]:
+    tables = {} if mapping is None else mapping if isinstance(mapping, Mapping) else load_toml(mapping)
+    name = Path(mapping).name if isinstance(mapping, str | Path) else "the mapping"
+    sections = (*OF_COLUMNS, *(own.name for own in fields(LogMapping)[1:]))
+    for section, table in tables.items():
+        if section not in sections:
+            raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), sections)}")
+        if not isinstance(table, Mapping):
+            raise InputError(f"{name}: {section} = {shown(table)} is no section; write [{section}] and keys below it")
+    return tables, name
+
+
+def _antenna(table: Mapping[str, float], name: str) -> tuple[float, float]:
+    for key in table:
+        if key not in ANTENNA:
+            raise InputError(f"{name}: [antenna] has no {key!r}{did_you_mean(str(key), ANTENNA)}")
+    return table.get("forward", 0.0), table.get("starboard", 0.0)
+
+
+def _check_numbers(what: str, values: Mapping[str, object]) -> None:
+    for name, value in values.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise InputError(f"{what}: {name} = {shown(value)} is no number; give one")

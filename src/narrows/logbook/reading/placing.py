@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.reading.log_columns import LogMapping
-from narrows.logbook.reading.log_rows import RawRecord
+from narrows.logbook.reading.log_rows import LogMapping, RawRecord
+from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_record import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.waterway import Waterway
 from narrows.waterway.centreline import projected
@@ -15,15 +15,10 @@ from narrows.waterway.centreline import projected
 # Directions from north, for those from the axes of the record.
 BY_MAP = {"psi": "heading", "course": "course_over_ground", "wind_direction": "wind_from"}
 JUMPING = (*TURNING, *BY_MAP.values())
-# Between two headings [s], over which they are still joined.
-LONGEST = 10.0
-
 Signals = dict[str, Signal]
 
 
 class Fixes(NamedTuple):
-    """Positions by the map."""
-
     t: np.ndarray  # (n,) When [s]
     positions: np.ndarray  # (n, 2) East and north; in a plane without a waterway x is north [m]
 
@@ -48,21 +43,17 @@ class RawSignals(NamedTuple):
         return _once(t, [np.unwrap(column) if name in JUMPING else column for name, column in told.items()])
 
     def signal(self, name: str) -> Signal | None:
-        """Return one column."""
         return _smoothly(name, Signal(*measured)) if (measured := self.together(name)) else None
 
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """Where records are put, and what is known of their sensors."""
-
     table: str  # The file, for sentences
     # What is late, where the antenna stands, how the ship is loaded
     mapping: LogMapping = field(default_factory=LogMapping)
     waterway: Waterway | None = None  # Along which to tell where the ship is; a plane where there is none
 
     def record(self, raw: RawRecord) -> ShipRecord:
-        """Return a record in the package's axes."""
         told, antenna = RawSignals(raw, dict(self.mapping.late)), self.mapping.antenna
         signals = {name: signal for name in SIGNALS if (signal := told.signal(name)) is not None}
         fixes = self._fixes(told, any(antenna))
@@ -129,8 +120,7 @@ class Placing:
         return found
 
     def _at_midship(self, fixes: Fixes, signals: Signals, antenna: tuple[float, float]) -> Fixes:
-        """Positions of midship, where the heading is known."""
-        heading = signals["psi"].at(fixes.t, LONGEST) + self._axis(fixes.t, signals)
+        heading = signals["psi"].at(fixes.t, HEADING_GAP) + self._axis(fixes.t, signals)
         known = np.isfinite(heading)
         ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
         starboard = np.stack([ahead[:, 1], -ahead[:, 0]], axis=1)
@@ -146,9 +136,9 @@ class Placing:
         if "psi" not in signals:
             raise InputError(f"{self.table}: velocities in fixed axes need the heading; give psi, or heading")
         t, north, east = measured
-        angle = signals["psi"].at(t, LONGEST) + (0.0 if by_axes else self._axis(t, signals))
+        angle = signals["psi"].at(t, HEADING_GAP) + (0.0 if by_axes else self._axis(t, signals))
         forward, starboard = self.mapping.antenna
-        turn = signals["r"].at(t, LONGEST) if "r" in signals and (forward or starboard) else np.zeros(len(t))
+        turn = signals["r"].at(t, HEADING_GAP) if "r" in signals and (forward or starboard) else np.zeros(len(t))
         u = north * np.cos(angle) + east * np.sin(angle) + starboard * turn
         v = east * np.cos(angle) - north * np.sin(angle) - forward * turn
         known = np.isfinite(u)
@@ -161,9 +151,9 @@ def _true_wind(told: RawSignals, record: ShipRecord) -> Signals:
     if measured is None or moving is None or "psi" not in record or "wind_speed" in record:
         return {}
     t, speed, angle = measured
-    ahead = moving[0].at(t, LONGEST) - speed * np.cos(angle)
-    aside = moving[1].at(t, LONGEST) - speed * np.sin(angle)
-    direction = np.arctan2(-aside, -ahead) + record["psi"].at(t, LONGEST)
+    ahead = moving[0].at(t, HEADING_GAP) - speed * np.cos(angle)
+    aside = moving[1].at(t, HEADING_GAP) - speed * np.sin(angle)
+    direction = np.arctan2(-aside, -ahead) + record["psi"].at(t, HEADING_GAP)
     known = np.isfinite(direction)
     return {
         "wind_speed": Signal(t[known], np.hypot(ahead, aside)[known]),

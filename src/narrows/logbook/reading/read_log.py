@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from narrows.errors import InputError, check_count
-from narrows.logbook.reading.log_columns import LogMapping, log_mapping
-from narrows.logbook.reading.log_rows import RawRecord, RecordSplit, RowReader
+from narrows.logbook.reading.log_rows import LogMapping, RawRecord, RecordSplit, RowReader, log_mapping
 from narrows.logbook.reading.placing import Placing
+from narrows.logbook.settings import PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
 from narrows.readers.cells import as_sheet, name_of
@@ -20,15 +20,12 @@ from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
 from narrows.readers.nmea.nmea_recording import NmeaTable, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
-# Without a row [s], after which another record begins.
-GAP = 300.0
-
 
 def read_log(
     log: Any, waterway: Waterway | str | Path | None = None,
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
     late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
-    condition: Mapping[str, float] | None = None, gap: float = GAP, mmsi: int | None = None,
+    condition: Mapping[str, float] | None = None, gap: float = RECORD_GAP, mmsi: int | None = None,
 ) -> ShipLog:  # fmt: skip
     """Read a ship's own records into memory.
 
@@ -78,47 +75,33 @@ def read_log(
         streamed = stream_log(part, waterway, mapping, units, **options)
         reading = LogReading(streamed)
         taken = {record.name for record in records}
-        records += [_named_apart(record, streamed.name, taken) for record in reading.records()]
+        records += [
+            replace(record, name=f"{Path(streamed.name).stem} {record.name}") if record.name in taken else record
+            for record in reading.records()
+        ]
         notes += [note for note in reading.notes() if note not in notes]
     return ShipLog(tuple(records), streamed.waterway, tuple(notes))
 
 
 @dataclass(frozen=True, eq=False)
 class StreamedLog:
-    """The records of a ship, read from disk each time they are asked for.
+    """The records of a ship, read from disk each time they are asked for."""
 
-    Parameters
-    ----------
-    table : Path or table
-        CSV, text, Parquet, or a recording of NMEA 0183; a DataFrame too.
-    mapping : LogMapping
-        What is called how, what is late, where the antenna stands.
-    waterway : Waterway, optional
-        Along which to tell where the ship is; a plane where there is none.
-    gap : float [s]
-        A time without a row after which another record begins, where the log does not name its records.
-    mmsi : int, optional
-        Whose AIS reports to read; what the ship reports of itself unless given.
-    """
-
-    table: Any
-    mapping: LogMapping
-    waterway: Waterway | None
-    gap: float
-    mmsi: int | None = None
+    table: Any  # CSV, text, Parquet, or a recording of NMEA 0183; a DataFrame too
+    mapping: LogMapping  # What is called how, what is late, where the antenna stands
+    waterway: Waterway | None  # Along which to tell where the ship is; a plane where there is none
+    gap: float  # A time without a row after which another record begins, where the log does not name its records [s]
+    mmsi: int | None = None  # Whose AIS reports to read; what the ship reports of itself unless given
 
     def __iter__(self) -> Iterator[ShipRecord]:
-        """The records, one at a time."""
         return LogReading(self).records()
 
     @property
     def name(self) -> str:
-        """Of the file, for sentences."""
         return str(self.table) if isinstance(self.table, Path) else name_of(self.table)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """That it is not held in memory."""
         return ("records are read from disk one by one",)
 
 
@@ -126,7 +109,7 @@ def stream_log(
     log: Any, waterway: Waterway | str | Path | None = None,
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
     late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
-    condition: Mapping[str, float] | None = None, gap: float = GAP, mmsi: int | None = None,
+    condition: Mapping[str, float] | None = None, gap: float = RECORD_GAP, mmsi: int | None = None,
 ) -> StreamedLog:  # fmt: skip
     """Open a log whose records are read one by one each time they are asked for.
 
@@ -165,7 +148,7 @@ def stream_log(
         raise InputError(f"gap = {gap} s is no time without a row; give one over 0")
     if mmsi is not None:
         check_count("mmsi", mmsi, 1, 999_999_999)
-    table = as_path(log)
+    table = Path(log) if isinstance(log, str | os.PathLike) else log
     if isinstance(table, Path) and not table.is_file():
         raise InputError(f"{table}: there is no such file; check the path")
     if mmsi is not None and not (isinstance(table, Path) and is_nmea(table)):
@@ -174,19 +157,7 @@ def stream_log(
     return StreamedLog(table, log_mapping(mapping, units, late, antenna, condition), water, gap, mmsi)
 
 
-def _named_apart(record: ShipRecord, log: str, taken: set[str]) -> ShipRecord:
-    """The record, its name with that of its file where another file has one of its name."""
-    return replace(record, name=f"{Path(log).stem} {record.name}") if record.name in taken else record
-
-
-# Logs that stay on disk: record by record, read when asked for, so that memory does not grow with them.
-# Of a piece that is held at once.
-ROWS = 32_000
-
-
 class LogReading:
-    """One pass over a log, and what there is to say of it afterwards."""
-
     def __init__(self, log: StreamedLog) -> None:
         self.log = log
         self.rows = RowReader(log.name, log.mapping)
@@ -196,7 +167,6 @@ class LogReading:
         self.rounded = self.given = 0
 
     def records(self) -> Iterator[ShipRecord]:
-        """Yield the records."""
         placing = Placing(self.log.name, self.log.mapping, self.log.waterway)
         for raw in self.split.records(map(self.rows.rows, self._frames())):
             self.rounded += _repeated(raw)
@@ -210,7 +180,6 @@ class LogReading:
             )
 
     def notes(self) -> tuple[str, ...]:
-        """What there is to say of what was read."""
         told = {
             f"cut into {self.given} records where nothing came for {self.log.gap:g} s": self.split.cuts > 0,
             "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded > 0,
@@ -226,11 +195,11 @@ class LogReading:
             yield as_sheet(table).frame
         elif is_nmea(table):
             recording = NmeaTable(table, self.log.mmsi)
-            yield from recording.frames(ROWS)
+            yield from recording.frames(PIECE_ROWS)
             self.about = recording.notes()
         elif table.suffix.lower() in STREAMED:
             self.about = notes_of(table)
-            yield from read_chunks(table, ROWS)
+            yield from read_chunks(table, PIECE_ROWS)
         else:
             sheet = read_frame(table)
             self.about = sheet.notes
@@ -242,8 +211,3 @@ def _repeated(raw: RawRecord) -> int:
     same = np.diff(raw.t) == 0
     again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
     return int((same & np.any(again, axis=0)).sum())
-
-
-def as_path(table: Any) -> Any:
-    """Return a name of a file as a path, and a table as it is."""
-    return Path(table) if isinstance(table, str | os.PathLike) else table

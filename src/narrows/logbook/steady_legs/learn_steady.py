@@ -1,20 +1,153 @@
 """The five-minute experiment: a ship held to one side, then to the other, and the steady rudder and drift read."""
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
-from narrows.logbook.learned_coefficient import learned_coefficients
-from narrows.logbook.learned_model import learned_model
-from narrows.logbook.steady_legs.steady_fit import SteadyFit, shared_of, steady_checks
-from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, steady_readings
-from narrows.logbook.steady_legs.steady_update import SteadyProblem
+from narrows.logbook.learned_coefficient import (
+    LEARNED,
+    ON_TWINS,
+    PRIOR,
+    LearnedAnswer,
+    LearnedCoefficient,
+    learned_coefficients,
+    learned_model,
+    pairs,
+)
+from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
+from narrows.logbook.steady_legs.steady_readings import (
+    UNKNOWN,
+    ReadingErrors,
+    SteadyConditions,
+    SteadyReadings,
+    steady_readings,
+)
+from narrows.logbook.steady_legs.steady_update import SteadyProblem, SteadyUpdate
+from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 
-NO_COVARIANCE = (
-    "this model has no covariance of its coefficients, so nothing says what a record may change; identify it from "
-    "tests, or state one"
-)
+
+@dataclass(frozen=True)
+class SteadyChecks:
+    chi_square: float  # Sum of squares of what was read over what was to be expected of it [1]
+    freedom: int  # What it would be on average
+    probability: float  # Of one as large, were model, prior and errors right [1]
+    leg_probabilities: dict[str, float]  # The same of each leg, beside all others [1]
+    findings: tuple[str, ...]  # What is wrong or cannot be told, a sentence each
+
+    @property
+    def contradicted(self) -> bool:
+        return self.probability < CONTRADICTION
+
+
+@dataclass(frozen=True, repr=False)
+class SteadyFit(LearnedAnswer):
+    """What steady legs taught.
+
+    Parameters
+    ----------
+    model : Model
+        The model that comes out.
+    prior : Model
+        The model before.
+    readings : SteadyReadings
+        The legs.
+    conditions : SteadyConditions
+        What was taken of wind, zeros and what is left of motion.
+    coefficients : mapping of str to LearnedCoefficient
+        Each before and after.
+    shared : mapping of str to (float, float)
+        What all legs share, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
+        ``heading_zero``, ``y_zero``; most likely value and standard error.
+    latent : array (legs, 4)
+        Where the ship most likely was: y [m], u [m/s], rudder, psi [rad].
+    checks : SteadyChecks
+        Whether legs and model agree.
+    """
+
+    model: Model
+    prior: Model
+    readings: SteadyReadings
+    conditions: SteadyConditions
+    coefficients: Mapping[str, LearnedCoefficient]
+    shared: Mapping[str, tuple[float, float]]
+    latent: np.ndarray
+    checks: SteadyChecks
+
+    def __repr__(self) -> str:
+        return f"<SteadyFit of {self.readings.summary()}>"
+
+    @property
+    def tells(self) -> bool:
+        """Whether a coefficient of the bank was learned, and nothing contradicts it."""
+        learned = any(c.word == LEARNED for c in self.coefficients.values() if c.from_bank)
+        return learned and not self.checks.contradicted
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What disagrees or cannot be told, what is known only as a pair, what was taken for granted."""
+        together = pairs(self.coefficients, np.asarray(self.model.covariance))
+        told = [f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
+                for name, other, by in together]  # fmt: skip
+        taken = f"Taken for granted: {self.conditions.summary()}."
+        whose = () if self.checks.contradicted else (WHOSE,)
+        return (*self.checks.findings, *told, taken, *whose, ON_TWINS)
+
+    def summary(self) -> str:
+        """Say what was learned, what still comes from the tests, and whether the legs agree."""
+        by_word = {word: [c for c in self.coefficients.values() if c.word == word] for word in (LEARNED, PRIOR)}
+        bank = [c for c in self.coefficients.values() if c.from_bank and c.word != PRIOR]
+        first = "; ".join(c.sentence() for c in bank) or "nothing of the bank"
+        others = [c.name for c in by_word[LEARNED] if not c.from_bank]
+        also = f" Learned with them: {', '.join(others)}." if others else ""
+        open_still = [c.name for c in by_word[PRIOR] if c.prior_std > 0]
+        rest = f"From the tests still: {', '.join(open_still)}." if open_still else ""
+        agree = (
+            f"The legs {'contradict' if self.checks.contradicted else 'agree with'} the model: a sum of squares of "
+            f"{self.checks.chi_square:.1f}, {self.checks.freedom} expected."
+        )
+        lines = f"Learned from {self.readings.summary()}: {first}.{also}", rest, agree, ON_TWINS
+        return "\n".join(filter(None, lines))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: part of what ``learn --steady --json`` prints."""
+        return {
+            "summary": self.summary(),
+            "tells": self.tells,
+            "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
+            "shared": [
+                {"name": name, "unit": SHARED[name][1], "value": value * SHARED[name][2], "std": std * SHARED[name][2],
+                 "prior_std": before * SHARED[name][2]}
+                for (name, (value, std)), before in zip(
+                    self.shared.items(), self.conditions.shared(self.prior).tolist(), strict=True)
+            ],
+            "chi_square": self.checks.chi_square,
+            "freedom": self.checks.freedom,
+            "probability": self.checks.probability,
+            "contradicted": self.checks.contradicted,
+            "legs": self.leg_rows(),
+            "source": {"table": self.readings.source, "sha256": self.readings.sha256},
+            "notes": list(self.notes),
+        }  # fmt: skip
+
+    def leg_rows(self) -> list[dict[str, Any]]:
+        """Give a row a leg: what was read, where the ship most likely was, and how well the leg fits the others."""
+        read = self.readings.values
+        direction = read[self.readings.directions[0]]
+        return [
+            {
+                "leg": leg, "y": float(read["y"][i]), "u": float(read["u"][i]),
+                "rudder_deg": float(np.degrees(read["rudder"][i])), "direction_deg": float(np.degrees(direction[i])),
+                "likely_y": float(self.latent[i, 0]), "likely_rudder_deg": float(np.degrees(self.latent[i, 2])),
+                "likely_heading_deg": float(np.degrees(self.latent[i, 3])),
+                "probability": self.checks.leg_probabilities[leg],
+            }
+            for i, leg in enumerate(self.readings.legs)
+        ]  # fmt: skip
 
 
 def learn_steady(
@@ -69,10 +202,93 @@ def learn_steady(
 
 
 def check_covariance(model: Model) -> None:
-    """Raise where nothing says how far a model's coefficients are known."""
     if model.covariance is None:
-        raise InputError(NO_COVARIANCE)
+        raise InputError(
+            "this model has no covariance of its coefficients, so nothing says what a record may change; identify it "
+            "from tests, or state one"
+        )
 
 
 def _ends(column: Any) -> tuple[float, float]:
     return float(column.min()), float(column.max())
+
+
+# What legs share: words, unit to print it in, how many of it one in SI is.
+SHARED = {
+    "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
+    "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
+    "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
+}  # fmt: skip
+
+# What a balance with so much unknown cannot tell.
+WHOSE = (
+    "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer agree, "
+    "and a rudder of the wrong sign may; see to ship, draft and signs."
+)
+
+
+def shared_of(mean: np.ndarray, covariance: np.ndarray) -> dict[str, tuple[float, float]]:
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    last = zip(mean[-len(UNKNOWN) :].tolist(), std[-len(UNKNOWN) :].tolist(), strict=True)
+    return dict(zip(UNKNOWN, last, strict=True))
+
+
+# Readings that are often written with the other sign.
+TURNED = ("rudder", "drift", "heading")
+
+ONE_SIDE = (
+    "All legs are on one side of the middle: wind and the zeros of rudder and drift do not cancel, and what was "
+    "learned rests on how large they were taken to be; hold the other side too."
+)
+
+SCALE = "A steady balance tells ratios of forces: their common size is that of the tests."
+
+
+def steady_checks(
+    model: Model, readings: SteadyReadings, update: SteadyUpdate, again: Callable[[SteadyReadings], SteadyUpdate]
+) -> SteadyChecks:  # fmt: skip
+    posterior = update.posterior
+    each = _probability(posterior.beside, update.counted // len(readings))
+    legs = dict(zip(readings.legs, each.tolist(), strict=True))
+    chance = float(_probability(np.array(posterior.chi_square), update.counted))
+    findings = [] if readings.both_sides else [ONE_SIDE]
+    if chance < CONTRADICTION:
+        findings.append(_contradiction(posterior.chi_square, update.counted, legs))
+    findings += _other_sign(readings, posterior.chi_square, again)
+    if not update.settled:
+        findings.append("The search for where the ship truly was did not come to rest; give smaller errors of y and u.")
+    asked = {"speed": readings.values["u"], "abs_y": np.abs(readings.values["y"])}
+    known = {name: column for name, column in asked.items() if getattr(model.data_range, name)}
+    findings += extrapolation(model.data_range, known)
+    return SteadyChecks(posterior.chi_square, update.counted, chance, legs, (*findings, SCALE))
+
+
+def _probability(squares: np.ndarray, freedom: int) -> np.ndarray:
+    from scipy.special import chdtrc
+
+    return np.asarray(chdtrc(freedom, np.maximum(squares, 0.0)))
+
+
+def _contradiction(squares: float, freedom: int, legs: dict[str, float]) -> str:
+    worst = min(legs, key=lambda leg: legs[leg])
+    return (
+        f"The legs contradict the model, each other or their errors: a sum of squares of {squares:.1f} where {freedom} "
+        f"was to be expected; leg {worst} fits worst. Hold it again, or look for a fault of an instrument."
+    )
+
+
+def _other_sign(readings: SteadyReadings, squares: float, again: Callable[[SteadyReadings], SteadyUpdate]) -> list[str]:
+    """Say which reading fits a hundred times better with the other sign."""
+    if squares <= WRONG_SIGN_GAIN:  # There is nothing to be won.
+        return []
+    turned = {name: again(_turned(readings, name)).posterior.chi_square for name in TURNED if name in readings.values}
+    return [
+        f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it positive "
+        "where it turns the bow to starboard, or where the bow is to starboard?"
+        for name, other in turned.items()
+        if squares - other > WRONG_SIGN_GAIN
+    ]
+
+
+def _turned(readings: SteadyReadings, name: str) -> SteadyReadings:
+    return replace(readings, values={**readings.values, name: -readings.values[name]})

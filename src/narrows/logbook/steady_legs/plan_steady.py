@@ -1,28 +1,33 @@
 """``plan_steady``: which offsets and speeds to hold, so that a few legs tell most of the bank, within what is safe."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray as xr
 
-from narrows.control.steady_course import check_inside, check_rudder
+from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.errors import InputError, check_count, shown
 from narrows.logbook.learned_coefficient import learnable
+from narrows.logbook.settings import (
+    FASTEST_LEG,
+    LEG_SPEEDS,
+    MOST_LEGS,
+    MOST_PLAN_SAMPLES,
+    OFFSET_STEPS,
+    PLAN_SAMPLES,
+    SLOWEST_LEG,
+)
 from narrows.logbook.steady_legs.learn_steady import check_covariance
-from narrows.logbook.steady_legs.steady_balance import SteadyBalance, felt_on
-from narrows.logbook.steady_legs.steady_candidates import Candidates, candidates, usual_offsets, usual_speeds
 from narrows.logbook.steady_legs.steady_plan import PlannedLeg, SteadyPlan
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings
-from narrows.logbook.steady_legs.steady_update import LegReadings, steady_prior
+from narrows.logbook.steady_legs.steady_update import LegReadings, SteadyBalance, felt_on, steady_prior
 from narrows.model.model import Model
-from narrows.safety.answer import SURE_SHARE
-from narrows.safety.envelope import RESERVE
+from narrows.quantities.names import KNOT
+from narrows.safety.request import keel_at
+from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
 from narrows.ship.checks import is_finite
-
-# Of coefficients, that must leave the rudder its reserve.
-SAMPLES = 400
-
-MOST_LEGS, MOST_SAMPLES = 1000, 100_000
 
 WHO_HOLDS = (
     "The plan looks at the steady rudder, the side and the keel; whether a pilot holds the ship there is what the safe "
@@ -34,7 +39,7 @@ def plan_steady(
     model: Model, offsets: Sequence[float] | np.ndarray | None = None,
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
     targets: Sequence[str] = (), errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None,
-    reserve: float = RESERVE, clearance: float | None = None, samples: int = SAMPLES, seed: int = 0,
+    reserve: float = RESERVE, clearance: float | None = None, samples: int = PLAN_SAMPLES, seed: int = 0,
 ) -> SteadyPlan:  # fmt: skip
     """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
 
@@ -93,7 +98,9 @@ def plan_steady(
     planned = [leg for turn, i in enumerate(order) for leg in _both_sides(found, allowed[i], turn)]
     roots = design.roots_after(order)
     std = {name: np.linalg.norm(roots[:, model.terms.names.index(name)], axis=1) for name in names}
-    then = candidates(_as_sure_as(model, roots[-1]), beside, ahead, reserve, side, samples, seed) if order else found
+    part = roots[-1][: len(model.terms.names)]
+    after = replace(model, covariance=part @ part.T)
+    then = candidates(after, beside, ahead, reserve, side, samples, seed) if order else found
     far = _farthest(found), max(_farthest(found), _farthest(then))
     return SteadyPlan(
         tuple(planned), names, std, model, errors, conditions, reserve, side, len(allowed), far,
@@ -103,7 +110,7 @@ def plan_steady(
 
 def _check(legs: int, samples: int, reserve: float, clearance: float) -> None:
     check_count("legs", legs, 2, MOST_LEGS)
-    check_count("samples", samples, 1, MOST_SAMPLES)
+    check_count("samples", samples, 1, MOST_PLAN_SAMPLES)
     if legs % 2:
         raise InputError(
             f"legs = {legs}: give an even number, for each side cancels what the other has of wind and zeros"
@@ -124,6 +131,24 @@ def _rising(name: str, values: object) -> np.ndarray:
     return np.unique(column)
 
 
+@dataclass(frozen=True)
+class Candidates:
+    offsets: np.ndarray  # (places,) To starboard or in the middle [m]
+    speeds: np.ndarray  # (places,) Through the water [m/s]
+    rudder: np.ndarray  # (places,) Of the most likely coefficients [rad]
+    psi: np.ndarray  # (places,) Of the most likely coefficients [rad]
+    # (places, 3) Of the samples: what 5 %, half and 95 % are below, infinite where there is no course [rad]
+    rudder_told: np.ndarray
+    # (places, 3) Of the samples: what 5 %, half and 95 % are below, infinite where there is no course [rad]
+    psi_told: np.ndarray
+    within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
+    clear: np.ndarray  # (places,) Whether side and keel have their clearance
+
+    def allowed(self, share: float) -> np.ndarray:
+        """Return at which places a ship may be held, (places,) of bool."""
+        return np.asarray(self.clear & (self.within >= share) & np.isfinite(self.rudder))
+
+
 def _both_sides(found: Candidates, place: int, turn: int) -> tuple[PlannedLeg, PlannedLeg]:
     """A pair, the side that comes first in turn: what grows with time then cancels too."""
     rudder, drift = found.rudder_told[place], found.psi_told[place]
@@ -137,18 +162,11 @@ def _angles(told: np.ndarray) -> tuple[float, float, float]:
     return low, middle, high
 
 
-def _as_sure_as(model: Model, root: np.ndarray) -> Model:
-    """The model with the covariance that it will have."""
-    part = root[: len(model.terms.names)]
-    return replace(model, covariance=part @ part.T)
-
-
 def _farthest(found: Candidates) -> float:
     return float(found.offsets[found.allowed(SURE_SHARE)].max(initial=0.0))
 
 
 def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
-    """What was not allowed, and the nearest of each kind."""
     short = found.clear & ~found.allowed(SURE_SHARE)
     notes = []
     if short.any():
@@ -162,7 +180,6 @@ def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
     return notes
 
 
-# What pairs of steady legs would tell, one to either side, before any is held.
 @dataclass(frozen=True)
 class PairDesign:
     """Legs as readings with independent errors of size one, of independent unknowns of size one."""
@@ -186,7 +203,6 @@ class PairDesign:
         return np.array([np.linalg.solve(inner, self.root.T).T for inner in inners])
 
     def _inner(self, legs: np.ndarray) -> np.ndarray:
-        """A root of the information about the independent unknowns."""
         rows = legs.reshape(-1, self.rows.shape[-1])
         return np.linalg.cholesky(np.eye(rows.shape[1]) + rows.T @ rows)
 
@@ -204,8 +220,6 @@ class PairDesign:
 def pair_design(
     model: Model, found: Candidates, allowed: np.ndarray, errors: ReadingErrors, conditions: SteadyConditions
 ) -> PairDesign:
-    """Return what pairs of legs would tell."""
-    # allowed (pairs,)
     prior = steady_prior(model, conditions)
     if not allowed.size:
         return PairDesign(prior.root, np.zeros((0, 2, 2, prior.root.shape[1])))
@@ -218,3 +232,54 @@ def pair_design(
     blocks, _ = read.blocks(balance, read.first(), prior.mean, conditions.left_over(model))
     rows = blocks.whitened()[1] @ prior.root
     return PairDesign(prior.root, np.stack([rows[: len(allowed)], rows[len(allowed) :]], axis=1))
+
+
+# Of offsets to either side about, and what one is a power of ten times.
+NICE = (1.0, 2.0, 2.5, 5.0, 10.0)
+# Shares of the samples, below which angles are told.
+TOLD = (0.05, 0.5, 0.95)
+
+
+def usual_offsets(model: Model, clearance: float) -> np.ndarray:
+    """Return offsets to starboard that leave a clearance, in round steps, (n,) [m]."""
+    room = (model.configuration.canal.width - model.configuration.ship.beam) / 2 - clearance
+    if room <= 0:
+        raise InputError(f"a clearance of {clearance:g} m leaves no offset in this canal; give less")
+    power = 10.0 ** math.floor(math.log10(room / OFFSET_STEPS))
+    step = next(nice * power for nice in NICE if nice * power >= room / OFFSET_STEPS)
+    return np.asarray(step * np.arange(1, math.floor(room / step) + 1))
+
+
+def usual_speeds(model: Model) -> np.ndarray:
+    """Return speeds that a canal lets a ship go, within those of its tests, (n,) [m/s]."""
+    choke, covered = keel_at(model, np.empty(0)).choke, model.data_range.speed
+    if math.isinf(choke) and covered is None:
+        raise InputError("neither a depth nor the tests bound the speed; give the speeds to look at")
+    low, high = (SLOWEST_LEG * choke, FASTEST_LEG * choke) if math.isfinite(choke) else covered or (0.0, 0.0)
+    if covered and max(low, covered[0]) < min(high, covered[1]):
+        low, high = max(low, covered[0]), min(high, covered[1])
+    # In the second digit of knots, that a bridge can steer for.
+    speeds = np.linspace(low, high, LEG_SPEEDS) / KNOT
+    digit = 10.0 ** (math.floor(math.log10(high / KNOT)) - 1)
+    return np.unique(np.floor(speeds / digit + 0.5) * digit) * KNOT
+
+
+def candidates(
+    model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float, samples: int, seed: int
+) -> Candidates:
+    """Find the steady courses at offsets and speeds, and whether a ship may be held there."""
+    y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
+    keel = keel_at(model, u)
+    felt = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
+    mean = steady_course(model, **felt)
+    drawn = steady_course(model, samples=samples, seed=seed, **felt).transpose("place", "sample")
+    rudder, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
+    gear, ship, canal = model.configuration.gear, model.configuration.ship, model.configuration.canal
+    turned = ship.length / 2 * np.abs(np.sin(mean["psi"].to_numpy()))
+    beside = canal.width / 2 - np.abs(y) - ship.beam / 2 - turned >= clearance
+    unknown = np.isnan(keel.clearance) & (canal.depth is None)
+    under = (unknown | (keel.clearance >= KEEL_SHARE * ship.draft)) & (u < keel.choke)
+    rudder_told, psi_told = (np.quantile(part, TOLD, axis=1, method="higher").T for part in (rudder, psi))
+    within = (np.abs(rudder) <= (1 - reserve) * gear.limit).mean(axis=1)
+    likely, clear = (mean["rudder"].to_numpy(), mean["psi"].to_numpy()), beside & under
+    return Candidates(y, u, *likely, rudder_told, psi_told, within, clear)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.logbook.learned_coefficient import ON_TWINS
+from narrows.logbook.settings import SETTLING
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
@@ -14,9 +15,6 @@ from narrows.results import Shown
 
 if TYPE_CHECKING:
     import pandas as pd
-
-# Ship lengths that a ship is given to come to rest on a leg before it is read.
-SETTLING = 4.0
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.logbook.beam_wind import beam_wind
+from narrows.logbook.settings import MISPLACED, MOST_ANGLE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
 from narrows.results import Described
@@ -34,13 +35,8 @@ FELT = {
 }
 
 LABEL = "leg"
-
 ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
-
 COLUMNS = {**READ, **FELT, **ERRORS}
-
-# Of a rudder, a drift or a heading [rad] that can be meant.
-MOST_ANGLE = 1.2
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,7 +118,6 @@ class SteadyReadings(Described):
     sha256: str = ""
 
     def __len__(self) -> int:
-        """How many legs."""
         return len(self.legs)
 
     @property
@@ -156,22 +151,7 @@ class SteadyReadings(Described):
 
 
 def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
-    """Read the legs of a ship that was held.
-
-    Parameters
-    ----------
-    table : str, Path, DataFrame or mapping of str to array
-        With the columns ``y``, ``u``, ``rudder`` and ``drift`` or ``heading``, and where they are known ``y_error``,
-        ``rudder_error`` and so on, ``heave``, ``revolutions`` and ``leg``; in SI and radians unless a header says
-        otherwise (``rudder [deg]``, ``u [kn]``).
-    errors : ReadingErrors, optional
-        Where the table does not say.
-
-    Raises
-    ------
-    InputError
-        Where it is no such table, or a number is none that can be meant.
-    """
+    """Read the legs of a ship that was held."""
     from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
     from narrows.readers.frames import read_frame
 
@@ -199,7 +179,6 @@ def _labels(frame: "pd.DataFrame", source: str) -> tuple[str, ...]:
 
 
 def _columns(frame: "pd.DataFrame", source: str) -> dict[str, np.ndarray]:
-    """Columns of the vocabulary in SI; others are passed over."""
     from narrows.readers.cells import check_once, numbers
     from narrows.readers.headers import parse_header
 
@@ -240,9 +219,6 @@ def _check(readings: SteadyReadings) -> None:
 # What all legs of a held ship share and nobody measured: wind, the zeros of the instruments, a rest of motion.
 # What is estimated beside the coefficients: force [N] and moment [N m] of the wind, zeros of angles [rad], y [m].
 UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_zero")
-
-# Of the beam, that banks are from where they are thought to be: used where nothing is given.
-MISPLACED = 1 / 30
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,6 +8,7 @@ import numpy as np
 
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
+from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import learnable
 from narrows.logbook.learning.foretold import foretold_records
 from narrows.logbook.learning.log_posterior import said_alike
@@ -15,7 +16,7 @@ from narrows.logbook.learning.posed_log import posed_log
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import check_covariance
-from narrows.logbook.steady_legs.steady_candidates import usual_offsets, usual_speeds
+from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
 from narrows.logbook.transits.planned_transit import Excursion, ForeseenTransit, Foresight, PlannedTransit
 from narrows.logbook.transits.transit_conditions import TransitConditions
 from narrows.logbook.transits.transit_twins import recorded
@@ -28,18 +29,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 TRANSITS = (1, 5, 20)
-# Of a transit [s]: where no waterway says how long, and at most.
-ROUTINE, LONGEST = 2400.0, 3600.0
-# Seconds of a transit.
-MOST = 86_400.0
-# Transits of each kind, over whose gusts and wander standard errors are the median.
-SAILED = 7
-# Of the safe offset, that excursions go to.
-SHARES = (0.5, 1.0)
-# How long an excursion stays aside and how long it takes to get there, in times of a ship length.
-STAY, TURN = 5.0, 0.6
 MINUTE = 60.0
-ENVELOPE_SAMPLES = 200
 NO_RUDDER = (
     "Without the rudder's angle what a transit tells follows the pilot whom one assumes, and not the bank: nothing is "
     "foretold; record the rudder."
@@ -122,8 +112,8 @@ def _plan(
     if speed <= 0:
         raise InputError(f"u = {speed:g} m/s is no speed ahead; give one over 0")
     lasting = _duration(waterway, speed) if duration is None else finite_numbers(duration=duration)["duration"]
-    if not 0 < lasting <= MOST:
-        raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {MOST:g}")
+    if not 0 < lasting <= settings.MOST_TIME:
+        raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {settings.MOST_TIME:g}")
     return PlannedTransit(model, speed, lasting, conditions, waterway)
 
 
@@ -143,8 +133,6 @@ def _within(offset: float) -> float:
 
 
 class _Asked(NamedTuple):
-    """Of which transits, by which sensors, what is foretold."""
-
     plan: PlannedTransit
     grade: SensorGrade
     names: tuple[str, ...]
@@ -165,28 +153,32 @@ def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tup
 
 def safe_offset(model: Model, u: float, seed: int = 0) -> float:
     """Return how far off the middle a quick safe envelope lets a ship, tested there or not [m]."""
-    # u [m/s]
     offsets = np.append(0.0, usual_offsets(model, model.configuration.ship.beam / 2))
-    found = safe_envelope(model, offsets, np.array([u]), samples=ENVELOPE_SAMPLES, seed=seed)
+    found = safe_envelope(model, offsets, np.array([u]), samples=settings.ENVELOPE_SAMPLES, seed=seed)
     safe = found.by_model().to_numpy()[:, 0]
     return float(offsets[int(np.argmin(safe)) - 1]) if safe[0] and not safe.all() else float(offsets[-1] * safe[0])
 
 
 def excursions(safe: float, time: float) -> list[Excursion]:
-    """Return small excursions within an offset that is safe."""
-    # safe [m]; time [s]
     ways = (("aside to one side", (1,)), ("aside to either side, as in meetings", (1, -1)))
-    minutes = f"for {STAY * time / 60:.1g} minutes" if STAY * time >= MINUTE else f"for {STAY * time:.2g} s"
+    minutes = (
+        f"for {settings.EXCURSION_STAY * time / 60:.1g} minutes"
+        if settings.EXCURSION_STAY * time >= MINUTE
+        else f"for {settings.EXCURSION_STAY * time:.2g} s"
+    )
     return [
-        Excursion(f"{share * safe:.3g} m {words}, {minutes}", share * safe, sides, STAY * time, TURN * time)
-        for share in SHARES if safe > 0 for words, sides in ways
+        Excursion(
+            f"{share * safe:.3g} m {words}, {minutes}", share * safe, sides, settings.EXCURSION_STAY * time,
+            settings.EXCURSION_TURN * time,
+        )
+        for share in settings.EXCURSION_SHARES if safe > 0 for words, sides in ways
     ]  # fmt: skip
 
 
 def _foreseen(asked: _Asked, excursion: Excursion) -> ForeseenTransit:
     told = []
-    with bar(SAILED, is_shown(), excursion.words) as done:
-        for number in range(asked.seed, asked.seed + SAILED):
+    with bar(settings.SIMULATED_TRANSITS, is_shown(), excursion.words) as done:
+        for number in range(asked.seed, asked.seed + settings.SIMULATED_TRANSITS):
             told.append(_foretold(asked, excursion, number))
             done(1)
     std, alike = np.median([one.std for one in told], axis=0), np.median([one.alike for one in told], axis=0)
@@ -219,11 +211,14 @@ def _std(model: Model, names: Sequence[str], std: np.ndarray) -> dict[str, float
 
 
 def _duration(waterway: "Waterway | None", u: float) -> float:
-    return ROUTINE if waterway is None else min(0.95 * waterway.line.length / (u + waterway.current), LONGEST)
+    return (
+        settings.ROUTINE
+        if waterway is None
+        else min(0.95 * waterway.line.length / (u + waterway.current), settings.LONGEST_TRANSIT)
+    )
 
 
 def _narrowest(model: Model, waterway: "Waterway | None") -> Model:
-    """The model in the narrowest section of a waterway."""
     if waterway is None:
         return model
     canals = [waterway.canal(float(x)) for x in np.linspace(0, waterway.line.length, 101)]

@@ -10,6 +10,7 @@ from narrows.control.self_propulsion import self_propulsion
 from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import ON_TWINS
 from narrows.logbook.sensor_grades import SensorGrade
+from narrows.logbook.settings import AIM_LENGTHS, GUST_PIECES, LONGEST_STEP, TRANSIT_STEPS
 from narrows.logbook.transits.transit_conditions import TransitConditions, TransitPilot, wandering
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
@@ -21,50 +22,19 @@ if TYPE_CHECKING:
 
     from narrows.waterway.waterway import Waterway
 
-# Of the time of a ship length, that one piece of an aim is long.
-AIMED = 0.2
-
-# Of a schedule of gusts, in the time that a gust stays.
-PIECES = 5
-
-# Of the voyage, in the time of a ship length; and how long one is at most [s].
-STEPS, LONGEST_STEP = 100, 2.0
-
 
 @dataclass(frozen=True)
 class Excursion:
-    """How far from the middle a pilot goes on purpose, and how long.
+    """How far from the middle a pilot goes on purpose, and how long."""
 
-    Parameters
-    ----------
-    words : str
-        What it is like.
-    offset : float [m]
-        How far; 0 for none.
-    sides : tuple of int
-        1 to starboard, -1 to port, one after the other, spread over the transit.
-    stay : float [s]
-        How long on each.
-    turn : float [s]
-        How long an aim takes to get there.
-    """
-
-    words: str
-    offset: float = 0.0
-    sides: tuple[int, ...] = ()
-    stay: float = 0.0
-    turn: float = 0.0
+    words: str  # What it is like
+    offset: float = 0.0  # How far; 0 for none [m]
+    sides: tuple[int, ...] = ()  # 1 to starboard, -1 to port, one after the other, spread over the transit
+    stay: float = 0.0  # How long on each [s]
+    turn: float = 0.0  # How long an aim takes to get there [s]
 
     def aims(self, times: np.ndarray, wander: np.ndarray) -> np.ndarray:
-        """Return where a pilot wants to be [m]: who goes aside on purpose does not go farther.
-
-        Parameters
-        ----------
-        times : array (n,) [s]
-            Of a transit.
-        wander : array (n,) [m]
-            Of an aim about the middle.
-        """
+        """Return where a pilot wants to be [m]: who goes aside on purpose does not go farther."""
         aim = wander.copy()
         for number, side in enumerate(self.sides):
             middle = times[-1] * (number + 0.5) / len(self.sides)
@@ -75,8 +45,6 @@ class Excursion:
 
 @dataclass(frozen=True)
 class PlannedTransit:
-    """A transit to look at."""
-
     model: Model  # The ship, of its most likely coefficients
     u: float  # Through the water [m/s]
     duration: float  # How long [s]
@@ -84,14 +52,13 @@ class PlannedTransit:
     waterway: "Waterway | None" = None  # Instead of the model's own canal
 
     def sailed(self, excursion: Excursion, seed: int) -> Voyage:
-        """Return the voyage of a pilot who knows the ship."""
         draw, told = np.random.default_rng((seed, 7)), self.conditions
-        piece = AIMED * self.model.configuration.ship.length / self.u
+        piece = AIM_LENGTHS * self.model.configuration.ship.length / self.u
         times = np.append(np.arange(0.0, self.duration, piece), self.duration)
         wander = wandering(told.wander, told.wander_time, piece, len(times), draw)[:, 0]
         pilot = TransitPilot.of(self.model, self.u, times, excursion.aims(times, wander), self.waterway)
         started: dict[str, Any] = {"y": float(pilot.aims[0]), "u": self.u, **self._pushes(draw), **self._turns()}
-        step = min(self.model.configuration.ship.length / self.u / STEPS, LONGEST_STEP)
+        step = min(self.model.configuration.ship.length / self.u / TRANSIT_STEPS, LONGEST_STEP)
         voyage = simulate(
             self.model, duration=self.duration, dt=step, waterway=self.waterway,
             controller=pilot, **started,
@@ -101,12 +68,11 @@ class PlannedTransit:
         return voyage
 
     def _turns(self) -> dict[str, float]:
-        """Of the propeller, where the terms ask for them."""
         return {"revolutions": self_propulsion(self.model, self.u)} if self.model.terms.propelled else {}
 
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
         """Gusts about no wind: what is steady moves the rudder alone."""
-        piece, memory = self.conditions.gust_time / PIECES, self.conditions.gust_time
+        piece, memory = self.conditions.gust_time / GUST_PIECES, self.conditions.gust_time
         times = np.arange(0.0, self.duration, piece).tolist()
         gusts = wandering(1.0, memory, piece, len(times), draw, 2) @ self.conditions.gust_push(self.model).T
         return {
@@ -114,24 +80,13 @@ class PlannedTransit:
         }
 
 
-# How tight coefficients will get before any transit is sailed: by number of transits, and by excursion.
 @dataclass(frozen=True)
 class ForeseenTransit:
-    """What transits of one kind will tell.
+    """What transits of one kind will tell."""
 
-    Parameters
-    ----------
-    excursion : Excursion
-        From the middle; the first kind of a foresight has none.
-    std : mapping of str to array (transits,)
-        Standard error of each target after so many, in the coefficient's unit.
-    alike : mapping of str to float [1]
-        Of its square after the most, what errs alike in every transit.
-    """
-
-    excursion: Excursion
-    std: Mapping[str, np.ndarray]
-    alike: Mapping[str, float]
+    excursion: Excursion  # From the middle; the first kind of a foresight has none
+    std: Mapping[str, np.ndarray]  # (transits,) Standard error of each target after so many, in the coefficient's unit
+    alike: Mapping[str, float]  # Of its square after the most, what errs alike in every transit [1]
 
 
 @dataclass(frozen=True, repr=False)

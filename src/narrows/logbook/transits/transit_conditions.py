@@ -12,6 +12,7 @@ from narrows.control.regulator_law import HeldLine
 from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
 from narrows.logbook.beam_wind import beam_wind
+from narrows.logbook.settings import PILOT_COURSES
 from narrows.model.model import Model
 from narrows.results import Described
 from narrows.ship.checks import is_finite
@@ -104,7 +105,6 @@ def wandering(
     size: float, memory: float, step: float, count: int, draw: np.random.Generator, width: int = 1
 ) -> np.ndarray:
     """Draw first-order processes at even times, (count, width)."""
-    # memory [s]; step [s]
     kept, normal = math.exp(-step / memory), draw.standard_normal((count, width))
     values = np.empty((count, width))
     values[0] = normal[0]
@@ -113,15 +113,8 @@ def wandering(
     return size * values
 
 
-# A pilot who follows an aim that moves, for planned transits: the regulator's gains about the steady course there.
-# Offsets at which steady courses are known, straight between them.
-COURSES = 21
-
-
 @dataclass(frozen=True)
 class TransitPilot:
-    """A pilot of one voyage."""
-
     line: HeldLine  # Gains, made for the farthest aim
     lead: float  # How far ahead bends are looked at [s]
     courses: np.ndarray  # (offsets, 4) y [m], rudder, psi [rad], v [m/s] of steady courses
@@ -134,10 +127,9 @@ class TransitPilot:
     def of(
         cls, model: Model, u: float, times: np.ndarray, aims: np.ndarray, waterway: "Waterway | None" = None
     ) -> "TransitPilot":
-        """Return the pilot of a ship at a speed."""
         # u [m/s]; times, aims (n,) [s]
         far = max(float(np.abs(aims).max()), 1e-6)
-        y = np.linspace(-far, far, COURSES)
+        y = np.linspace(-far, far, PILOT_COURSES)
         held = steady_course(model, y=xr.DataArray(y, dims="place"), u=u)
         courses = np.stack([y, *(held[name].to_numpy() for name in ("rudder", "psi", "v"))], axis=1)
         if not np.isfinite(courses).all():

@@ -10,6 +10,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.identification.bundled_ship import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
+from narrows.logbook.settings import AIM_STEP, CURRENT, MOST_DRAWS, MOST_SHIPS, ORDER_INTERVAL, PUSH_STEP
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.logbook.transits.transit_conditions import TransitConditions, TransitPilot, wandering
@@ -22,20 +23,7 @@ from narrows.simulation.voyage import Voyage, simulate
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# From an order to the next [s]; an order is in whole degrees.
-LOOK, DEGREE = 4.0, math.pi / 180
-
-# Of pushes that change, and of the voyage's steps [s].
-PIECE = 1.0
-
-# Of an aim that wanders [s].
-AIM_PIECE = 10.0
-
-# Standard deviation of the current along the canal [m/s].
-CURRENT = 0.3
-
-# Of coefficients, until one is within the bounds.
-DRAWS = 200
+DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True)
@@ -45,13 +33,12 @@ class WholeDegrees:
     pilot: TransitPilot  # Whose orders they are
 
     def begin(self) -> Order:
-        """Return what gives the orders of one voyage."""
         inner, memory = self.pilot.begin(), {"next": 0.0, "order": 0.0}
 
         def order(t: float, at: VoyageState) -> float:
             if t >= memory["next"] - 1e-6:
                 memory["order"] = round(inner(t, at) / DEGREE) * DEGREE
-                memory["next"] = t + LOOK
+                memory["next"] = t + ORDER_INTERVAL
             return memory["order"]
 
         return order
@@ -59,8 +46,6 @@ class WholeDegrees:
 
 @dataclass(frozen=True)
 class TransitTwin:
-    """A ship on a transit."""
-
     truth: Model  # What the ship is
     u: float  # Through the water [m/s]
     duration: float = 2400.0  # How long [s]
@@ -69,25 +54,24 @@ class TransitTwin:
     waterway: "Waterway | None" = None  # That it sails along from where it begins, instead of the model's own canal
 
     def sailed(self, seed: int) -> Voyage:
-        """Return the voyage of a pilot who knows the ship."""
         draw, told = np.random.default_rng((seed, 11)), self.conditions
-        count = math.ceil(self.duration / AIM_PIECE) + 1
-        aims = wandering(told.wander, told.wander_time, AIM_PIECE, count, draw)[:, 0]
-        times = AIM_PIECE * np.arange(count)
+        count = math.ceil(self.duration / AIM_STEP) + 1
+        aims = wandering(told.wander, told.wander_time, AIM_STEP, count, draw)[:, 0]
+        times = AIM_STEP * np.arange(count)
         pilot = WholeDegrees(TransitPilot.of(self.truth, self.u, times, aims, self.waterway))
         pushes: dict[str, Any] = dict(zip("YN", self._pushes(draw), strict=True))
         voyage = simulate(
-            self.truth, y=float(aims[0]), u=self.u, duration=self.duration, dt=PIECE, controller=pilot,
+            self.truth, y=float(aims[0]), u=self.u, duration=self.duration, dt=PUSH_STEP, controller=pilot,
             waterway=self.waterway, **pushes,
         )  # fmt: skip
-        if voyage.t[-1] < self.duration - PIECE:
+        if voyage.t[-1] < self.duration - PUSH_STEP:
             raise InputError("this ship does not come through in these gusts; draw another")
         return voyage
 
     def _pushes(self, draw: np.random.Generator) -> list[list[tuple[float, float]]]:
         """Sway force and yaw moment through the transit: wind, gusts, and ships that pass."""
-        told, times = self.conditions, np.arange(0.0, self.duration, PIECE)
-        gusts = wandering(1.0, told.gust_time, PIECE, len(times), draw, 2) @ told.gust_push(self.truth).T
+        told, times = self.conditions, np.arange(0.0, self.duration, PUSH_STEP)
+        gusts = wandering(1.0, told.gust_time, PUSH_STEP, len(times), draw, 2) @ told.gust_push(self.truth).T
         pushes = gusts + draw.standard_normal(2) * told.steady_push(self.truth)
         for passed in self.passes:
             pushes += _passing(self.truth, self.u, times - passed)
@@ -109,7 +93,6 @@ def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
 
 def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
     """Return a voyage as sensors record it: noise, what wanders, what is wrong all through, and a current."""
-    # current [m/s]
     draw = np.random.default_rng((seed, 13))
     drift = current * float(draw.standard_normal())
     told = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
@@ -130,33 +113,26 @@ def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.
 
 def drawn_truth(model: Model, seed: int, **held: float) -> Model:
     """Return a ship that the tests of a model leave possible, within the bounds of its terms."""
-    from narrows.logbook.learned_model import NormalPrior
+    from narrows.logbook.learned_coefficient import NormalPrior
 
     draw, names = np.random.default_rng((seed, 17)), model.terms.names
     prior = NormalPrior.of(np.array([model.coefficients[name] for name in names]), np.asarray(model.covariance))
     bounds = np.array([term.bound for term in model.terms.terms])
-    for _ in range(DRAWS):
+    for _ in range(MOST_DRAWS):
         values = prior.mean + prior.root @ draw.standard_normal(prior.root.shape[1])
         if ((values >= bounds[:, 0] - 1e-9) & (values <= bounds[:, 1] + 1e-9)).all():
             return model.with_coefficients(**{**dict(zip(names, values.tolist(), strict=True)), **held})
     raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
 
 
-# A demonstration without a log: twins of transits of a large container ship, whose truth is known.
 # Of the ship and the canal [m], as in the case of the Suez section.
 LENGTH, WIDTH = 399.94, 205.0
-
 # Of a transit, and of one for a demonstration that is soon over.
 SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
-
-# That may be drawn until one comes through.
-SHIPS = 100
 
 
 @dataclass(frozen=True)
 class DemonstratedLog:
-    """Transits of a ship whose truth is known."""
-
     prior: Model  # The ship as its captive tests tell
     truth: Model  # What it is
     log: ShipLog  # What its sensors recorded
@@ -168,13 +144,12 @@ def large_container_ship() -> Model:
 
 
 def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> DemonstratedLog:
-    """Return twins of transits of a ship that its tests leave possible."""
     prior = large_container_ship()
-    for ship in range(SHIPS):
-        truth = drawn_truth(prior, SHIPS * seed + ship)
+    for ship in range(MOST_SHIPS):
+        truth = drawn_truth(prior, MOST_SHIPS * seed + ship)
         try:
             twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
-            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, SHIPS * seed + ship, twin))
+            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, MOST_SHIPS * seed + ship, twin))
         except InputError:
             continue
     raise InputError("none of the ships that were drawn comes through the canal; take another seed")
@@ -183,7 +158,6 @@ def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) ->
 def transits_of(
     truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
 ) -> ShipLog:
-    """Return transits of a ship as its sensors record them."""
     usual = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
     records = []
     with bar(transits, is_shown(), "transits") as done:

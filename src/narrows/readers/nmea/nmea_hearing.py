@@ -1,19 +1,17 @@
 """Sentences as they are understood, one after the other; what cannot be is counted, and so are other ships."""
 
 from collections import Counter, OrderedDict
+from collections.abc import Iterable, Iterator
+from datetime import UTC, date, datetime
 from typing import NamedTuple
 
 from narrows.errors import needs
 from narrows.readers.nmea.nmea_lines import Sentence
 from narrows.readers.nmea.nmea_sentences import Telling, told_by
-
-# Whose reports are counted; then the half of them that were heard least is forgotten.
-MOST_SHIPS = 2000
+from narrows.readers.settings import MOST_OPEN, MOST_SHIPS, PART_WAIT
 
 
 class Hearing:
-    """Understands sentences."""
-
     def __init__(self, mmsi: int | None = None) -> None:
         with needs("nmea", "NMEA 0183"):
             import pyais  # noqa: F401
@@ -22,14 +20,12 @@ class Hearing:
         self.forget()
 
     def forget(self) -> None:
-        """Count from nothing."""
         self.faults: Counter[str] = Counter()
         self.ships: Counter[str] = Counter()
         self._fragments = AisFragments(self.faults)
 
     def told(self, sentence: Sentence, t: float = 0.0) -> Telling | None:
         """Return what a sentence tells; None where it tells nothing here, or cannot be understood."""
-        # t [s]
         ais = sentence.kind.endswith(("VDO", "VDM"))
         parts = self._fragments.whole(sentence.text, t) if ais else (sentence.text,)
         if parts is None:
@@ -49,15 +45,7 @@ class Hearing:
             self.ships = Counter(dict(self.ships.most_common(MOST_SHIPS // 2)))
 
 
-# AIS messages of several sentences: joined where they belong together beyond doubt, given up where they may not.
-# For the next part of a message [s].
-WAITS = 2.0
-
-# Messages that wait at once; then the oldest is given up.
-MOST_OPEN = 256
-
 GIVEN_UP = "of AIS messages whose parts did not come together"
-
 Key = tuple[bytes, bytes, bytes, bytes]
 
 
@@ -80,7 +68,6 @@ class AisFragments:
 
     def whole(self, text: bytes, t: float = 0.0) -> tuple[bytes, ...] | None:
         """Return the sentences of a message that a sentence completes; None where it does not."""
-        # t [s]
         fields = text.split(b",", 5)
         if len(fields) < 6:
             return None
@@ -91,7 +78,6 @@ class AisFragments:
         return self._joined((kind, total, sequence, channel), number, text, t)
 
     def __len__(self) -> int:
-        """How many messages wait."""
         return len(self._open)
 
     def _joined(self, key: Key, number: bytes, text: bytes, t: float) -> tuple[bytes, ...] | None:
@@ -117,7 +103,75 @@ class AisFragments:
         """Give up what waits for too long; where the time went back, everything."""
         while self._open:
             key, oldest = next(iter(self._open.items()))
-            if 0.0 <= t - oldest.t <= WAITS and len(self._open) <= MOST_OPEN:
+            if 0.0 <= t - oldest.t <= PART_WAIT and len(self._open) <= MOST_OPEN:
                 return
             del self._open[key]
             self.faults[GIVEN_UP] += len(oldest.parts)
+
+
+DAY = 86400.0
+EPOCH = date(1970, 1, 1)
+
+
+class Entry(NamedTuple):
+    t: float  # Since the recording began [s]
+    told: Telling  # What
+
+
+class Clock:
+    def __init__(self, logged: bool, day: date | None = None) -> None:
+        self.logged, self.day = logged, day
+        self.begin: float | None = None
+        self.lost = 0
+        self._midnight = DAY * (day - EPOCH).days if day else 0.0
+        self._last = -DAY
+
+    def entries(self, told: Iterable[tuple[Sentence, Telling]]) -> Iterator[Entry]:
+        """Yield sentences with their times; those before the first time that is told are lost."""
+        waiting: list[Telling] = []
+        before: float | None = None
+        for sentence, one in told:
+            now = self._since_begin(sentence, one)
+            if now is None:
+                waiting.append(one)
+                continue
+            if before is None:
+                self.lost += len(waiting)
+            else:
+                yield from _between(before, now, waiting)
+            waiting, before = [], now
+            yield Entry(now, one)
+        if before is not None:
+            yield from (Entry(before, one) for one in waiting)
+
+    @property
+    def started(self) -> datetime | None:
+        """Date and time at which t is 0; None where only the time of the day is known."""
+        dated = self.begin is not None and (self.logged or self.day is not None)
+        return datetime.fromtimestamp(self.begin or 0.0, UTC) if dated else None
+
+    def _since_begin(self, sentence: Sentence, told: Telling) -> float | None:
+        now = sentence.logged if self.logged else self._by_clock(told)
+        if now is None:
+            return None
+        self.begin = now if self.begin is None else self.begin
+        return now - self.begin
+
+    def _by_clock(self, told: Telling) -> float | None:
+        """Seconds since 1970, or since midnight of a day that nothing tells, of the clock inside a sentence."""
+        if told.clock is None:
+            return None
+        at = told.clock
+        seconds = 3600.0 * at.hour + 60.0 * at.minute + at.second + 1e-6 * at.microsecond
+        if told.day is not None:
+            self._midnight = DAY * (told.day - EPOCH).days
+        elif seconds < self._last - DAY / 2:
+            self._midnight += DAY
+        self._last = seconds
+        return self._midnight + seconds
+
+
+def _between(before: float, now: float, waiting: list[Telling]) -> Iterator[Entry]:
+    """Sentences without a clock, evenly between those with one."""
+    step = max(now - before, 0.0) / (len(waiting) + 1)
+    yield from (Entry(before + step * place, one) for place, one in enumerate(waiting, 1))

@@ -27,7 +27,6 @@ class Sentence(NamedTuple):
 
 
 def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence]:
-    """Yield the sentences of a recording."""
     for line in lines:
         if line.startswith(REMARK):
             continue
@@ -50,12 +49,10 @@ def checksum(body: bytes) -> int:
 
 
 def with_checksum(body: str) -> str:
-    """Return a sentence, whole."""
     return f"${body}*{checksum(body.encode('ascii')):02X}\r\n"
 
 
 def _logged(before: bytes) -> float | None:
-    """When the logger wrote a sentence down, by what stands before it."""
     if match := TAG.search(before) or EPOCH.search(before):
         time = float(match[1])
         return time / 1e3 if time > MILLISECONDS else time

@@ -10,38 +10,26 @@ import pandas as pd
 
 from narrows.errors import InputError
 from narrows.progress import opened
-from narrows.readers.nmea.nmea_clock import Clock, Entry
-from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.readers.nmea.nmea_hearing import Clock, Entry, Hearing
 from narrows.readers.nmea.nmea_lines import SENTENCE, Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import SOURCES, Telling
-
-# Bytes of a file by which a recording is recognised.
-SNIFFED = 1 << 16
-
-# Sentences that are looked at to choose who tells what.
-SAMPLE = 20_000
-
-MOSTLY = 0.5
+from narrows.readers.settings import NMEA_SHARE, SNIFFED, SOURCE_SENTENCES, TALKER_SILENCE
 
 
 def is_nmea(path: Path) -> bool:
-    """Say whether a file is a recording of NMEA 0183."""
     with path.open("rb") as file:
         lines = [line for line in file.read(SNIFFED).splitlines() if line.strip()]
     found = sum(bool((match := SENTENCE.search(line)) and match[3]) for line in lines)
-    return bool(lines) and found > MOSTLY * len(lines)
+    return bool(lines) and found > NMEA_SHARE * len(lines)
 
 
 class Recording:
-    """What a recording tells, sentence by sentence."""
-
     def __init__(self, path: Path, mmsi: int | None = None) -> None:
         self.path, self.hearing = path, Hearing(mmsi)
         self.sources, self.clock = Sources(), Clock(logged=False)
 
     @property
     def faults(self) -> Counter[str]:
-        """Sentences that were left out, by what is wrong with them."""
         return self.hearing.faults
 
     def entries(self) -> Iterator[Entry]:
@@ -52,28 +40,20 @@ class Recording:
 
     def _begin(self) -> None:
         with self.path.open("rb") as file:
-            sample = list(islice(self._told(file), SAMPLE))
+            sample = list(islice(self._told(file), SOURCE_SENTENCES))
         self.hearing.forget()
         logged = sum(sentence.logged is not None for sentence, _ in sample)
         day = next((told.day for _, told in sample if told.day), None)
-        self.sources, self.clock = Sources(told for _, told in sample), Clock(logged > MOSTLY * len(sample), day)
+        self.sources, self.clock = Sources(told for _, told in sample), Clock(logged > NMEA_SHARE * len(sample), day)
 
     def _told(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, Telling]]:
-        """Sentences that tell something here."""
         for sentence in sentences(lines, self.hearing.faults):
             told = self.hearing.told(sentence, sentence.logged or 0.0)
             if told is not None:
                 yield sentence, told
 
 
-# Who tells what in a recording of NMEA 0183: the best sentence, and its likes where its talker falls silent.
-# Without a word [s], after which another talker of the same sentence is listened to: receivers change their names.
-SILENT = 5.0
-
-
 class Sources:
-    """Chooses whom to believe."""
-
     def __init__(self, sample: Iterable[Telling] = ()) -> None:
         counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
         for told in sample:
@@ -85,11 +65,9 @@ class Sources:
         self._heard: dict[str, float] = {}
 
     def tells(self, about: str, source: str, t: float) -> bool:
-        """Say whether a source is the one to listen to."""
-        # t [s]
         chosen = self.chosen.setdefault(about, source)
         if source != chosen:
-            if _type(source) != _type(chosen) or t - self._heard.get(about, 0.0) < SILENT:
+            if _type(source) != _type(chosen) or t - self._heard.get(about, 0.0) < TALKER_SILENCE:
                 return False
             self.chosen[about] = source
         used = self.used.setdefault(about, [])
@@ -99,7 +77,6 @@ class Sources:
         return True
 
     def words(self) -> str:
-        """Say who told what."""
         return ", ".join(f"{about} by {' and '.join(used)}" for about, used in self.used.items())
 
 
@@ -113,10 +90,7 @@ def _best(found: Counter[str], types: tuple[str, ...]) -> str:
     return min(found, key=lambda source: (types.index(source.split()[0][-3:]), -found[source]))
 
 
-# A recording of NMEA 0183 as a table: a row a sentence.
 class NmeaTable(Recording):
-    """A recording, read as a table."""
-
     def frames(self, rows: int) -> Iterator[pd.DataFrame]:
         """Yield the recording in the documented columns, SI, piece by piece."""
         entries, first = self.entries(), 0
@@ -131,7 +105,6 @@ class NmeaTable(Recording):
             raise InputError(f"{self.path}: no sentence tells where this ship is or how it moves{heard}")
 
     def notes(self) -> tuple[str, ...]:
-        """What there is to say of the recording once it is read."""
         clock = self.clock
         by = "the logger's times" if clock.logged else "the clocks in the sentences, evenly between them"
         start = f", from {clock.started.isoformat()}" if clock.started else ""

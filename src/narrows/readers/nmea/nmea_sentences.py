@@ -28,8 +28,6 @@ Tellings = Mapping[str, Values]
 
 
 class Telling(NamedTuple):
-    """What one sentence tells."""
-
     values: Tellings  # By what it is about: columns, none where it has nothing to tell
     source: str  # Who tells it, as in ``GPGGA``
     clock: time | None = None  # Of the day, UTC
@@ -54,7 +52,6 @@ PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
 
 
 def told_by(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> Telling | None:
-    """Return what a sentence tells; None where it is of a type that tells nothing here."""
     if kind.endswith(("VDO", "VDM")):
         return _ais(parts, kind, mmsi)
     read = READ.get(kind[2:])
@@ -96,7 +93,6 @@ def _fix(message: Any) -> Values:
 
 
 def _place(longitude: Any, latitude: Any) -> Values:
-    """Both or none."""
     told = _only(longitude=longitude, latitude=latitude)
     return told if len(told) == 2 else {}
 

@@ -5,21 +5,28 @@ References
 IEC 62923-1:2018, Bridge alert management, for priorities, states and the 30 s of a silence.
 """
 
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
+from typing import NamedTuple
 
-# For which an alert is silenced [s]; then it sounds again.
-SILENCE = 30.0
-
-# Without an acknowledgement [s], after which an alert sounds anew, and how often that is counted.
-PATIENCE, MOST_REPEATS = 60.0, 9
+from narrows.errors import InputError
+from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.settings import (
+    HOLD_TIME,
+    HYSTERESIS,
+    LOWER_DELAY,
+    MOST_REPEATS,
+    RAISE_DELAY,
+    REPEAT_AFTER,
+    SILENCE,
+)
 
 MOST_REVISIONS = 99
 
 
 class Priority(IntEnum):
-    """How urgent, the least first."""
-
     NONE = 0
     CAUTION = 1
     WARNING = 2
@@ -28,18 +35,14 @@ class Priority(IntEnum):
 
     @property
     def letter(self) -> str:
-        """Of a sentence; nothing where there is no alert."""
         return "" if self is Priority.NONE else self.name[0]
 
     @property
     def words(self) -> str:
-        """As people say it."""
         return self.name.lower().replace("_", " ")
 
 
 class AlertState(Enum):
-    """Who has heard it, and whether its condition holds."""
-
     NORMAL = "normal"
     UNACKNOWLEDGED = "unacknowledged"
     SILENCED = "silenced"
@@ -57,18 +60,14 @@ class Command(Enum):
 
 
 SOUNDING = (AlertState.UNACKNOWLEDGED,)
-
 # States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED)
-
 # States in which an acknowledgement is waited for.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
 
 @dataclass(frozen=True)
 class Alert:
-    """One situation at a time, and what was said of it."""
-
     identifier: int  # Of the situation
     priority: Priority = Priority.NONE  # How urgent; of what is rectified, how urgent it was
     state: AlertState = AlertState.NORMAL  # Who has heard it
@@ -85,7 +84,6 @@ class Alert:
 
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
         """Return the alert where its situation is as urgent as it is now."""
-        # t [s]
         if priority is Priority.NONE:
             return self._rectified(t)
         if self.state in HOLDS and priority == self.priority:
@@ -105,7 +103,6 @@ class Alert:
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
         """Return the alert after a command of the bridge; None where that command is refused."""
-        # t [s]
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:
             return self
         if command is Command.ACKNOWLEDGE and self.state in WAITING:
@@ -117,10 +114,9 @@ class Alert:
 
     def timed(self, t: float) -> "Alert":
         """Return the alert where time has passed: a silence ends, what nobody acknowledges sounds anew."""
-        # t [s]
         if self.state is AlertState.SILENCED and t - self.changed >= SILENCE:
             return self._changed(t, AlertState.UNACKNOWLEDGED)
-        if self.sounds and t - self.changed >= PATIENCE and self.repeats < MOST_REPEATS:
+        if self.sounds and t - self.changed >= REPEAT_AFTER and self.repeats < MOST_REPEATS:
             return self._changed(t, self.state, repeats=self.repeats + 1)
         return self
 
@@ -132,21 +128,119 @@ class Alert:
 # What there is to be alerted of: one alert a situation.
 @dataclass(frozen=True)
 class Situation:
-    """Something that a bridge is alerted of."""
-
     identifier: int  # In sentences; from 10000 on they are a maker's own
     name: str  # Of it, in up to 16 letters
 
 
 BANK = Situation(10110, "BANK CONTACT")
-
 SENSORS = Situation(10120, "BANK SENSORS")
-
 BEYOND_DATA = Situation(10130, "BANK MODEL RANGE")
-
 NO_FORECAST = Situation(10140, "NO BANK FORECAST")
-
 LOG_LATE = Situation(10150, "ALERT LOG LATE")
-
 # By identifier.
 SITUATIONS = {one.identifier: one for one in (BANK, SENSORS, BEYOND_DATA, NO_FORECAST, LOG_LATE)}
+
+
+# All alerts of a monitor: one a situation, changed by conditions, by commands and by time.
+class Condition(NamedTuple):
+    priority: Priority  # How urgent it is
+    text: str  # A sentence
+
+
+CALM = Condition(Priority.NONE, "")
+
+
+class Hysteresis:
+    """A condition that is spoken of for a while after it last held, so that it does not come and go with noise."""
+
+    def __init__(self, time: float = HOLD_TIME) -> None:
+        self.time, self._last, self._until = time, CALM, -math.inf
+
+    def held(self, t: float, condition: Condition) -> Condition:
+        if condition.priority:
+            self._last, self._until = condition, t + self.time
+        return self._last if t < self._until else CALM
+
+
+class AlertDesk:
+    def __init__(self, known: Iterable[Alert] = ()) -> None:
+        self._alerts = {identifier: Alert(identifier) for identifier in SITUATIONS}
+        self._alerts |= {alert.identifier: alert for alert in known if alert.identifier in SITUATIONS}
+
+    @property
+    def alerts(self) -> tuple[Alert, ...]:
+        """Those that are not normal, the most urgent first."""
+        active = [alert for alert in self._alerts.values() if alert.state is not AlertState.NORMAL]
+        return tuple(sorted(active, key=lambda alert: (alert.state is AlertState.RECTIFIED, -alert.priority)))
+
+    def __getitem__(self, situation: Situation) -> Alert:
+        return self._alerts[situation.identifier]
+
+    def update(self, t: float, conditions: Mapping[Situation, Condition]) -> list[Alert]:
+        """Take the situations as they are, and return the alerts that changed."""
+        changed = []
+        for identifier, before in self._alerts.items():
+            after = before
+            if condition := conditions.get(SITUATIONS[identifier]):
+                after = after.conditioned(condition.priority, condition.text, t)
+            after = after.timed(t)
+            self._alerts[identifier] = after
+            if (after.state, after.priority, after.revision) != (before.state, before.priority, before.revision):
+                changed.append(after)
+        return changed
+
+    def command(self, t: float, identifier: int, instance: int, command: Command) -> Alert | None:
+        """Do what the bridge asks for, and return the alert; None where it is refused."""
+        alert = self._alerts.get(identifier)
+        if alert is None or alert.instance != instance or alert.state is AlertState.NORMAL:
+            return None
+        after = alert.commanded(command, t)
+        if after is not None:
+            self._alerts[identifier] = after
+        return after
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
+    caution: float = 0.38
+    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
+    warning: float = 0.69
+    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
+    alarm: float = 0.91
+    emergency: float = 30.0  # To contact, where the last chance is gone [s]
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.caution <= self.warning <= self.alarm:
+            raise InputError(
+                f"caution = {self.caution}, warning = {self.warning}, alarm = {self.alarm}: give urgencies over 0, "
+                "none smaller than the one before"
+            )
+        if not self.emergency >= 0.0:
+            raise InputError(f"emergency = {self.emergency} is no time; give seconds")
+
+    def level(self, forecast: BankForecast, eased: float = 1.0) -> Priority:
+        run, urgency = forecast.likely, forecast.urgency
+        if run.gone and run.contact <= self.emergency / eased:
+            return Priority.EMERGENCY_ALARM
+        levels = (self.alarm, Priority.ALARM), (self.warning, Priority.WARNING), (self.caution, Priority.CAUTION)
+        return next((level for threshold, level in levels if urgency >= eased * threshold), Priority.NONE)
+
+
+class BankLevel:
+    """The level as it is said: raised and lowered with delay, so that nothing chatters at a threshold."""
+
+    def __init__(self, thresholds: Thresholds) -> None:
+        self.thresholds, self.level = thresholds, Priority.NONE
+        self._above = self._below = math.inf
+
+    def update(self, t: float, forecast: BankForecast) -> Priority:
+        wanted = self.thresholds.level(forecast)
+        kept = max(wanted, min(self.level, self.thresholds.level(forecast, HYSTERESIS)))
+        self._above = min(self._above, t) if wanted > self.level else math.inf
+        self._below = min(self._below, t) if kept < self.level else math.inf
+        if t - self._above >= RAISE_DELAY or wanted is Priority.EMERGENCY_ALARM:
+            self.level, self._above = wanted, math.inf
+        elif t - self._below >= LOWER_DELAY:
+            self.level, self._below = kept, math.inf
+        return self.level

@@ -18,13 +18,8 @@ from typing import Any, NamedTuple
 
 from narrows.errors import InputError, reason
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
+from narrows.warning.settings import DISK_RETRY, DISK_TIMEOUT, LOG_QUEUE
 
-# That an alert waits for the disk [s].
-DEADLINE = 0.5
-# After which a disk that failed is tried again [s].
-AGAIN = 1.0
-# Rows that wait for a disk; then the oldest are lost, which breaks the chain and can be seen.
-MOST_WAITING = 100_000
 TABLE = """
 CREATE TABLE IF NOT EXISTS rows (
     number INTEGER PRIMARY KEY, written REAL NOT NULL, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL
@@ -35,8 +30,6 @@ Connect = Callable[[], sqlite3.Connection]
 
 
 class LogRow(NamedTuple):
-    """A row of the log."""
-
     number: int  # From 1 on
     written: float  # Since 1970 [s]
     kind: str  # What it tells of: ``alert``, ``command``, ``status``
@@ -45,15 +38,13 @@ class LogRow(NamedTuple):
 
 
 class AlertLog:
-    """A log that is written to."""
-
-    def __init__(self, path: Path, deadline: float = DEADLINE, connect: Connect | None = None) -> None:
+    def __init__(self, path: Path, deadline: float = DISK_TIMEOUT, connect: Connect | None = None) -> None:
         self.path, self.deadline, self.trouble = path, deadline, ""
         self._connect = connect or (lambda: _opened(path))
         rows = list(logged(path)) if path.exists() else []
         self.alerts = _last_alerts(rows)
         self._last = rows[-1] if rows else LogRow(0, 0.0, "", "", NO_ROW)
-        self._waiting: deque[LogRow] = deque(maxlen=MOST_WAITING)
+        self._waiting: deque[LogRow] = deque(maxlen=LOG_QUEUE)
         self._written, self._closing = self._last.number, False
         self._signal = Signal()
         self._thread = Thread(target=self._run, daemon=True)
@@ -66,7 +57,7 @@ class AlertLog:
         with self._signal:
             self._closing = True
             self._signal.notify_all()
-        self._thread.join(self.deadline + AGAIN)
+        self._thread.join(self.deadline + DISK_RETRY)
 
     def alert(self, alert: Alert) -> bool:
         """Write an alert; return whether it is on disk."""
@@ -75,8 +66,8 @@ class AlertLog:
     def write(self, kind: str, content: Mapping[str, Any]) -> bool:
         """Write a row; return whether it is on disk before the deadline."""
         with self._signal:
-            row = _row(self._last, kind, json.dumps(content, sort_keys=True))
-            self._last = row
+            row = LogRow(self._last.number + 1, time.time(), kind, json.dumps(content, sort_keys=True), "")
+            row = self._last = row._replace(hash=_hash(self._last, row))
             self._waiting.append(row)
             self._signal.notify_all()
             return self._signal.wait_for(lambda: self._written >= row.number, self.deadline)
@@ -90,8 +81,9 @@ class AlertLog:
                     connection.executemany("INSERT OR IGNORE INTO rows VALUES (?, ?, ?, ?, ?)", rows)
             except sqlite3.Error as error:
                 connection, self.trouble = None, reason(error)
-                if not self._pause():
-                    return
+                with self._signal:
+                    if self._signal.wait_for(lambda: self._closing, DISK_RETRY):
+                        return
                 continue
             self._done(rows[-1].number)
         if connection:
@@ -102,11 +94,6 @@ class AlertLog:
         with self._signal:
             self._signal.wait_for(lambda: self._waiting or self._closing)
             return list(self._waiting)
-
-    def _pause(self) -> bool:
-        with self._signal:
-            self._signal.wait_for(lambda: self._closing, AGAIN)
-            return not self._closing
 
     def _done(self, number: int) -> None:
         with self._signal:
@@ -134,16 +121,11 @@ def logged(path: Path) -> Iterator[LogRow]:
 
 
 def _opened(path: Path) -> sqlite3.Connection:
-    connection = sqlite3.connect(path, timeout=DEADLINE)
+    connection = sqlite3.connect(path, timeout=DISK_TIMEOUT)
     connection.execute("PRAGMA journal_mode = WAL")
     connection.execute("PRAGMA synchronous = FULL")
     connection.execute(TABLE)
     return connection
-
-
-def _row(before: LogRow, kind: str, content: str) -> LogRow:
-    row = LogRow(before.number + 1, time.time(), kind, content, "")
-    return row._replace(hash=_hash(before, row))
 
 
 def _hash(before: LogRow, row: LogRow) -> str:
@@ -151,7 +133,6 @@ def _hash(before: LogRow, row: LogRow) -> str:
 
 
 def _last_alerts(rows: list[LogRow]) -> tuple[Alert, ...]:
-    """The last state of each alert."""
     told = {}
     for row in rows:
         if row.kind == "alert":

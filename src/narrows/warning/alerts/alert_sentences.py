@@ -12,21 +12,15 @@ from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 from narrows.readers.nmea.nmea_lines import with_checksum
-from narrows.warning.alerts.alert import HOLDS, SITUATIONS, Alert, AlertState, Command, Priority, Situation
-from narrows.warning.alerts.alert_desk import AlertDesk
+from narrows.warning.alerts.alert import HOLDS, SITUATIONS, Alert, AlertDesk, AlertState, Command, Priority, Situation
+from narrows.warning.settings import HEARTBEAT
 
 # Integrated instrumentation; whose alerts they are; that they may be acknowledged at another place.
 TALKER, MAKER, CATEGORY = "II", "NRW", "B"
-
 # Letters of the second sentence of an alert.
 LONGEST_TEXT = 40
-
 # Of a list, a sentence.
 ENTRIES = 3
-
-# Between heartbeats [s], as the sentence tells.
-HEARTBEAT = 60.0
-
 RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
 
 # Of states. Makers' manuals contradict each other, so that they can be others.
@@ -39,8 +33,6 @@ ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS
 
 
 class AlertCommand(NamedTuple):
-    """What a bridge asks for."""
-
     identifier: int  # Which alert
     instance: int  # Which alert
     command: Command  # What
@@ -48,7 +40,6 @@ class AlertCommand(NamedTuple):
 
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
     """Return the two sentences of an alert: its name, and what there is to say."""
-    # since_1970 [s]
     name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
     # What is not normal has a priority; what became normal tells the one that it had.
     about = f"{_clock(since_1970)},{CATEGORY},{alert.priority.letter},{letters[alert.state]}"
@@ -60,7 +51,6 @@ def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertStat
 
 
 def alc(alerts: Sequence[Alert], number: int) -> list[str]:
-    """Return the sentences of the list of alerts that are not normal."""
     parts = [alerts[first : first + ENTRIES] for first in range(0, len(alerts), ENTRIES)] or [()]
     return [
         with_checksum(
@@ -74,19 +64,15 @@ def alc(alerts: Sequence[Alert], number: int) -> list[str]:
 
 
 def hbt(sound: bool, number: int) -> str:
-    """Return a heartbeat."""
     return with_checksum(f"{TALKER}HBT,{HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
 
 
 def arc(refused: AlertCommand, since_1970: float) -> str:
-    """Return the sentence that refuses a command."""
-    # since_1970 [s]
     which = f"{MAKER},{refused.identifier},{refused.instance}"
     return with_checksum(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
 
 
 def acn(identifier: int, instance: int, command: Command) -> bytes:
-    """Return the sentence by which a bridge asks for something, as it is heard."""
     return with_checksum(f"{TALKER}ACN,,{MAKER},{identifier},{instance},{command.value},C").strip().encode("ascii")
 
 
@@ -108,9 +94,7 @@ def _escaped(text: str) -> str:
     return RESERVED.sub(lambda match: "".join(f"^{byte:02X}" for byte in match[0].encode("latin-1", "replace")), text)
 
 
-# Alerts as notifications of Signal K: all situations in one delta, so that the newest tells everything. References
-# ---------- Signal K specification 1.7: notifications, with their states and methods.
-# By priority; of what is over, normal.
+# Notifications of Signal K (specification 1.7): all situations in one delta, so that the newest is complete.
 STATES = {
     Priority.NONE: "normal", Priority.CAUTION: "alert", Priority.WARNING: "warn", Priority.ALARM: "alarm",
     Priority.EMERGENCY_ALARM: "emergency",
@@ -120,14 +104,11 @@ SOURCE = "narrows"
 
 
 def notifications(desk: AlertDesk, since_1970: float) -> dict[str, Any]:
-    """Return the delta of all alerts."""
-    # since_1970 [s]
     return _delta({one: _value(desk[one]) for one in SITUATIONS.values()}, since_1970)
 
 
 def ended(since_1970: float) -> dict[str, Any]:
     """Return the delta of a monitor that watches no more: nothing is alerted, and that is why."""
-    # since_1970 [s]
     return _delta({one: _normal("The monitor has ended.") for one in SITUATIONS.values()}, since_1970)
 
 

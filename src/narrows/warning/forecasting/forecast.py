@@ -7,20 +7,13 @@ from typing import Any
 import numpy as np
 
 from narrows.results import Described
+from narrows.warning.settings import CERTAIN_CONTACT_TIME, SHORTEST_CONTACT_TIME
 
 NUMBERS = ("t", "urgency", "curved", "rudder", "rudder_needed", "rudder_limit", "rudder_margin")
-
-# Within which contact is soon [s].
-SOON = 60.0
-
-# A time to contact [s] that is as urgent as a pilot who meets a bank for sure, and the shortest that counts.
-COUNTS_AS_SURE, SOONEST = 10.0, 1.0
 
 
 @dataclass(frozen=True)
 class CaseForecast:
-    """One future of all members."""
-
     name: str  # Who steers, from when
     probability: float  # Share of the members that meet a bank, or come to lie across [1]
     soon: float  # Share of them within ``SOON`` [1]
@@ -41,8 +34,6 @@ class LikelyRun:
 
 @dataclass(frozen=True, repr=False)
 class BankForecast(Described):
-    """What will happen to a ship beside the banks."""
-
     t: float  # When it was made [s]
     cases: dict[str, CaseForecast]  # By who steers
     likely: LikelyRun  # The most likely run
@@ -60,12 +51,10 @@ class BankForecast(Described):
 
     @property
     def pilot_now(self) -> CaseForecast:
-        """With a pilot who takes over now."""
         return self.cases[PILOT_NOW]
 
     @property
     def urgency(self) -> float:
-        """One number for how urgent it is [1], as ``urgency_of`` tells it."""
         return float(urgency_of(self.pilot_now.probability, self.likely.contact, self.curved))
 
     @property
@@ -75,11 +64,9 @@ class BankForecast(Described):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the numbers are not."""
         return ("The chance with the rudder as it is says what happens if nobody acts: it is no chance of grounding.",)
 
     def summary(self) -> str:
-        """Say the most likely run, the chances and the rudder."""
         run, now = self.likely, self.pilot_now
         as_is = f"contact to {run.side} in {run.contact:.0f} s" if math.isfinite(run.contact) else "no contact"
         needed = math.degrees(self.rudder_needed)
@@ -107,17 +94,15 @@ class BankForecast(Described):
         return f"Bank{f' to {side}' if side else ''}: {100 * now.probability:.0f} % with a pilot now"
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name, in SI."""
         own = {name: getattr(self, name) for name in NUMBERS}
         cases = {name: vars(case) for name, case in self.cases.items()}
         return {"summary": self.summary(), **own, "likely": vars(self.likely), "cases": cases, "notes": [*self.notes]}
 
 
 def urgency_of(pilot_now: Any, contact: Any, curved: Any) -> Any:
-    """Return one number for how urgent it is [1]: what a pilot now meets, and how soon it comes, two ways."""
-    # contact, curved [s]
+    """Return the urgency [1] from a pilot's chance of contact now and two times to contact [s]."""
     # The curved track knows nothing of the model, and so is not wrong where the model is.
-    return pilot_now + sum(COUNTS_AS_SURE / np.maximum(time, SOONEST) for time in (contact, curved))
+    return pilot_now + sum(CERTAIN_CONTACT_TIME / np.maximum(time, SHORTEST_CONTACT_TIME) for time in (contact, curved))
 
 
 def _chance(run: LikelyRun) -> str:
@@ -128,25 +113,18 @@ def _chance(run: LikelyRun) -> str:
 
 # Which futures are forecast: who steers, from when, and for how long it is looked at.
 AS_IS = "as it is"
-
 # When a pilot takes over [s].
 TAKEOVERS = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
-
 # The same, for the most likely run alone [s].
 CHANCES = tuple(np.arange(0.0, 61.0, 2.0).tolist())
-
 # How long it is looked at from the takeover on [s], or from the start; and with the rudder hard over [s].
 AFTER, HARD_OVER_TIME = 120.0, 60.0
-
 NEVER = 1e9
-
 PORT, STARBOARD = -1.0, 1.0
 
 
 @dataclass(frozen=True)
 class Case:
-    """A future."""
-
     name: str  # What happens
     taken_over: float  # When a pilot takes over [s]
     duration: float  # How long it is looked at [s]
@@ -155,8 +133,6 @@ class Case:
 
 
 def pilot_case(taken_over: float) -> Case:
-    """Return the future of a pilot who takes over."""
-    # taken_over [s]
     when = "now" if taken_over == 0.0 else f"after {taken_over:g} s"
     return Case(f"pilot {when}", taken_over, taken_over + AFTER)
 
@@ -168,5 +144,4 @@ CASES = (
 
 # Those of the most likely run.
 LIKELY = (CASES[0], *map(pilot_case, CHANCES), *CASES[-2:])
-
 PILOT_NOW = CASES[1].name

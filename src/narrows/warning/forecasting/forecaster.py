@@ -21,22 +21,14 @@ from narrows.quantities.names import GRAVITY
 from narrows.ship.cross_section import half_swept
 from narrows.ship.particulars import Ship
 from narrows.simulation.ship import SimulatedShip
-from narrows.warning.forecasting.forecast import (
-    AFTER,
-    CASES,
-    CHANCES,
-    LIKELY,
-    SOON,
-    BankForecast,
-    CaseForecast,
-    LikelyRun,
-)
+from narrows.warning import settings
+from narrows.warning.forecasting.forecast import AFTER, CASES, CHANCES, LIKELY, BankForecast, CaseForecast, LikelyRun
 from narrows.warning.forecasting.future_lanes import (
     BLOCKS,
     FAN_MEMBERS,
-    Ends,
     FutureBlock,
     FutureLanes,
+    Outcomes,
     PredictedFan,
     Ships,
     fan_of,
@@ -45,27 +37,16 @@ from narrows.warning.forecasting.future_lanes import (
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# Of the root of length over gravity; and a time [s] that is a whole number of steps, as all times of the cases are.
-STEPS_A_PERIOD, EVEN = 2.0, 10.0
-
-# Along the way, and of the speed, after which the pilot is made anew for the place and the speed.
-AGAIN_LENGTHS, AGAIN_SHARE = 5.0, 0.2
-
-# Froude number by length: for slower ships the pilot is that of this speed [1].
-SLOWEST = 0.01
+# [s] a whole number of steps, as all times of the cases are.
+EVEN = 10.0
 
 
-# Members of an ensemble: the state and the coefficients drawn together, by the same numbers at every forecast.
-class Drawn(NamedTuple):
-    """Ships."""
-
+class Samples(NamedTuple):
     states: np.ndarray  # (ships, states) Of the estimate
     coefficients: np.ndarray  # (ships, coefficients) In the order of the model's table
 
 
 class Forecaster:
-    """Forecasts of one ship, laid out once."""
-
     def __init__(self, estimator: Estimator, line: float = 0.0, *, members: int = 1000, seed: int = 0) -> None:
         check_count("members", members, 2)
         self.filter, self.line = estimator.filter, line
@@ -78,8 +59,6 @@ class Forecaster:
         self._pilot_for = (-math.inf, math.inf)
 
     def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> BankForecast:
-        """Return what will happen."""
-        # positions [rad]
         ships = self._members.drawn(estimate), self._members.likely(estimate)
         now, rudder = estimate.values, positions.get(RUDDER, 0.0)
         lanes = self._flowing(self._laid_out(now), now, positions)
@@ -96,11 +75,10 @@ class Forecaster:
         water = local_water(model, waterway, now["x"] if waterway is not None else 0.0)
         psi, u, v, r = (np.array([now[name]]) for name in ("psi", "u", "v", "r"))
         y = np.array([now["y"] - water.middle])
-        beside = Beside(model.configuration.ship, water.width / 2, y, psi, u, v, r, water.curvature)
+        beside = BridgePredictor(model.configuration.ship, water.width / 2, y, psi, u, v, r, water.curvature)
         return float(beside.curved_contact(AFTER)[0])
 
     def fan(self, estimate: Estimate, positions: Mapping[str, float]) -> PredictedFan:
-        """Return where the ship may go, for pictures."""
         rudder, likely = positions.get(RUDDER, 0.0), self._members.likely(estimate)
         self._laid_out(estimate.values)
         if self._fan_lanes is None:
@@ -115,7 +93,7 @@ class Forecaster:
         lanes.flow(current, positions.get("revolutions"))
         return lanes
 
-    def _ships(self, drawn: Drawn, rudder: float) -> Ships:
+    def _ships(self, drawn: Samples, rudder: float) -> Ships:
         terms = self.filter.model.terms
         columns = dict(zip(self.filter.states.names, drawn.states.T, strict=True))
         coefficients = dict(zip(terms.names, drawn.coefficients.T, strict=True))
@@ -124,11 +102,10 @@ class Forecaster:
         return Ships(columns, rudder + columns.get("rudder_bias", np.zeros(len(drawn.states))), coefficients)
 
     def _laid_out(self, now: Mapping[str, float]) -> FutureLanes:
-        """The lanes, with a pilot for this place and speed."""
         length = self.filter.model.configuration.ship.length
         place, speed = self._pilot_for
-        far = self.filter.waterway is not None and abs(now["x"] - place) > AGAIN_LENGTHS * length
-        if self._lanes and not far and abs(now["u"] - speed) <= AGAIN_SHARE * speed:
+        far = self.filter.waterway is not None and abs(now["x"] - place) > settings.PILOT_REDESIGN_LENGTHS * length
+        if self._lanes and not far and abs(now["u"] - speed) <= settings.PILOT_REDESIGN_SPEED * speed:
             return self._lanes
         pilot = self._takes_over = self._pilot(now)
         if self._lanes is None:
@@ -140,7 +117,7 @@ class Forecaster:
     def _made(self, pilot: Regulator, blocks: Sequence[FutureBlock]) -> FutureLanes:
         model, waterway = self.filter.model, self.filter.waterway
         ship = model.configuration.ship
-        step = EVEN / math.ceil(EVEN * STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
+        step = EVEN / math.ceil(EVEN * settings.STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
         if waterway is not None and waterway.step is None:
             waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
         return FutureLanes(self.filter.ship, waterway, pilot, blocks, step)
@@ -148,19 +125,21 @@ class Forecaster:
     def _pilot(self, now: Mapping[str, float]) -> Regulator:
         model, waterway = self.filter.model, self.filter.waterway
         at = 0.0 if waterway is None else min(max(now["x"], 0.0), waterway.line.length)
-        slow = SLOWEST * math.sqrt(GRAVITY * model.configuration.ship.length)
+        slow = settings.LEAST_FROUDE * math.sqrt(GRAVITY * model.configuration.ship.length)
         return regulator(model, self.line, max(now["u"], slow), waterway=waterway, at=at)
 
 
-def _of_case(ends: Ends, place: int, name: str) -> CaseForecast:
+def _of_case(ends: Outcomes, place: int, name: str) -> CaseForecast:
     contact, side = ends.contact[place], ends.side[place]
     meets = np.isfinite(contact)
     share = float(meets.mean())
     time = float(np.median(contact[meets])) if share else math.inf
-    return CaseForecast(name, share, float((contact <= SOON).mean()), time, _side(side[meets].sum()) if share else "")
+    return CaseForecast(
+        name, share, float((contact <= settings.SOON).mean()), time, _side(side[meets].sum()) if share else ""
+    )
 
 
-def _likely(ends: Ends) -> LikelyRun:
+def _likely(ends: Outcomes) -> LikelyRun:
     contact = float(ends.contact[0, 0])
     met = np.isfinite(ends.contact[1 : 1 + len(CHANCES), 0])
     clear = int(met.argmax()) if met.any() else len(CHANCES)
@@ -174,10 +153,9 @@ def _side(sign: float) -> str:
 
 @dataclass
 class Members:
-    """Ships that what is known leaves possible."""
+    """Samples of the joint posterior of state and coefficients."""
 
-    # What an estimate knows of how the state goes with the coefficients, the members keep. The numbers that they are
-    # drawn by stay the same: from one forecast to the next only what is known changes.
+    # The standard normal numbers stay the same: from one forecast to the next only the posterior changes.
 
     filter: ShipFilter  # Of the estimator
     count: int  # How many, an even number: half of them mirror the other half about the mean
@@ -189,22 +167,20 @@ class Members:
         half = np.random.default_rng(self.seed).standard_normal((self.count // 2, size))
         return np.concatenate([half, -half])
 
-    def drawn(self, estimate: Estimate) -> Drawn:
-        """Return the members."""
+    def drawn(self, estimate: Estimate) -> Samples:
         return self._ships(estimate, self._normals)
 
-    def likely(self, estimate: Estimate) -> Drawn:
-        """Return the one ship of the mean."""
+    def likely(self, estimate: Estimate) -> Samples:
         return self._ships(estimate, np.zeros((1, self._normals.shape[1])))
 
-    def _ships(self, estimate: Estimate, normals: np.ndarray) -> Drawn:
+    def _ships(self, estimate: Estimate, normals: np.ndarray) -> Samples:
         joint, size = estimate.joint, len(self.filter.states)
         if joint is None:
             raise InputError("there is nothing known of this ship yet, so nothing can be foretold")
         points = joint.mean + normals[:, : joint.root.shape[1]] @ joint.root.T
         carried = normals[:, : self.filter.considered]
         directions = points[:, size:] if self.filter.estimated else carried
-        return Drawn(points[:, :size], self._coefficients(directions))
+        return Samples(points[:, :size], self._coefficients(directions))
 
     def _coefficients(self, directions: np.ndarray) -> np.ndarray:
         """Coefficients by the directions of their covariance, within the bounds of their terms."""
@@ -215,12 +191,10 @@ class Members:
         return np.asarray(np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
 
 
-# The rudder that holds a ship where it is, against a bank that is as strong as it is estimated to be.
 def rudder_needed(
     ship: SimulatedShip, waterway: "Waterway | None", at: Mapping[str, float], positions: Mapping[str, float]
 ) -> float:
-    """Return the rudder of the steady course at a place [rad]; infinite where there is none."""
-    # at [m]; positions [1/s]
+    """Return the rudder of the steady course here, the bank as strong as estimated [rad]; infinite without one."""
     model = ship.model
     water = local_water(model, waterway, at["x"] if waterway is not None else 0.0)
     offset = at["y"] - water.middle
@@ -236,14 +210,8 @@ def rudder_needed(
     return float(rudder[0]) if math.isfinite(rudder[0]) else math.inf
 
 
-# What bridges foretell without a model: the distance to the bank, the track straight on, the track curved by the turn.
-# The banks are taken to go on as they are beside the ship; along a bend by the line's curvature there.
-# Between the places of a track [s].
-STEP = 2.0
-
-
-class Beside(NamedTuple):
-    """Ships beside banks."""
+class BridgePredictor(NamedTuple):
+    """Predictions of a bridge without a model; the banks continue as beside the ship, bent as the line is there."""
 
     hull: Ship  # Length and beam
     half_width: float  # Of the water [m]
@@ -256,29 +224,25 @@ class Beside(NamedTuple):
 
     def clearance(self, y: np.ndarray, psi: np.ndarray) -> Any:
         """Return the water beside the corners of the hull [m]."""
-        # y, psi [m, rad]
         return self.half_width - np.abs(y) - half_swept(self.hull, psi)
 
     @property
     def now(self) -> Any:
-        """The clearance as it is, (n,) [m]."""
         return self.clearance(self.y, self.psi)
 
     def straight_contact(self, until: float) -> np.ndarray:
         """Return when a ship that goes straight on meets a bank, (n,) [s]; infinite where it does not by then."""
-        # until [s]
         return self._contact(np.zeros_like(self.r), until)
 
     def curved_contact(self, until: float) -> np.ndarray:
         """Return the same of a ship that goes on turning as fast as it does."""
-        # until [s]
         return self._contact(self.r, until)
 
     def _contact(self, turn: np.ndarray, until: float) -> np.ndarray:
-        t = np.arange(0.0, until + STEP / 2, STEP)
+        t = np.arange(0.0, until + settings.TRACK_STEP / 2, settings.TRACK_STEP)
         psi = self.psi[:, None] + (turn - self.bend * self.u)[:, None] * t
         across = self.u[:, None] * np.sin(psi) + self.v[:, None] * np.cos(psi)
-        gone = np.cumsum((across[:, 1:] + across[:, :-1]) / 2 * STEP, axis=1)
+        gone = np.cumsum((across[:, 1:] + across[:, :-1]) / 2 * settings.TRACK_STEP, axis=1)
         y = self.y[:, None] + np.concatenate([np.zeros((len(self.y), 1)), gone], axis=1)
         met = self.clearance(y, psi) <= 0.0
         return np.where(met.any(axis=1), t[met.argmax(axis=1)], np.inf)

@@ -14,6 +14,7 @@ from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.warning.forecasting.forecast import AFTER, AS_IS, NEVER, Case
+from narrows.warning.settings import CONTACT_TOLERANCE
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -21,19 +22,13 @@ if TYPE_CHECKING:
 # How a lane ends in a bank, or across the canal, which is on the way there.
 MEETS = (Code.GROUNDED, Code.DIVERGED, Code.OUTSIDE)
 
-# Of the beam: how closely a contact is located.
-TOLERANCE = 0.02
-
 
 class FutureBlock(NamedTuple):
-    """Futures of some ships."""
-
     cases: Sequence[Case]  # Each of every ship
     ships: int  # How many
 
     @property
     def lanes(self) -> int:
-        """How many."""
         return len(self.cases) * self.ships
 
     def repeated(self, name: str) -> np.ndarray:
@@ -42,16 +37,12 @@ class FutureBlock(NamedTuple):
 
 
 class Ships(NamedTuple):
-    """Ships from which the futures of a block begin."""
-
     columns: Mapping[str, np.ndarray]  # (ships,) x, y [m], psi [rad], u, v [m/s], r [rad/s]
     rudder: np.ndarray  # (ships,) Its true angle [rad]
     coefficients: Mapping[str, np.ndarray]  # (ships,) By name, those of the bank as strong as it is estimated
 
 
-class Ends(NamedTuple):
-    """How the futures of a block end."""
-
+class Outcomes(NamedTuple):
     contact: np.ndarray  # (cases, ships) When a bank is met; infinite where none is [s]
     side: np.ndarray  # (cases, ships) Which: negative to port, positive to starboard
 
@@ -75,7 +66,7 @@ class FutureLanes:
         many = {name: np.full(self._lanes, value) for name, value in ship.model.coefficients.items()}
         still = dict.fromkeys((*START, *INPUTS), 0.0)
         self._prepared = run.prepared({**still, "u": 1.0, **many}, self._lanes, workers=1)
-        self._prepared.limits[0] = TOLERANCE * ship.model.configuration.ship.beam
+        self._prepared.limits[0] = CONTACT_TOLERANCE * ship.model.configuration.ship.beam
         self._constants = ship.system(waterway is not None, steering.law if steering else None).constants
         self._ship_values = ship.values()
         kernel = self._prepared.kernel
@@ -83,7 +74,6 @@ class FutureLanes:
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
 
     def steer(self, pilot: Regulator) -> None:
-        """Let another pilot of the same kind take over."""
         for name, value in pilot.parameters().items():
             place = self._inputs.get(PARAMETER(name))
             if place is not None:
@@ -91,14 +81,12 @@ class FutureLanes:
 
     def flow(self, current: float, revolutions: float | None) -> None:
         """Take the current along the waterway and the propeller's revolutions as they are now."""
-        # current [m/s]; revolutions [1/s]
         names, shared = self._prepared.kernel.SHARED, self._prepared.shared
         for name, value in (("current", current), ("revolutions", revolutions)):
             if name in names and value is not None:
                 shared[names.index(name)] = value
 
-    def __call__(self, ships: Sequence[Ships]) -> list[Ends]:
-        """Return how the futures end."""
+    def __call__(self, ships: Sequence[Ships]) -> list[Outcomes]:
         for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
             self._load(lanes, len(block.cases), own)
         self._prepared()
@@ -128,29 +116,24 @@ class FutureLanes:
         parts = zip(self._parts(), self.blocks, strict=True)
         return [poses[lanes].reshape(len(block.cases), block.ships, 3) for lanes, block in parts]
 
-    def _ends(self) -> list[Ends]:
+    def _ends(self) -> list[Outcomes]:
         codes, time = self._prepared.codes, self._prepared.time
         contact = np.where(np.isin(codes[:, 0], MEETS), time, np.inf)
         ends = []
         for lanes, block in zip(self._parts(), self.blocks, strict=True):
             shape = len(block.cases), block.ships
-            ends.append(Ends(contact[lanes].reshape(shape), codes[lanes, 1].reshape(shape)))
+            ends.append(Outcomes(contact[lanes].reshape(shape), codes[lanes, 1].reshape(shape)))
         return ends
 
 
 # Where a ship may go: places of the members time after time, to be drawn and not to be warned by.
 # Between the places of a track [s].
 EVERY = 10.0
-
 TIMES = tuple(np.arange(EVERY, AFTER + EVERY / 2, EVERY).tolist())
-
 # Whose tracks are drawn.
 FAN_MEMBERS = 32
-
 AS_IT_IS = tuple(Case(f"{AS_IS} for {t:g} s", NEVER, t) for t in TIMES)
-
 WITH_PILOT = tuple(Case(f"pilot for {t:g} s", 0.0, t) for t in TIMES)
-
 # A lane for every place of a track: it ends there.
 BLOCKS = FutureBlock(AS_IT_IS, FAN_MEMBERS), FutureBlock(AS_IT_IS, 1), FutureBlock(WITH_PILOT, 1)
 
@@ -167,7 +150,6 @@ class PredictedFan(NamedTuple):
 
 
 def fan_of(poses: list[np.ndarray]) -> PredictedFan:
-    """Return the tracks of lanes that were laid out by ``BLOCKS``."""
-    # poses (times, ships, 3)
+    """Return the tracks of lanes laid out by ``BLOCKS``, from poses (times, ships, 3)."""
     members, likely, pilot = poses
     return PredictedFan(np.array(TIMES), members.swapaxes(0, 1), likely[:, 0], pilot[:, 0])

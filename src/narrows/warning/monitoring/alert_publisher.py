@@ -11,33 +11,25 @@ from urllib.parse import urlsplit
 
 from narrows.errors import InputError, needs
 from narrows.results import to_json
-from narrows.warning.alerts.alert import Alert
-from narrows.warning.alerts.alert_desk import AlertDesk
+from narrows.warning import settings
+from narrows.warning.alerts.alert import Alert, AlertDesk
 from narrows.warning.alerts.alert_log import AlertLog
-from narrows.warning.alerts.alert_sentences import HEARTBEAT, AlertCommand, alc, alf, arc, ended, hbt, notifications
-from narrows.warning.hearing.connections import FIRST_PAUSE, LONGEST_PAUSE, OPENING, PATIENCE
+from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, ended, hbt, notifications
 
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
-
-# Between lists of alerts [s].
-LIST_EVERY = 30.0
 
 Send = Callable[[str], None]
 
 
 class AlertPublisher:
-    """Logs and sends."""
-
     def __init__(self, log: AlertLog | None = None, send: Send | None = None) -> None:
         self.log, self.send = log, send or (lambda sentence: None)
         self.late = ""
         self._numbers = {name: count() for name in ("alf", "alc", "hbt")}
-        self._listed = self._beaten = -HEARTBEAT
+        self._listed = self._beaten = -settings.HEARTBEAT
 
     def publish(self, changed: Sequence[Alert], since_1970: float) -> None:
-        """Log alerts that changed, and send them."""
-        # since_1970 [s]
         for alert in changed:
             if self.log is not None:
                 written = self.log.alert(alert)
@@ -46,25 +38,21 @@ class AlertPublisher:
                 self.send(sentence)
 
     def refuse(self, command: AlertCommand, since_1970: float) -> None:
-        """Say that a command is refused."""
-        # since_1970 [s]
         self.send(arc(command, since_1970))
 
     def beat(self, t: float, alerts: Sequence[Alert], sound: bool) -> None:
         """Send the list of alerts and the heartbeat where they are due."""
-        # t [s]
-        if t - self._listed >= LIST_EVERY:
+        if t - self._listed >= settings.LIST_INTERVAL:
             self._listed = t
             for sentence in alc(alerts, next(self._numbers["alc"])):
                 self.send(sentence)
-        if t - self._beaten >= HEARTBEAT:
+        if t - self._beaten >= settings.HEARTBEAT:
             self._beaten = t
             self.send(hbt(sound, next(self._numbers["hbt"])))
 
 
 @contextmanager
 def sender_to(address: str) -> Iterator[Send]:
-    """Open what sends sentences as datagrams."""
     host, _, port = address.removeprefix("udp://").rpartition(":")
     if not address.startswith("udp://") or not host or not port.isdecimal() or int(port) > 65_535:
         raise InputError(f"{address}: alerts go out by UDP; write the address as in udp://239.192.0.1:60001")
@@ -79,9 +67,6 @@ def sender_to(address: str) -> Iterator[Send]:
 
 # Alerts to a Signal K server: a connection that is opened anew when it breaks, and that nobody waits for.
 STREAM = "/signalk/v1/stream?subscribe=none"
-
-# How long the last message is waited for [s].
-ENDING = 2.0
 
 
 class SignalKSender:
@@ -110,11 +95,10 @@ class SignalKSender:
             self._newest = self._newest and ended(time.time())
             self._stop.set()
             self._changed.notify_all()
-        self._thread.join(ENDING)
+        self._thread.join(settings.LAST_MESSAGE_TIMEOUT)
 
     def tell(self, desk: AlertDesk, since_1970: float) -> None:
         """Leave the alerts as they are, without waiting for anything."""
-        # since_1970 [s]
         with self._changed:
             self._newest = notifications(desk, since_1970)
             self._changed.notify_all()
@@ -122,16 +106,16 @@ class SignalKSender:
     def _run(self) -> None:
         from websockets.exceptions import WebSocketException
 
-        pause = FIRST_PAUSE
+        pause = settings.FIRST_PAUSE
         while not self._stop.is_set():
             try:
-                with self._connect(self.address, open_timeout=OPENING) as server:
+                with self._connect(self.address, open_timeout=settings.OPEN_TIMEOUT) as server:
                     for message in self._changes():
                         _exchange(server, message)
-                        pause = FIRST_PAUSE
+                        pause = settings.FIRST_PAUSE
             except (OSError, WebSocketException):
                 self._stop.wait(pause)
-                pause = min(2 * pause, LONGEST_PAUSE)
+                pause = min(2 * pause, settings.LONGEST_PAUSE)
 
     def _changes(self) -> Iterator[str]:
         """What to send on a new connection: now, and whenever there is something new in it; nothing in between."""
@@ -139,7 +123,7 @@ class SignalKSender:
         while not self._stop.is_set() or self._values() != sent:
             with self._changed:
                 if self._values() == sent:
-                    self._changed.wait(PATIENCE)
+                    self._changed.wait(settings.READ_TIMEOUT)
                 newest, values = self._newest, self._values()
             yield to_json(newest) if values != sent else ""
             sent = values

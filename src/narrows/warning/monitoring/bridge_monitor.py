@@ -12,36 +12,41 @@ from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import CourseOverGround, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
-from narrows.warning.alerts.alert import BANK, BEYOND_DATA, LOG_LATE, NO_FORECAST, SENSORS, Alert, Priority, Situation
-from narrows.warning.alerts.alert_desk import CALM, AlertDesk, BankLevel, Condition, Lingering, Thresholds
+from narrows.warning import settings
+from narrows.warning.alerts.alert import (
+    BANK,
+    BEYOND_DATA,
+    CALM,
+    LOG_LATE,
+    NO_FORECAST,
+    SENSORS,
+    Alert,
+    AlertDesk,
+    BankLevel,
+    Condition,
+    Hysteresis,
+    Priority,
+    Situation,
+    Thresholds,
+)
 from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.future_lanes import PredictedFan
-from narrows.warning.hearing.bridge_readings import GROUND_LOG, PERIOD, BridgeReadings, Heard, Tick
+from narrows.warning.inputs.bridge_readings import GROUND_LOG, BridgeReadings, Messages, Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
 
-# Of the speed through the water, where it is taken for that over ground [m/s]: a current lies between.
-GROUND_NOISE = 0.4
-
-# After the start, in which it is no alert that nothing is foretold yet [s].
-GRACE = 20.0
-
 
 def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
-    """Return what a bridge has, as the estimator asks for it."""
-    # antenna [m]
     forward, starboard = antenna
     receiver = Gnss(forward=forward, starboard=starboard), CourseOverGround(forward=forward, starboard=starboard)
-    return [*receiver, Gyro(), RateOfTurn(), Log(), Log(GROUND_NOISE, name=GROUND_LOG), RudderIndicator()]
+    return [*receiver, Gyro(), RateOfTurn(), Log(), Log(settings.GROUND_LOG_NOISE, name=GROUND_LOG), RudderIndicator()]
 
 
 @dataclass
 class BridgeMonitor:
-    """A ship that is watched."""
-
     model: Model  # The ship at its own size, with the terms of a rudder
     waterway: Waterway  # Where it sails, that knows where on earth it is
     line: float = 0.0  # That a pilot who takes over brings it to, to starboard of the waterway's line [m]
@@ -58,13 +63,12 @@ class BridgeMonitor:
         log = self.publisher.log
         self.desk = AlertDesk(log.alerts if log else ())
         self._level, self._health = BankLevel(self.thresholds), SensorHealth()
-        self._beyond = Lingering()
+        self._beyond = Hysteresis()
         self._positions: dict[str, float] = {}
         self._began: float | None = None
 
     def prepare(self, u: float) -> None:
         """Compile what is not compiled yet, so that the first alert does not wait for it."""
-        # u [m/s]
         half = self.waterway.line.length / 2
         still = {"gyro": 0.0, "log": u, "rudder": 0.0}
         for t in range(3):
@@ -73,8 +77,6 @@ class BridgeMonitor:
         self.estimator.forget()
 
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
-        """Take what was told in a second, and return what is known then."""
-        # since_1970 [s]
         heard = self.bridge.heard(tick)
         self._began = tick.t if self._began is None else self._began
         estimate = self._estimated(heard)
@@ -87,11 +89,9 @@ class BridgeMonitor:
         return BridgeStatus(tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why)
 
     def fan(self, status: BridgeStatus) -> PredictedFan:
-        """Return where the ship may go, for pictures."""
         return self._foreteller.fan(status.estimate, self._positions)
 
     def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:
-        """Do what the bridge asks for, and refuse what cannot be."""
         changed = []
         for command in filter(None, map(command_of, tick.commands)):
             alert = self.desk.command(tick.t, *command)
@@ -101,7 +101,7 @@ class BridgeMonitor:
                 changed.append(alert)
         return changed
 
-    def _estimated(self, heard: Heard) -> Estimate:
+    def _estimated(self, heard: Messages) -> Estimate:
         actuators = self.estimator.filter.actuators
         known = {
             name: reading
@@ -111,7 +111,7 @@ class BridgeMonitor:
         self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
         return self.estimator.update(heard.t, known)
 
-    def _forecast(self, heard: Heard, estimate: Estimate) -> tuple[BankForecast | None, str]:
+    def _forecast(self, heard: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
         """What will happen, or why that cannot be told."""
         if not estimate.ready:
             return None, estimate.notes[-1] if estimate.notes else "Nothing is known of the ship yet."
@@ -125,13 +125,19 @@ class BridgeMonitor:
         except InputError as error:
             return None, str(error)
         late = time.monotonic() - start
-        return (None, f"A forecast took {late:.1f} s, and was out of date.") if late > PERIOD else (forecast, "")
+        return (
+            (None, f"A forecast took {late:.1f} s, and was out of date.") if late > settings.PERIOD else (forecast, "")
+        )
 
     def _conditions(
-        self, heard: Heard, estimate: Estimate, forecast: BankForecast | None, why: str
+        self, heard: Messages, estimate: Estimate, forecast: BankForecast | None, why: str
     ) -> dict[Situation, Condition]:
-        conditions = {SENSORS: self._health.condition(heard, estimate), LOG_LATE: self._log_condition()}
-        early = heard.t - (self._began or 0.0) < GRACE
+        late = self.publisher.late
+        conditions = {
+            SENSORS: self._health.condition(heard, estimate),
+            LOG_LATE: Condition(Priority.CAUTION, late) if late else CALM,
+        }
+        early = heard.t - (self._began or 0.0) < settings.GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
         if estimate.ready:
             beyond = beyond_data(self.model, self.waterway, estimate, heard)
@@ -141,17 +147,8 @@ class BridgeMonitor:
             conditions[BANK] = Condition(level, forecast.words()) if level else CALM
         return conditions
 
-    def _log_condition(self) -> Condition:
-        return Condition(Priority.CAUTION, self.publisher.late) if self.publisher.late else CALM
 
-
-# Whether a ship is where its model was tested.
-# Of the draft, by which the ship may lie deeper or less deep than its model; of the depth of the waterway, by which
-# there may be more or less water than is charted.
-DRAFT_OFF, DEPTH_OFF = 0.03, 0.1
-
-
-def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Heard) -> Condition:
+def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
     """Return a caution where the ship is outside of what its model's data covered."""
     ship, now = model.configuration.ship, estimate.values
     here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
@@ -159,9 +156,9 @@ def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Hea
     asked |= {"width_to_beam": float(here.width) / ship.beam, "depth_to_draft": float(here.depth) / ship.draft}
     known = {name: value for name, value in asked.items() if math.isfinite(value)}
     said = list(extrapolation(model.data_range, known))
-    if heard.draft is not None and abs(heard.draft - ship.draft) > DRAFT_OFF * ship.draft:
+    if heard.draft is not None and abs(heard.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:
         said.append(f"The ship reports a draft of {heard.draft:g} m; its model is of {ship.draft:g} m.")
-    if heard.depth is not None and abs(heard.depth - float(here.depth)) > DEPTH_OFF * float(here.depth):
+    if heard.depth is not None and abs(heard.depth - float(here.depth)) > settings.DEPTH_TOLERANCE * float(here.depth):
         charted = f"{waterway.name} has {float(here.depth):.1f} m here"
         said.append(f"The echo sounder tells {heard.depth:.1f} m of water; {charted}.")
     return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
@@ -171,43 +168,34 @@ def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Hea
 # What a forecast cannot do without for long.
 NEEDED = ("position", "heading", "rudder")
 
-# Without a word of what is needed [s], after which that is said, and after which nothing is foretold.
-SILENT, BLIND = 3.0, 10.0
-
-# Without a word of what was told before [s].
-OTHERS_SILENT = 10.0
-
-# For which a refused or a drifting sensor is spoken of [s].
-HELD = 10.0
-
 
 class SensorHealth:
-    """What is wrong with the sensors, as it is said."""
-
     def __init__(self) -> None:
         self._began: float | None = None
         self._doubted: dict[str, float] = {}
 
-    def condition(self, heard: Heard, estimate: Estimate) -> Condition:
+    def condition(self, heard: Messages, estimate: Estimate) -> Condition:
         """Return a caution where a sensor is silent or doubted, a warning where nothing can be foretold for it."""
         self._doubted |= {f"{name} jumps": heard.t for name in estimate.refused}
         self._doubted |= {f"{name} drifts, or is led astray": heard.t for name in estimate.suspects}
-        self._doubted = {what: t for what, t in self._doubted.items() if heard.t - t < HELD}
+        self._doubted = {what: t for what, t in self._doubted.items() if heard.t - t < settings.DOUBT_HOLD_TIME}
         said = [*self._silences(heard), *self._doubted]
         if not said:
             return CALM
         return Condition(Priority.WARNING if self.blind(heard) else Priority.CAUTION, "; ".join(said))
 
-    def blind(self, heard: Heard) -> bool:
+    def blind(self, heard: Messages) -> bool:
         """Return whether too much is unknown for too long to foretell anything."""
-        return max(self._needed(heard).values()) > BLIND
+        return max(self._needed(heard).values()) > settings.BLIND_AFTER
 
-    def _needed(self, heard: Heard) -> dict[str, float]:
+    def _needed(self, heard: Messages) -> dict[str, float]:
         """How long ago each that is needed was told; of what never was, since the watch began."""
         self._began = heard.t if self._began is None else self._began
         return {what: heard.ages.get(what, heard.t - self._began) for what in NEEDED}
 
-    def _silences(self, heard: Heard) -> list[str]:
-        others = {what: age for what, age in heard.ages.items() if what not in NEEDED and age > OTHERS_SILENT}
-        late = {what: age for what, age in self._needed(heard).items() if age > SILENT} | others
+    def _silences(self, heard: Messages) -> list[str]:
+        others = {
+            what: age for what, age in heard.ages.items() if what not in NEEDED and age > settings.OTHER_SENSOR_SILENCE
+        }
+        late = {what: age for what, age in self._needed(heard).items() if age > settings.SENSOR_SILENCE} | others
         return [f"no {what} for {age:.0f} s" for what, age in late.items()]

@@ -12,12 +12,10 @@ from narrows.warning.forecasting.forecast import BankForecast
 from narrows.waterway.waterway import Waterway
 
 NOT_AVAILABLE = "not available"
-
 # Situations in which less is to be believed.
 DOUBTS = (SENSORS.identifier, BEYOND_DATA.identifier, LOG_LATE.identifier)
 
 
-# Water beside the hull.
 class Clearances(NamedTuple):
     """Of the corners of the hull to the banks, infinite where they are not known."""
 
@@ -27,8 +25,6 @@ class Clearances(NamedTuple):
 
 @dataclass(frozen=True)
 class BridgeStatus:
-    """What is known at a time."""
-
     t: float  # When [s]
     estimate: Estimate  # Of the ship
     forecast: BankForecast | None  # What will happen; none where it cannot be told
@@ -57,7 +53,6 @@ class BridgeStatus:
 
     @property
     def headline(self) -> str:
-        """What there is to say first, in a sentence."""
         if self.forecast is None:
             return self.why
         urgent = next((alert for alert in self.alerts if alert.state in HOLDS and alert.priority is self.level), None)
@@ -69,7 +64,6 @@ class BridgeStatus:
         return tuple(alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.state in HOLDS)
 
     def line(self) -> str:
-        """Say it in a line."""
         parts = [f"{self.word:>15}"]
         if self.estimate.ready:
             now = self.estimate.values
@@ -84,7 +78,6 @@ class BridgeStatus:
         return "  ".join(parts)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give it by name, in SI."""
         forecast = self.forecast.to_dict() if self.forecast else None
         said = {"status": self.word, "headline": self.headline, "caveats": list(self.caveats)}
         known = {"clearances": self.clearances._asdict(), "state": self.estimate.values, "forecast": forecast}
@@ -93,7 +86,6 @@ class BridgeStatus:
 
 
 def told(alert: Alert) -> dict[str, Any]:
-    """Return an alert by names and words."""
     words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
     return {**vars(alert), **words}
 

@@ -11,31 +11,25 @@ from narrows.control.track_pilot import track_pilot
 from narrows.identification.bundled_ship import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.readers.nmea.nmea_hearing import Entry, Hearing
 from narrows.readers.nmea.nmea_lines import checksum, sentences, with_checksum
 from narrows.simulation.controllers import Autopilot, Order, VoyageState
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.terms.tables import table_named
-from narrows.warning.hearing.bridge_readings import Tick
+from narrows.warning.inputs.bridge_readings import Tick
 from narrows.waterway import Bank, Centreline
 from narrows.waterway.centreline import unprojected
 from narrows.waterway.waterway import Waterway
 
 # Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled.
 LENGTH, WIDTH, DEPTH, SPEED, LINE = 230.0, 368.0, 16.2, 4.2, 30.0
-
 # Of the bend [m], where it begins, and between the points of the line.
 RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
-
 # Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes.
 DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
-
 # The rudder's angle then [deg], and the moment of the upset, in degrees of rudder.
 WRONG, MOMENT = 27.0, 3.0
-
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
-
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
 
 
@@ -48,8 +42,6 @@ class MistakenHelm:
     angle: float  # Of the rudder then [rad]
 
     def begin(self) -> Order:
-        """Return what gives the orders of one voyage."""
-
         def order(t: float, state: VoyageState) -> float:
             if self.away[0] <= t < self.away[1]:
                 return self.angle
@@ -61,8 +53,6 @@ class MistakenHelm:
 
 @dataclass(frozen=True)
 class SimulatedBridge:
-    """A voyage and what is told of it."""
-
     voyage: Voyage  # Of steps of a second, along a waterway
     waterway: Waterway  # Along which, that knows where on earth it is
     began: float  # Since 1970 [s]
@@ -86,14 +76,11 @@ class SimulatedBridge:
 
 @dataclass(frozen=True)
 class Demonstration:
-    """A ship, its canal, and a bridge that tells of a transit."""
-
     model: Model  # The ship
     waterway: Waterway  # The canal
     bridge: SimulatedBridge  # That tells
 
     def ticks(self) -> Iterator[Tick]:
-        """Yield what is told, second by second."""
         hearing = Hearing()
         for t, told in self.bridge.seconds():
             lines = [line.encode("ascii") for line in told]
@@ -132,8 +119,7 @@ def _moment(model: Model) -> float:
     return float(by_rudder) * math.radians(MOMENT)
 
 
-# A simulated bridge: a voyage told second by second as its sensors indicate it.
-# Standard deviations of what sensors indicate.
+# Standard deviations of the sensors, in SI.
 NOISE = {
     "x": 1.0, "y": 1.0, "psi": math.radians(0.2), "r": math.radians(0.03), "u": 0.05, "course": 0.01, "speed": 0.05,
     "rudder": math.radians(0.2),
@@ -149,7 +135,6 @@ def _stamp(since_1970: float) -> str:
 # The sentences by which a bridge tells of its ship: what a simulated one says, and a recording of it holds.
 def bridge_sentences(waterway: Waterway, at: Mapping[str, float], since_1970: float) -> list[str]:
     """Return what is told in a second: position, course, heading, rate of turn, log, rudder."""
-    # at [m]; since_1970 [s]
     east_north, heading = waterway.to_map(at["x"], at["y"], at["psi"])
     longitude, latitude = unprojected(np.reshape(east_north, (1, 2)), np.array(waterway.origin))[0]
     line = float(heading) - at["psi"]

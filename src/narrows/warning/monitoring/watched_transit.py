@@ -11,6 +11,7 @@ from narrows.results import Shown
 from narrows.ship.particulars import Ship
 from narrows.warning.alerts.alert import Alert, Priority
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
+from narrows.warning.settings import CONTACT_CLEARANCE, MOST_ALERTS, MOST_SECONDS, NEAR_MISS
 from narrows.waterway.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -21,62 +22,46 @@ COLUMNS = (
     "t", "x", "y", "psi", "u", "clearance", "pilot_now", "soon", "contact", "last_chance", "rudder", "rudder_needed",
     "rudder_margin", "level",
 )  # fmt: skip
-# Of water beside the hull [m], below which it was a near miss.
-NEAR = 20.0
-# Below which it counts as contact, as in scores: no nearer do the sensors know the place.
-CONTACT = 5.0
-# That are kept of a watch: a day; what was before is in the log of alerts.
-MOST_SECONDS, MOST_ALERTS = 86_400, 10_000
 
 
 @dataclass(frozen=True)
-class SaidAlert:
-    """An alert when it changed."""
-
+class AlertText:
     t: float  # Since the watch began [s]
     alert: Alert  # As it was then
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class WatchedTransit(Shown):
-    """What a monitor said of a transit."""
-
     ship: Ship  # Its hull
     waterway: Waterway  # Where it was
     # (seconds,) By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact and last_chance
     # of the most likely run, infinite where there is none, a last chance of 0 where it is gone too
     columns: dict[str, np.ndarray]
-    alerts: tuple[SaidAlert, ...]  # Each time that one changed
+    alerts: tuple[AlertText, ...]  # Each time that one changed
     faults: dict[str, int]  # Messages that were left out, by what is wrong with them
 
     @property
     def names(self) -> tuple[str, str]:
-        """Of the ship and of the waterway."""
         return self.ship.name or "A ship", self.waterway.name
 
     @property
     def level(self) -> Priority:
-        """Of the most urgent alert that there was."""
         return max((said.alert.priority for said in self.alerts), default=Priority.NONE)
 
     @property
     def known(self) -> np.ndarray:
-        """Of each second, whether there was a forecast."""
         return np.asarray(np.isfinite(self.columns["pilot_now"]))
 
     @property
     def located(self) -> np.ndarray:
-        """Of each second, whether it was known where the ship was."""
         return np.asarray(np.isfinite(self.columns["x"]) & np.isfinite(self.columns["y"]))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to know of it."""
         left = [f"{count} messages {what} were left out." for what, count in self.faults.items()]
         return (DECISION_SUPPORT, *left)
 
     def summary(self) -> str:
-        """Say how much was foretold, the first of each kind of alert, and how near it went."""
         seconds, near = len(self.columns["t"]), self._nearest()
         lines = [f"{' on '.join(self.names)}: {seconds} seconds watched, {int(self.known.sum())} with a forecast."]
         for priority in reversed(Priority):
@@ -88,7 +73,6 @@ class WatchedTransit(Shown):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give what was said by name, in SI: what ``monitor --json`` prints."""
         near, margin = self._nearest(), self.columns["rudder_margin"]
         ship, waterway = self.names
         return {
@@ -101,7 +85,6 @@ class WatchedTransit(Shown):
         }  # fmt: skip
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give what was known as a table: a row a second."""
         import pandas as pd
 
         return pd.DataFrame(self.columns).set_index("t")
@@ -112,34 +95,30 @@ class WatchedTransit(Shown):
 
 
 def _nearness(t: float, clearance: float) -> str:
-    if clearance <= CONTACT:
+    if clearance <= CONTACT_CLEARANCE:
         how = "in contact with it" if clearance <= 0 else "in contact with it, or too near to tell"
         return f"At a bank after {t:.0f} s: {how}, as the sensors have it."
-    miss = ", a near miss" if clearance < NEAR else ""
+    miss = ", a near miss" if clearance < NEAR_MISS else ""
     return f"Nearest to a bank after {t:.0f} s: {clearance:.0f} m of water beside the hull{miss}."
 
 
 class TransitLog:
-    """Gathers what a monitor says of a transit."""
-
     def __init__(self, ship: Ship, waterway: Waterway) -> None:
         self.ship, self.waterway = ship, waterway
         self._table, self._count = np.empty((MOST_SECONDS, len(COLUMNS))), 0
-        self._alerts: deque[SaidAlert] = deque(maxlen=MOST_ALERTS)
+        self._alerts: deque[AlertText] = deque(maxlen=MOST_ALERTS)
         self._faults: dict[str, int] = {}
         self._began = math.nan
 
     def add(self, status: BridgeStatus) -> None:
-        """Take what is known at a time."""
         self._began = status.t if math.isnan(self._began) else self._began
         t = status.t - self._began
         self._table[self._count % MOST_SECONDS] = _row(t, status)
         self._count += 1
-        self._alerts += [SaidAlert(t, alert) for alert in status.changed]
+        self._alerts += [AlertText(t, alert) for alert in status.changed]
         self._faults = status.faults
 
     def transit(self) -> WatchedTransit:
-        """Return the transit as it was watched so far."""
         first = self._count % MOST_SECONDS if self._count > MOST_SECONDS else 0
         table = np.roll(self._table[: self._count], -first, axis=0)
         columns = dict(zip(COLUMNS, table.T, strict=True))

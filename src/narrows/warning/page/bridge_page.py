@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
 from narrows.errors import InputError, needs, reason
-from narrows.warning.alerts.alert import SITUATIONS, Alert, AlertState
-from narrows.warning.alerts.alert_desk import AlertDesk
+from narrows.warning import settings
+from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState
 from narrows.warning.alerts.alert_sentences import acn, notifications
-from narrows.warning.hearing.bridge_readings import Tick
+from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.page.onlookers import SHORTEST, Onlooker, Onlookers
+from narrows.warning.page.clients import Client, Clients
 from narrows.warning.page.page_updates import COMMANDS, ending, packed, refusal, update_of
 from narrows.web import asset
 
@@ -31,26 +31,15 @@ if TYPE_CHECKING:
     from fastapi import FastAPI, Response, WebSocket
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
-
 ENDED = "The watch has ended: nothing on this page is kept up to date."
-
-# What is older is told to no page [s]: it would look new there.
-OLD = 2.0
-
-# For the last words to arrive [s].
-FAREWELL = 0.3
-
 # The server of the page: one uvicorn in a thread beside the monitor.
 LOOPBACK = "127.0.0.1"
-
 # Who may look on and acknowledge: whoever has the token, from a page of this server and of no other.
 TOKEN_BYTES = 18
 
 
 @dataclass(frozen=True)
 class PageAccess:
-    """What is asked of whoever comes."""
-
     # That must be known; made anew unless given
     token: str = field(default_factory=lambda: secrets.token_urlsafe(TOKEN_BYTES), repr=False)
 
@@ -65,14 +54,13 @@ class PageAccess:
 
 
 class BridgePage:
-    """What a monitor tells its page, and what the page asks of it."""
-
     def __init__(self, access: PageAccess | None = None) -> None:
         self.access = access or PageAccess()
-        self.updates, self.notices, self.requests = Onlookers(OLD), Onlookers(), PageRequests()
+        self.updates, self.notices, self.requests = Clients(settings.OLDEST_UPDATE), Clients(), PageRequests()
         self._noticed: list[Any] = []
-        streams = Stream(UPDATES, self.updates, self._take), Stream(SIGNAL_K, self.notices, _ignore)
-        self.app = page_app(self.access, *streams)
+        # Clients of Signal K only listen here.
+        notices = Stream(SIGNAL_K, self.notices, lambda text, client: None)
+        self.app = page_app(self.access, Stream(UPDATES, self.updates, self._take), notices)
 
     @contextmanager
     def open(self, host: str = LOOPBACK, port: int = 0) -> Iterator[str]:
@@ -80,23 +68,20 @@ class BridgePage:
         with served(self.app, host, port) as at:
             yield f"http://{address_of(host)}:{at}/?token={self.access.token}"
             self.updates.publish(packed(ending(ENDED)))
-            time.sleep(FAREWELL * bool(self.updates))
+            time.sleep(settings.FAREWELL * bool(self.updates))
 
-    def watch(self, ticks: Iterable[Tick], watched: BridgeMonitor) -> Iterator[Tick]:
-        """Yield ticks with what was asked for on the page."""
-        return self.requests.joined(ticks, watched.desk)
+    def watch(self, ticks: Iterable[Tick], monitored: BridgeMonitor) -> Iterator[Tick]:
+        return self.requests.joined(ticks, monitored.desk)
 
-    def tell(self, watched: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
-        """Show what is known."""
-        # since_1970 [s]
-        self.updates.publish(packed(update_of(watched, status, since_1970)))
-        notice = notifications(watched.desk, since_1970)
+    def tell(self, monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
+        self.updates.publish(packed(update_of(monitored, status, since_1970)))
+        notice = notifications(monitored.desk, since_1970)
         if (values := notice["updates"][0]["values"]) != self._noticed:
             self._noticed = values
             self.notices.publish(packed(notice))
 
-    def _take(self, text: str, onlooker: Onlooker) -> None:
-        self.requests.take(text, lambda why: onlooker.answer(packed(refusal(why))))
+    def _take(self, text: str, client: Client) -> None:
+        self.requests.take(text, lambda why: client.answer(packed(refusal(why))))
 
 
 def address_of(host: str) -> str:
@@ -106,13 +91,8 @@ def address_of(host: str) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-def _ignore(text: str, onlooker: Onlooker) -> None:
-    """What Signal K's clients say is theirs: they only listen here."""
-
-
 # The page's application: one page, its scripts, updates over a websocket, notifications as Signal K has them.
 SHARED = ("canal.js", "palette.css")
-
 KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 
 # Nothing from elsewhere, nothing kept, and the token told to nobody.
@@ -125,26 +105,23 @@ HEADERS = {
 }
 
 CROWDED = "As many look on as there is room for; close another page first."
-
 FORBIDDEN, MISSING, TOO_MANY = 403, 404, 503
-
 # Takes what an onlooker says.
-Take = Callable[[str, Onlooker], None]
+Take = Callable[[str, Client], None]
 
 
 class Stream(NamedTuple):
-    """A websocket of the application."""
-
     path: str  # Where it is
-    onlookers: Onlookers  # Who are told
+    clients: Clients  # Who are told
     take: Take  # Takes what they say
 
 
 def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
-    """Return the application."""
     with needs("monitor", "the monitor's page"):
         from fastapi import FastAPI, Request
-    app, texts = FastAPI(docs_url=None, redoc_url=None, openapi_url=None), _texts()
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    texts = {path.name: path.read_text(encoding="utf-8") for path in files(__package__).joinpath("assets").iterdir()}
+    texts |= {name: asset(name) for name in SHARED}
 
     async def page(request: Request) -> Any:
         why = access.refusal(request.query_params.get("token", ""), request.headers.get("host", ""))
@@ -162,11 +139,6 @@ def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
     return app
 
 
-def _texts() -> dict[str, str]:
-    own = files(__package__).joinpath("assets").iterdir()
-    return {path.name: path.read_text(encoding="utf-8") for path in own} | {name: asset(name) for name in SHARED}
-
-
 def _told(text: str, suffix: str, status: int = 200) -> "Response":
     from fastapi import Response
 
@@ -180,7 +152,7 @@ def _route(access: PageAccess, stream: Stream) -> Any:
     async def route(websocket: WebSocket) -> None:
         told, heads = websocket.query_params.get("token", ""), websocket.headers
         why = access.refusal(told, heads.get("host", ""), heads.get("origin"))
-        if why or stream.onlookers.full:
+        if why or stream.clients.full:
             refused = _told(why, "", FORBIDDEN) if why else _told(CROWDED, "", TOO_MANY)
             await websocket.send_denial_response(refused)
             return
@@ -192,30 +164,23 @@ def _route(access: PageAccess, stream: Stream) -> Any:
 
 async def _look_on(websocket: "WebSocket", stream: Stream) -> None:
     """Tell one, and hear what it says, until one of the two ends."""
-    onlooker = stream.onlookers.enter()
-    telling = asyncio.create_task(stream.onlookers.tell(onlooker, websocket.send_text))
-    hearing = asyncio.create_task(_hear(websocket, onlooker, stream.take))
+    client = stream.clients.enter()
+    telling = asyncio.create_task(stream.clients.tell(client, websocket.send_text))
+    hearing = asyncio.create_task(_hear(websocket, client, stream.take))
     try:
         await asyncio.wait({telling, hearing}, return_when=asyncio.FIRST_COMPLETED)
     finally:
-        stream.onlookers.leave(onlooker)
+        stream.clients.leave(client)
         telling.cancel(), hearing.cancel()
         await asyncio.gather(telling, hearing, return_exceptions=True)
         with suppress(Exception):  # However it ended: it is over.
             await asyncio.wait_for(websocket.close(), 1.0)
 
 
-async def _hear(websocket: "WebSocket", onlooker: Onlooker, take: Take) -> None:
+async def _hear(websocket: "WebSocket", client: Client, take: Take) -> None:
     async for text in websocket.iter_text():
-        take(text, onlooker)
-        await asyncio.sleep(SHORTEST)  # Who talks without pause waits: the monitor needs the machine.
-
-
-# Bytes of what a browser says; and between looks whether it is still there [s].
-LARGEST, PINGED = 4096, 5.0
-
-# That it may take to start or to end [s].
-STARTING = 10.0
+        take(text, client)
+        await asyncio.sleep(settings.SEND_INTERVAL)  # Who talks without pause waits: the monitor needs the machine.
 
 
 @contextmanager
@@ -225,20 +190,21 @@ def served(app: "FastAPI", host: str, port: int) -> Iterator[int]:
         import uvicorn
     with _listening(host, port) as listening:
         config = uvicorn.Config(
-            app, log_level="error", access_log=False, lifespan="off", ws="websockets-sansio", ws_max_size=LARGEST,
-            ws_ping_interval=PINGED, ws_ping_timeout=PINGED, timeout_graceful_shutdown=1, server_header=False,
+            app, log_level="error", access_log=False, lifespan="off", ws="websockets-sansio",
+            ws_max_size=settings.LARGEST_MESSAGE, ws_ping_interval=settings.PING_INTERVAL,
+            ws_ping_timeout=settings.PING_INTERVAL, timeout_graceful_shutdown=1, server_header=False,
         )  # fmt: skip
         server = uvicorn.Server(config)
         thread = Thread(target=server.run, args=([listening],), daemon=True)
         thread.start()
-        deadline = time.monotonic() + STARTING
+        deadline = time.monotonic() + settings.SERVER_TIMEOUT
         while not server.started and thread.is_alive() and time.monotonic() < deadline:
             time.sleep(0.01)
         try:
             yield int(listening.getsockname()[1])
         finally:
             server.should_exit = True
-            thread.join(STARTING)
+            thread.join(settings.SERVER_TIMEOUT)
 
 
 def _listening(host: str, port: int) -> socket.socket:
@@ -251,15 +217,6 @@ def _listening(host: str, port: int) -> socket.socket:
         ) from None
 
 
-# What is asked for on the page: read with suspicion, judged by the alerts as they are, done as the bridge's sentences.
-# A request names the alert, which time of it, and the revision that was on the screen: a copy of an old request, or
-# one of an alert that became more urgent meanwhile, is refused, for nobody has seen what it would acknowledge.
-# Letters of a request.
-LONGEST = 512
-
-# Requests between two updates.
-MOST_WAITING = 64
-
 NUMBERS = ("identifier", "instance", "revision")
 
 MALFORMED = (
@@ -268,14 +225,11 @@ MALFORMED = (
 )
 
 BUSY = "Too much is asked for at once; ask again."
-
 # Told why, where a request is refused.
 Answer = Callable[[str], None]
 
 
 class PageRequest(NamedTuple):
-    """What is asked for."""
-
     command: str  # Of ``COMMANDS``
     identifier: int  # Of the alert, as it was seen
     instance: int  # Of the alert, as it was seen
@@ -283,8 +237,7 @@ class PageRequest(NamedTuple):
 
 
 def request_of(text: str) -> PageRequest | None:
-    """Return the request of a message; None where it is none."""
-    if len(text) > LONGEST:
+    if len(text) > settings.LONGEST_REQUEST:
         return None
     try:
         asked = json.loads(text)
@@ -302,7 +255,6 @@ def _known(command: Any, numbers: list[Any]) -> bool:
 
 def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
     """Return why a request is refused, in a sentence; empty where it is not."""
-    # t [s]
     situation = SITUATIONS.get(request.identifier)
     if situation is None:
         return f"There is no alert {request.identifier}."
@@ -311,20 +263,14 @@ def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
         return f"{situation.name}: that alert is over."
     if alert.revision != request.revision:
         return f"{situation.name}: the alert has changed since it was asked for; look at it again."
-    return _unfit(request, alert, t)
-
-
-def _unfit(request: PageRequest, alert: Alert, t: float) -> str:
-    if alert.commanded(COMMANDS[request.command], t) is not None:
-        return ""
-    return f"{SITUATIONS[alert.identifier].name}: it is {alert.state.value}, so there is nothing to {request.command}."
+    if alert.commanded(COMMANDS[request.command], t) is None:
+        return f"{situation.name}: it is {alert.state.value}, so there is nothing to {request.command}."
+    return ""
 
 
 class PageRequests:
-    """Requests that wait for the next update of the monitor."""
-
     def __init__(self) -> None:
-        self._waiting: Queue[tuple[PageRequest, Answer]] = Queue(MOST_WAITING)
+        self._waiting: Queue[tuple[PageRequest, Answer]] = Queue(settings.REQUEST_QUEUE)
 
     def take(self, text: str, answer: Answer) -> None:
         """Take a message, in any thread."""
@@ -339,7 +285,6 @@ class PageRequests:
 
     def sentences(self, desk: AlertDesk, t: float) -> list[bytes]:
         """Return what is asked for as the bridge's sentences, and answer what is refused."""
-        # t [s]
         said: list[bytes] = []
         try:
             while True:
@@ -352,15 +297,12 @@ class PageRequests:
             return said
 
     def joined(self, ticks: Iterable[Tick], desk: AlertDesk) -> Iterator[Tick]:
-        """Yield ticks with what was asked for on the page."""
         for tick in ticks:
             yield tick._replace(commands=[*tick.commands, *self.sentences(desk, tick.t)])
 
 
 NO_TOKEN = "The token is missing or wrong; open the address that the monitor printed when it started."
-
 NO_HOST = "The monitor is reached by its number or as localhost, not by another name; open the address that it printed."
-
 NO_ORIGIN = "A page of another server asks; open the monitor's own page."
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.results import plain
-from narrows.warning.alerts.alert import Alert, Command
+from narrows.warning.alerts.alert import Command
 from narrows.warning.forecasting.future_lanes import PredictedFan
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
@@ -19,51 +19,46 @@ from narrows.waterway.waterway import Waterway
 COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
 
 
-def update_of(watched: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
-    """Return what is known at a time, as the page is told it."""
-    # since_1970 [s]
-    names = {"ship": watched.model.configuration.ship.name or "A ship", "waterway": watched.waterway.name}
-    alerts = [{**told(alert), "sounds": alert.sounds, "may": _may(alert, status.t)} for alert in status.alerts]
-    parts = {"alerts": alerts, "scene": scene(watched, status)}
+def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
+    names = {"ship": monitored.model.configuration.ship.name or "A ship", "waterway": monitored.waterway.name}
+    alerts = [
+        {
+            **told(alert), "sounds": alert.sounds,
+            "may": [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None],
+        }
+        for alert in status.alerts
+    ]  # fmt: skip
+    parts = {"alerts": alerts, "scene": scene(monitored, status)}
     return {"kind": "update", "at": since_1970, **names, **status.to_dict(), **parts}
 
 
 def refusal(sentence: str) -> dict[str, Any]:
-    """Return the answer to what is refused."""
     return {"kind": "refused", "sentence": sentence}
 
 
 def ending(sentence: str) -> dict[str, Any]:
-    """Return the last message of a watch."""
     return {"kind": "ended", "sentence": sentence}
 
 
 def packed(message: Mapping[str, Any]) -> str:
-    """Return a message as JSON in one line."""
     return json.dumps(plain(message), separators=(",", ":"), allow_nan=False)
-
-
-def _may(alert: Alert, t: float) -> list[str]:
-    return [name for name, command in COMMANDS.items() if alert.commanded(command, t) is not None]
 
 
 # What the page draws: the ship, the banks about it, and where it may go, in metres east and north.
 # Of the ship, how much of the banks is drawn; and how far apart their points are [m].
 ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
-
 SIDES = (-1, 1)
-
 # Of north, east [m] and heading [rad]: what is told of a place, and of a ship.
 POINT, POSE = slice(2), slice(3)
 
 
-def scene(watched: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
+def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
     """Return what there is to draw, points as [north, east] [m]; None where nobody knows where the ship is."""
     if not status.estimate.ready:
         return None
-    way, ship, now = watched.waterway, watched.model.configuration.ship, status.estimate.values
+    way, ship, now = monitored.waterway, monitored.model.configuration.ship, status.estimate.values
     pose, along = np.array([now["x"], now["y"], now["psi"]]), min(max(now["x"], 0.0), way.line.length)
-    fan, middle = _foretold(watched, status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
+    fan, middle = _foretold(monitored, status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
     own = {"pose": pose[None], "middle": middle[None]}
     lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
     drawn = _on_map(way, lines)
@@ -75,18 +70,17 @@ def scene(watched: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None
     }
 
 
-def _foretold(watched: BridgeMonitor, status: BridgeStatus) -> PredictedFan | None:
+def _foretold(monitored: BridgeMonitor, status: BridgeStatus) -> PredictedFan | None:
     """Of what can be drawn: a ship that diverges has no place."""
     fan = None
     with suppress(InputError):  # A picture is no reason to stop watching.
-        fan = watched.fan(status) if status.forecast else None
+        fan = monitored.fan(status) if status.forecast else None
     if fan is None or not np.isfinite([fan.likely, fan.pilot]).all():
         return None
     return fan._replace(members=fan.members[np.isfinite(fan.members).all(axis=(1, 2))])
 
 
 def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.ndarray]:
-    """Of the water, or of the room for a keel."""
     first, last = max(along - ASTERN, 0.0), min(along + AHEAD, way.line.length)
     s = np.linspace(first, last, max(2, round((last - first) / EVERY) + 1))
     name, here = ("banks", way.section(s)) if draft is None else ("limits", way.room(s, draft))

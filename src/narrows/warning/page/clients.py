@@ -11,11 +11,8 @@ from collections import deque
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
-# That one message may take to send [s].
-PATIENCE = 5.0
-# Between messages to one onlooker [s].
-SHORTEST = 0.1
-MOST_ANSWERS, MOST_ONLOOKERS = 16, 32
+from narrows.warning.settings import ANSWER_QUEUE, MOST_CLIENTS, SEND_INTERVAL, SEND_TIMEOUT
+
 Send = Callable[[str], Awaitable[None]]
 
 
@@ -37,11 +34,9 @@ class _Call:
         self._function()
 
 
-class Onlooker:
-    """One of them, in the loop of the server."""
-
+class Client:
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.awake, self.answers = asyncio.Event(), deque[str](maxlen=MOST_ANSWERS)
+        self.awake, self.answers = asyncio.Event(), deque[str](maxlen=ANSWER_QUEUE)
         self.awake.set()
         self._wake = _Call(loop, self.awake.set)
 
@@ -51,13 +46,11 @@ class Onlooker:
         self._wake()
 
 
-class Onlookers:
-    """All of them, and the newest message."""
-
+class Clients:
     def __init__(self, lasts: float = math.inf) -> None:
         self.lasts, self.newest, self.number = lasts, "", 0
         self._at = -math.inf
-        self._all: set[Onlooker] = set()
+        self._all: set[Client] = set()
         self._call: _Call | None = None
 
     def __len__(self) -> int:
@@ -65,21 +58,18 @@ class Onlookers:
 
     @property
     def full(self) -> bool:
-        """Whether there are as many as there may be."""
-        return len(self._all) >= MOST_ONLOOKERS
+        return len(self._all) >= MOST_CLIENTS
 
-    def enter(self) -> Onlooker:
-        """Return one more, in the loop of the server."""
+    def enter(self) -> Client:
         loop = asyncio.get_running_loop()
         if self._call is None or self._call.loop is not loop:
             self._call = _Call(loop, self._wake)
-        onlooker = Onlooker(loop)
-        self._all.add(onlooker)
-        return onlooker
+        client = Client(loop)
+        self._all.add(client)
+        return client
 
-    def leave(self, onlooker: Onlooker) -> None:
-        """Forget one."""
-        self._all.discard(onlooker)
+    def leave(self, client: Client) -> None:
+        self._all.discard(client)
 
     def publish(self, message: str) -> None:
         """Leave the newest message, in any thread, without waiting for anything."""
@@ -87,19 +77,19 @@ class Onlookers:
         if self._call is not None:
             self._call()
 
-    async def tell(self, onlooker: Onlooker, send: Send) -> None:
+    async def tell(self, client: Client, send: Send) -> None:
         """Send one what there is, until that takes too long."""
         told = 0
         while True:
-            await onlooker.awake.wait()
-            onlooker.awake.clear()
-            while onlooker.answers:
-                await asyncio.wait_for(send(onlooker.answers.popleft()), PATIENCE)
+            await client.awake.wait()
+            client.awake.clear()
+            while client.answers:
+                await asyncio.wait_for(send(client.answers.popleft()), SEND_TIMEOUT)
             if told != self.number and time.monotonic() - self._at <= self.lasts:
                 told = self.number
-                await asyncio.wait_for(send(self.newest), PATIENCE)
-            await asyncio.sleep(SHORTEST)
+                await asyncio.wait_for(send(self.newest), SEND_TIMEOUT)
+            await asyncio.sleep(SEND_INTERVAL)
 
     def _wake(self) -> None:
-        for onlooker in self._all:
-            onlooker.awake.set()
+        for client in self._all:
+            client.awake.set()

@@ -9,20 +9,16 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.results import Described
-from narrows.warning.alerts.alert_desk import LOWERED_AFTER, MARGIN, RAISED_AFTER, Thresholds
+from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.monitoring.bridge_status import BridgeStatus
+from narrows.warning.settings import HYSTERESIS, LOWER_DELAY, NEEDED_LEAD, QUIET_CLEARANCE, RAISE_DELAY, SCORED_CONTACT
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# Clearance [m] below which a transit counts as a contact, for an estimate is no surer; and above which it is quiet.
-LIMIT, QUIET = 5.0, 20.0
-
 
 @dataclass(frozen=True)
 class PredictorScore:
-    """Of one predictor."""
-
     predictor: str  # With its threshold, or a level of the monitor
     missed: int  # Contacts before which it did not stand for 20 s
     lead: float  # Median time that it stood before a contact; NaN without one [s]
@@ -32,8 +28,6 @@ class PredictorScore:
 
 @dataclass(frozen=True, repr=False)
 class TransitScores(Described):
-    """How well warnings did in recorded transits."""
-
     contacts: int  # Transits by what became of them
     quiet: int  # Transits by what became of them
     near: int  # Transits by what became of them
@@ -44,17 +38,15 @@ class TransitScores(Described):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to know of them."""
         rule = (
             f"A contact is a clearance below {self.limit:g} m as the estimate has it; quiet is what always had more "
-            f"than {QUIET:g} m; missed is what stood less than {NEEDED:g} s before a contact."
+            f"than {QUIET_CLEARANCE:g} m; missed is what stood less than {NEEDED_LEAD:g} s before a contact."
         )
         few = ("So few transits tell little: see the intervals in docs/warning.md.",)
         left = tuple(f"Nothing could be foretold of {name}: it is left out." for name in self.unknown)
         return (rule, *few, *left)
 
     def summary(self) -> str:
-        """Say what became of the transits, and of each predictor what it missed and told in vain."""
         met = f"{self.contacts} {'transit' if self.contacts == 1 else 'transits'} with a contact"
         lines = [f"{met}, {self.near} that came near, {self.quiet} quiet ones."]
         for row in self.rows:
@@ -64,14 +56,12 @@ class TransitScores(Described):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give them by name: what ``monitor --score --json`` prints."""
         counts = {"contacts": self.contacts, "near": self.near, "quiet": self.quiet, "limit": self.limit}
         leads = {name: dict(zip(PREDICTORS, row, strict=True)) for name, row in self.leads.items()}
         rows = [vars(row) for row in self.rows]
         return {"summary": self.summary(), **counts, "predictors": rows, "leads": leads, "notes": [*self.notes]}
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give a row a predictor."""
         import pandas as pd
 
         return pd.DataFrame([vars(row) for row in self.rows]).set_index("predictor")
@@ -79,8 +69,6 @@ class TransitScores(Described):
 
 @dataclass(frozen=True, eq=False)
 class ScoredTransit:
-    """What was said of a transit."""
-
     name: str  # Of the recording
     t: np.ndarray  # (seconds,) Since the watch began [s]
     # (seconds, predictors) Of ``PREDICTORS``, over their thresholds; NaN where there was no forecast [1]
@@ -95,38 +83,35 @@ class ScoredTransit:
 
     def struck(self, limit: float) -> float:
         """Return when the clearance first was below a limit [s]; infinite where it never was."""
-        # limit [m]
         below = self.clearance < limit
         return float(self.t[below.argmax()]) if below.any() else math.inf
 
 
-def score_transits(transits: Sequence[ScoredTransit], limit: float = LIMIT) -> TransitScores:
-    """Return the scores of transits."""
-    # limit [m]
-    if not 0.0 <= limit < QUIET:
-        raise InputError(f"a clearance of {limit:g} m cannot tell contacts from quiet transits; give 0 to {QUIET:g} m")
+def score_transits(transits: Sequence[ScoredTransit], limit: float = SCORED_CONTACT) -> TransitScores:
+    if not 0.0 <= limit < QUIET_CLEARANCE:
+        raise InputError(
+            f"a clearance of {limit:g} m cannot tell contacts from quiet transits; give 0 to {QUIET_CLEARANCE:g} m"
+        )
     known = [one for one in transits if np.isfinite(one.urgencies).any()]
     unknown = tuple(one.name for one in transits if not np.isfinite(one.urgencies).any())
     met = [one for one in known if math.isfinite(one.struck(limit))]
-    quiet = [one for one in known if one.least > QUIET]
+    quiet = [one for one in known if one.least > QUIET_CLEARANCE]
     near = [one for one in known if one not in met and one not in quiet]
-    leads = {one.name: _leads(one, one.struck(limit)) for one in met}
+    leads: dict[str, tuple[float, ...]] = {}
+    for one in met:
+        since, struck = standing_since(one.t, one.urgencies), np.full(len(PREDICTORS), one.struck(limit))
+        leads[one.name] = tuple(lead_times(one.t, since, struck).tolist())
     told, vain, close = (np.array([*rows]).reshape(-1, len(PREDICTORS)) for rows in (
         leads.values(), map(_raised, quiet), map(_raised, near)
     ))  # fmt: skip
     rows = tuple(
         PredictorScore(
-            name, int((told[:, k] < NEEDED).sum()), float(np.median(told[:, k])) if len(met) else math.nan,
+            name, int((told[:, k] < NEEDED_LEAD).sum()), float(np.median(told[:, k])) if len(met) else math.nan,
             int(vain[:, k].sum()), int(close[:, k].sum()),
         )
         for k, name in enumerate(PREDICTORS)
     )  # fmt: skip
     return TransitScores(len(met), len(quiet), len(near), limit, rows, leads, unknown)
-
-
-def _leads(one: ScoredTransit, struck: float) -> tuple[float, ...]:
-    since = standing_since(one.t, one.urgencies)
-    return tuple(lead_times(one.t, since, np.full(len(PREDICTORS), struck)).tolist())
 
 
 def _raised(one: ScoredTransit) -> np.ndarray:
@@ -136,7 +121,6 @@ def _raised(one: ScoredTransit) -> np.ndarray:
 # A recorded transit as a score asks for it: what each predictor said in each second, and when it came near.
 # Of predictors beside the package's own, as fitted at 2 % of false alarms: water [m], times to contact [s], chance.
 ROOM, CURVED, ONE_RUN, PILOT = 25.0, 50.0, 60.0, 0.85
-
 LEVELS = ("caution", "warning", "alarm")
 
 PREDICTORS = (
@@ -149,14 +133,11 @@ LEAST = 1e-3
 
 
 class TransitScorer:
-    """Gathers what a monitor says of a transit."""
-
     def __init__(self, name: str, thresholds: Thresholds) -> None:
         self.name, self.thresholds = name, thresholds
         self._rows: list[tuple[float, ...]] = []
 
     def add(self, status: BridgeStatus) -> None:
-        """Take what is known at a time."""
         room = status.clearance if status.estimate.ready else math.nan
         self._rows.append((status.t, room, *self._urgencies(status, room)))
 
@@ -169,17 +150,10 @@ class TransitScorer:
         return (ROOM / max(room, LEAST), *times, told.pilot_now.probability / PILOT, *levels)
 
     def transit(self) -> ScoredTransit:
-        """Return the transit as it was watched."""
         table = np.array(self._rows, float).reshape(-1, 2 + len(PREDICTORS))
         t = table[:, 0] - table[:1, 0]
         return ScoredTransit(self.name, t, table[:, 2:], table[:, 1])
 
-
-# Since when an alert stands, for any number whose size tells how urgent it is: one rule for all predictors. Urgency is
-# a number over its threshold. An alert is raised where it was 1 or more for as long as ``BankLevel`` waits, and
-# lowered where it was below the margin for as long as that waits.
-# That an alert stands before a contact [s]; what comes later is missed.
-NEEDED = 20.0
 
 # Times [s] that are one.
 SAME = 1e-9
@@ -193,12 +167,12 @@ def standing_since(t: np.ndarray, urgency: np.ndarray) -> np.ndarray:
     told = np.empty(urgency.shape)
     for k, now in enumerate(t):
         known = ~np.isnan(urgency[k])
-        high, low = known & (urgency[k] >= 1.0), known & (urgency[k] < MARGIN)
+        high, low = known & (urgency[k] >= 1.0), known & (urgency[k] < HYSTERESIS)
         above = np.where(high, np.minimum(above, now), np.where(known, np.inf, above))
         below = np.where(low, np.minimum(below, now), np.where(known, np.inf, below))
         stands = np.isfinite(since)
-        since = np.where(~stands & (now - above >= RAISED_AFTER - SAME), now, since)
-        since = np.where(stands & (now - below >= LOWERED_AFTER - SAME), np.inf, since)
+        since = np.where(~stands & (now - above >= RAISE_DELAY - SAME), now, since)
+        since = np.where(stands & (now - below >= LOWER_DELAY - SAME), np.inf, since)
         told[k] = since
     return told
 
@@ -214,7 +188,7 @@ def lead_times(t: np.ndarray, since: np.ndarray, struck: np.ndarray) -> np.ndarr
 def highest_held(t: np.ndarray, urgency: np.ndarray, struck: np.ndarray) -> np.ndarray:
     """Return the highest urgency that would raise an alert, (n,): it held for as long as one waits."""
     # t (times,) [s]; urgency (times, n); struck (n,) [s]
-    rows = 1 + int(np.ceil((RAISED_AFTER - SAME) / (t[1] - t[0])))
+    rows = 1 + int(np.ceil((RAISE_DELAY - SAME) / (t[1] - t[0])))
     live = np.where((t[:, None] < struck), np.nan_to_num(urgency), 0.0)
     held = np.lib.stride_tricks.sliding_window_view(live, rows, axis=0).min(axis=-1)
     return np.asarray(held.max(axis=0))

@@ -4,17 +4,15 @@ import math
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
 from narrows.errors import InputError
 from narrows.experiment_design.plan import UNITS, Plan
 from narrows.model.froude import Scaled
+from narrows.report.terminal import console_of, table_of
 from narrows.waterway import Waterway
 
 # Characters; a narrow terminal wraps lines rather than losing digits.
 COLUMN = 14
-
 SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
 
 
@@ -22,16 +20,16 @@ def print_plan(plan: Plan) -> None:
     """Print a plan: a row a run, and the gain."""
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, COLUMN * (1 + len(names) + len(plan.targets)))
-    table = Table(box=None, pad_edge=False)
-    for name in ("run", *names, *(f"std {target}" for target in plan.targets)):
-        unit = f" [{UNITS[name]}]" if name in UNITS else ""
-        table.add_column(name.removesuffix("_deg") + unit, justify="right")
-    for number, row in enumerate(rows, start=1):
-        errors = [f"{row[f'std {target}']:.2g}" for target in plan.targets]
-        table.add_row(str(number), *(_cell(row.get(name)) for name in names), *errors)
-    console.print(table)
+    errors = [f"std {target}" for target in plan.targets]
+    console = console_of(COLUMN * (1 + len(names) + len(errors)))
+    heads = (
+        name.removesuffix("_deg") + (f" [{UNITS[name]}]" if name in UNITS else "") for name in ("run", *names, *errors)
+    )
+    cells = (
+        (str(number), *(_cell(row.get(name)) for name in names), *(f"{row[name]:.2g}" for name in errors))
+        for number, row in enumerate(rows, start=1)
+    )
+    console.print(table_of(heads, cells))
     console.print(f"Chosen of {plan.considered} runs; the standard errors are those after each run.")
     for sentence in (*plan.summary().splitlines(), *plan.notes):
         console.print(f"- {sentence}")
@@ -41,31 +39,26 @@ def _cell(value: Any) -> str:
     return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# A model at two scales, side by side.
 def print_scaled(scaled: Scaled) -> None:
     """Print a model at two scales and what does not go with it."""
-    console, shown = Console(highlight=False, markup=False), scaled.to_dict()
-    table = Table(box=None, pad_edge=False)
-    for header in ("", "was", "is", "unit", "bis [1]"):
-        table.add_column(header, justify="left" if header in ("", "unit") else "right", no_wrap=True)
-    for name, row in shown["coefficients"].items():
-        table.add_row(name, f"{row['old']:.4g}", f"{row['new']:.4g}", row["unit"], f"{shown['bis'][name]:.4g}")
-    console.print(table)
+    console, shown = console_of(), scaled.to_dict()
+    rows = (
+        (name, f"{row['old']:.4g}", f"{row['new']:.4g}", row["unit"], f"{shown['bis'][name]:.4g}")
+        for name, row in shown["coefficients"].items()
+    )
+    console.print(table_of(("", "was", "is", "unit", "bis [1]"), rows, left=("", "unit"), no_wrap=True))
     console.print(shown["summary"])
     for note in scaled.notes:
         console.print(f"- {note}")
 
 
-# A waterway in the terminal and as JSON: where it is narrow, where it is shallow, where it bends.
 STATIONS, CROSSINGS_SHOWN = 2001, 11
-
 # Curvature [1/m] of no bend.
 STRAIGHT = 1e-9
 
 
 def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
     """Return what a waterway is like as plain values: metres, degrees."""
-    # draft [m]
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.room(s, draft)
     shut = ~(here.width > 0) | (here.depth <= draft)
@@ -103,17 +96,13 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
 
 def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
     """Print a waterway: a row a station, and its worst places."""
-    # draft [m]
-    console, summary = Console(highlight=False, markup=False), waterway_summary(waterway, draft)
-    table = Table(box=None, pad_edge=False)
-    for head in ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]"):
-        table.add_column(head, justify="right")
-    for row in summary["stations"]:
-        at, heading, *rest = row.values()
-        table.add_row(
-            f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest)
-        )
-    console.print(table)
+    console, summary = console_of(), waterway_summary(waterway, draft)
+    rows = (
+        (f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest))
+        for at, heading, *rest in (row.values() for row in summary["stations"])
+    )
+    heads = ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]")
+    console.print(table_of(heads, rows))
     console.print(summary["summary"])
 
 

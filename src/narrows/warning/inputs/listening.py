@@ -1,35 +1,70 @@
 """Listening to a ship's network: a thread a connection, and every second what was told in it."""
 
+import ipaddress
 import json
 import math
 import re
+import socket
 import time
 from collections import Counter, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from dataclasses import dataclass
 from threading import Event, Lock, Thread
 from typing import Any, NamedTuple
+from urllib.parse import parse_qs, urlsplit
 
-from narrows.readers.nmea.nmea_clock import Entry
-from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.errors import InputError, needs, reason
+from narrows.readers.nmea.nmea_hearing import Entry, Hearing
 from narrows.readers.nmea.nmea_lines import Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, Telling, Tellings, Values
-from narrows.warning.hearing.bridge_readings import PERIOD, Tick
-from narrows.warning.hearing.connections import Connection
-
-# Of a second that the reports of other ships may take.
-SHARE = 0.2
+from narrows.warning.inputs.bridge_readings import Tick
+from narrows.warning.settings import (
+    AIS_TIME_SHARE,
+    FIRST_PAUSE,
+    LONGEST_LINE,
+    LONGEST_PAUSE,
+    OPEN_TIMEOUT,
+    OTHERS_QUEUE,
+    OWN_QUEUE,
+    PERIOD,
+    READ_TIMEOUT,
+)
 
 
 class Arrival(NamedTuple):
-    """A message that came."""
-
     t: float  # When [s]
     message: Sentence | Telling  # A sentence that is still to be understood, or what was told
 
 
-class Listening:
-    """Connections that are listened to."""
+# What came; nothing after ``PATIENCE`` of silence. Raises OSError where the connection broke.
+Read = Callable[[], bytes]
 
+
+@dataclass(frozen=True)
+class Connection:
+    address: str  # As the user wrote it
+    whole: bool  # Whether each piece that is read ends its last line
+    signal_k: bool  # Whether it speaks Signal K, and not NMEA 0183
+    opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
+
+    def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[bytes]:
+        """Yield what comes until it is to stop; a connection that breaks is opened anew, ever less often."""
+        pause = FIRST_PAUSE
+        while not stop.is_set():
+            try:
+                with self.opened() as read:
+                    while not stop.is_set():
+                        if piece := read():
+                            pause = FIRST_PAUSE
+                            yield piece
+            except OSError as error:
+                broken(reason(error))
+                stop.wait(pause)
+                pause = min(2 * pause, LONGEST_PAUSE)
+
+
+class Listening:
     def __init__(self, connections: Sequence[Connection], mmsi: int | None = None) -> None:
         self.inbox, self.hearing, self._stop = Inbox(), Hearing(mmsi), Event()
         self.broken: dict[str, str] = {}
@@ -58,7 +93,6 @@ class Listening:
             due = max(due, now - PERIOD) + PERIOD
 
     def faults(self) -> dict[str, int]:
-        """Messages that were left out, by what is wrong with them."""
         total = sum((Counter(faults) for faults in self._faults), Counter(self.hearing.faults))
         total["for which there was no time"] = self.inbox.lost
         return dict(+total)
@@ -66,17 +100,15 @@ class Listening:
     def _arrivals(self, now: float) -> list[Arrival]:
         """What came: all that the ship told of itself, and of the others as much as there is time for."""
         arrivals = self.inbox.own()
-        while time.monotonic() < now + SHARE * PERIOD and (other := self.inbox.other()):
+        while time.monotonic() < now + AIS_TIME_SHARE * PERIOD and (other := self.inbox.other()):
             arrivals.append(other)
         return arrivals
 
     def _entries(self, arrivals: list[Arrival]) -> list[Entry]:
-        told = ((arrival.t, self._understood(arrival)) for arrival in arrivals)
+        told = (
+            (t, self.hearing.told(message, t) if isinstance(message, Sentence) else message) for t, message in arrivals
+        )
         return [Entry(t, one) for t, one in told if one is not None]
-
-    def _understood(self, arrival: Arrival) -> Telling | None:
-        message = arrival.message
-        return self.hearing.told(message, arrival.t) if isinstance(message, Sentence) else message
 
     def _listen(self, connection: Connection, faults: Counter[str]) -> None:
         splitter = LineSplitter(faults)
@@ -101,22 +133,14 @@ def _commands(arrivals: list[Arrival]) -> Iterator[bytes]:
             yield message.text
 
 
-# What came and waits to be understood: of the ship itself first, of others as far as there is time; bounded.
-# Messages that wait at most; of more the oldest are lost.
-OWN, OTHERS = 20_000, 5_000
-
-
 class Inbox:
-    """Takes messages from several threads."""
-
     def __init__(self) -> None:
         self.lost = 0
-        self._own: deque[Arrival] = deque(maxlen=OWN)
-        self._others: deque[Arrival] = deque(maxlen=OTHERS)
+        self._own: deque[Arrival] = deque(maxlen=OWN_QUEUE)
+        self._others: deque[Arrival] = deque(maxlen=OTHERS_QUEUE)
         self._lock = Lock()
 
     def put(self, arrival: Arrival) -> None:
-        """Add a message."""
         message = arrival.message
         queue = self._others if isinstance(message, Sentence) and message.kind.endswith("VDM") else self._own
         with self._lock:
@@ -124,46 +148,34 @@ class Inbox:
             queue.append(arrival)
 
     def own(self) -> list[Arrival]:
-        """Take all that the ship told of itself."""
         with self._lock:
             taken = list(self._own)
             self._own.clear()
         return taken
 
     def other(self) -> Arrival | None:
-        """Take the oldest report of the others; None where there is none."""
         with self._lock:
             return self._others.popleft() if self._others else None
 
 
-# Bytes as they come, cut into lines; what never ends is given up.
-# Bytes of a line; a sentence has 82, and some more before it.
-LONGEST = 4096
-
-
 class LineSplitter:
-    """Cuts bytes into lines."""
-
     def __init__(self, faults: Counter[str]) -> None:
         self.faults = faults
         self._rest = b""
 
     def lines(self, piece: bytes, whole: bool = False) -> list[bytes]:
-        """Return the lines that a piece completes."""
         *lines, rest = (self._rest + piece).replace(b"\r", b"\n").split(b"\n")
         if whole:
             lines, rest = [*lines, rest], b""
-        if len(rest) > LONGEST:
+        if len(rest) > LONGEST_LINE:
             self.faults["that never ended"] += 1
             rest = b""
         self._rest = rest
         return [line for line in lines if line]
 
 
-# Signal K deltas: JSON with paths, in SI already. References ---------- Signal K specification 1.7: delta format, keys
-# of the schema.
+# Signal K deltas (specification 1.7): JSON with paths, in SI already.
 TURN = 2 * math.pi
-
 # More than any ship's speed [m/s].
 FASTEST = 60.0
 
@@ -180,18 +192,13 @@ PATHS = {
 }
 
 POSITION = "navigation.position"
-
 PLACES = {"longitude": 180.0, "latitude": 90.0}
-
 ENGINE = re.compile(r"^propulsion\.[^.]+\.")
-
 SELF = "vessels.self"
-
 SOURCE = "signalk"
 
 
 def deltas(text: bytes, faults: Counter[str]) -> Iterator[Telling]:
-    """Yield what a message tells of the ship itself."""
     try:
         message = json.loads(text)
         if message.get("context", SELF) != SELF:
@@ -224,3 +231,103 @@ def _position(value: Any) -> Values:
 
 def _can_be(value: Any, largest: float) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= largest
+
+
+# Where sentences come from while a ship sails: UDP, TCP, serial lines, Signal K; each opened anew when it breaks.
+DATAGRAM = 65_535
+BAUD = 4800
+SCHEMES = "udp://:10110, tcp://192.168.1.20:10110, serial:///dev/ttyUSB0?baud=38400 or ws://192.168.1.20:3000"
+SIGNAL_K = "/signalk/v1/stream?subscribe=self"
+
+
+def connection_of(address: str) -> Connection:
+    parts = urlsplit(address)
+    try:
+        host, port = parts.hostname or "", parts.port
+    except ValueError:
+        raise InputError(f"{address}: the port is no number from 0 to 65535; write it as in {SCHEMES}") from None
+    if parts.scheme == "udp" and port is not None:
+        return Connection(address, True, False, lambda: _udp(host, port))
+    if parts.scheme == "tcp" and host and port is not None:
+        return Connection(address, False, False, lambda: _tcp(host, port))
+    if parts.scheme == "serial" and parts.path:
+        return _serial_line(address, parts.path, parse_qs(parts.query).get("baud", [str(BAUD)])[0])
+    if parts.scheme in ("ws", "wss") and host:
+        return _signal_k(address, address if parts.path.strip("/") else address.rstrip("/") + SIGNAL_K)
+    raise InputError(f"{address}: is no address to listen to; write {SCHEMES}, or the name of a recording")
+
+
+def _quietly(receive: Callable[[int], bytes]) -> Read:
+    """Reads from a socket: nothing in silence; an end is a broken connection."""
+
+    def read() -> bytes:
+        try:
+            piece = receive(DATAGRAM)
+        except TimeoutError:
+            return b""
+        if not piece:
+            raise ConnectionError("the other side closed it")
+        return piece
+
+    return read
+
+
+@contextmanager
+def _udp(host: str, port: int) -> Iterator[Read]:
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as udp:
+        udp.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        udp.settimeout(READ_TIMEOUT)
+        udp.bind((host, port))
+        with suppress(ValueError):  # A name, or no host at all.
+            if ipaddress.ip_address(host).is_multicast:  # As networks of IEC 61162-450 speak.
+                group = socket.inet_aton(host) + socket.inet_aton("0.0.0.0")
+                udp.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+
+        def received(most: int) -> bytes:
+            return udp.recv(most) or b"\n"  # An empty datagram is no end.
+
+        yield _quietly(received)
+
+
+@contextmanager
+def _tcp(host: str, port: int) -> Iterator[Read]:
+    with closing(socket.create_connection((host, port), OPEN_TIMEOUT)) as tcp:
+        tcp.settimeout(READ_TIMEOUT)
+        yield _quietly(tcp.recv)
+
+
+def _serial_line(address: str, device: str, baud: str) -> Connection:
+    with needs("monitor", "a serial line"):
+        import serial
+    if not baud.isdecimal():
+        raise InputError(f"{address}: baud = {baud} is no speed of a line; write it as in {SCHEMES}")
+
+    @contextmanager
+    def line() -> Iterator[Read]:
+        with closing(serial.Serial(device, int(baud), timeout=READ_TIMEOUT)) as port:
+            yield lambda: bytes(port.read(max(1, port.in_waiting)))
+
+    return Connection(address, False, False, line)
+
+
+def _signal_k(address: str, stream: str) -> Connection:
+    with needs("monitor", "Signal K"):
+        from websockets.exceptions import WebSocketException
+        from websockets.sync.client import connect
+
+    @contextmanager
+    def socket_of() -> Iterator[Read]:
+        try:
+            with connect(stream, open_timeout=OPEN_TIMEOUT, max_size=1 << 20) as websocket:
+
+                def read() -> bytes:
+                    try:
+                        return bytes(websocket.recv(READ_TIMEOUT, decode=False))
+                    except TimeoutError:
+                        return b""
+
+                yield read
+        except WebSocketException as error:
+            raise ConnectionError(reason(error)) from None
+
+    return Connection(address, True, True, socket_of)

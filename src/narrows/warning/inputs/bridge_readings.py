@@ -7,24 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_hearing import Entry
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
+from narrows.warning.settings import SOURCE_SILENCE, WATERWAY_REACH
 from narrows.waterway.centreline import projected
 from narrows.waterway.waterway import Waterway
 
-# Beyond the banks [m] and the ends, where a fix is none of this waterway.
-BESIDE = 1000.0
-
 NOT_HERE = "that tell of a place off the waterway"
-
 WATER_LOG, GROUND_LOG = "log", "ground_log"
-
 Reading = float | tuple[float, float]
 
 
-class Heard(NamedTuple):
-    """What the bridge told until a time."""
-
+class Messages(NamedTuple):
     t: float  # Until when [s]
     readings: dict[str, Reading]  # Of the last second, by the names of sensors and actuators
     ages: dict[str, float]  # By what was ever told: how long ago [s]
@@ -53,21 +47,22 @@ class BridgeReadings:
                 f"{waterway.name} does not know where on earth it is, and a bridge tells longitude and latitude; give "
                 "its origin, or read it from GeoJSON"
             )
-        self.waterway, self.choice = waterway, LiveChoice()
+        self.waterway, self.choice = waterway, SourceSelection()
         self._origin, self._along = np.array(waterway.origin), math.nan
         self._last: dict[str, float] = {}
         self._draft: float | None = None
         self._usual_draft = draft
         self._off = 0
 
-    def heard(self, tick: Tick) -> Heard:
-        """Return what a second told."""
+    def heard(self, tick: Tick) -> Messages:
         told = self._latest(tick.entries)
         depth = self._depth(told.pop(WATER_DEPTH, {}))
         readings = self._place(told.pop("position", {}))
         readings |= self._directions(told) | self._others(told)
         faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
-        return Heard(tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft, depth)
+        return Messages(
+            tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft, depth
+        )
 
     def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
         """The last that was told of each thing by the one who is believed."""
@@ -92,8 +87,8 @@ class BridgeReadings:
             return {}
         where = projected(np.array([[told["longitude"], told["latitude"]]]), self._origin)
         s, n, along = (float(number[0]) for number in self.waterway.line.placed(where))
-        length, reach = self.waterway.line.length, float(self.waterway.section(s).width) + BESIDE
-        if not (-BESIDE < s < length + BESIDE and abs(n) < reach):
+        length, reach = self.waterway.line.length, float(self.waterway.section(s).width) + WATERWAY_REACH
+        if not (-WATERWAY_REACH < s < length + WATERWAY_REACH and abs(n) < reach):
             self._off += 1
             return {}
         self._along = along
@@ -125,41 +120,21 @@ class BridgeReadings:
         return readings
 
 
-# Whom to believe while a ship sails, of several that tell the same: the best that is not silent.
-# Without a word [s], after which another is listened to.
-SILENT = 5.0
-
-
-class Chosen(NamedTuple):
-    """Who is believed."""
-
+class SelectedSource(NamedTuple):
     rank: int  # Of what it is, the best 0
     source: str  # Who
     t: float  # When it was heard last [s]
 
 
-class LiveChoice:
-    """Chooses, for each thing that is told."""
-
+class SourceSelection:
     def __init__(self) -> None:
-        self.chosen: dict[str, Chosen] = {}
+        self.chosen: dict[str, SelectedSource] = {}
 
     def tells(self, about: str, source: str, t: float) -> bool:
-        """Say whether a source is the one to believe."""
-        # t [s]
-        now, rank = self.chosen.get(about), _rank(about, source)
-        if now and source != now.source and rank >= now.rank and t - now.t <= SILENT:
+        # The type of its sentence ranks a source; last comes what arrives by other ways.
+        types, kind = SOURCES.get(about, ()), source.split()[0][-3:]
+        now, rank = self.chosen.get(about), types.index(kind) if kind in types else len(types)
+        if now and source != now.source and rank >= now.rank and t - now.t <= SOURCE_SILENCE:
             return False
-        self.chosen[about] = Chosen(rank, source, t)
+        self.chosen[about] = SelectedSource(rank, source, t)
         return True
-
-
-def _rank(about: str, source: str) -> int:
-    """By the type of its sentence; last what comes by other ways."""
-    types, kind = SOURCES.get(about, ()), source.split()[0][-3:]
-    return types.index(kind) if kind in types else len(types)
-
-
-# What came in a second.
-# Between updates [s].
-PERIOD = 1.0

@@ -7,19 +7,13 @@ from collections.abc import Iterable, Iterator
 from itertools import count
 from pathlib import Path
 
-from narrows.readers.nmea.nmea_clock import Entry
+from narrows.readers.nmea.nmea_hearing import Entry
 from narrows.readers.nmea.nmea_recording import Recording
-from narrows.warning.hearing.bridge_readings import PERIOD, Tick
-
-# How late a line may stand in a recording [s].
-LATE = 60.0
-# That is heard second by second [s]; after it the recording goes on where it goes on.
-LONGEST_SILENCE = 120.0
+from narrows.warning.inputs.bridge_readings import Tick
+from narrows.warning.settings import LATE, LONGEST_SILENCE, PERIOD
 
 
 class Replay:
-    """A recording."""
-
     def __init__(self, path: Path, speed: float = math.inf, mmsi: int | None = None) -> None:
         self.recording, self.speed = Recording(path, mmsi), speed
 
@@ -35,7 +29,6 @@ class Replay:
 
 def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
     """Yield entries by their times, each once, though they stand in another order or several times."""
-    # late [s]
     waiting: list[tuple[float, str, int, Entry]] = []
     numbers, newest, last = count(), -math.inf, -math.inf
     recent: set[tuple[float, str, str]] = set()
@@ -77,7 +70,6 @@ def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
 
 
 def paced(ticks: Iterable[Tick], speed: float) -> Iterator[Tick]:
-    """Yield ticks no sooner than they are due."""
     began: tuple[float, float] | None = None
     for tick in ticks:
         began = began or (time.monotonic(), tick.t)

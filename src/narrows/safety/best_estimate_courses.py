@@ -18,7 +18,7 @@ Columns = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
-class LikelyCourses:
+class BestEstimateCourses:
     """Courses at offsets and speeds, and on the middle beside them."""
 
     ship: SimulatedShip  # With its most likely coefficients

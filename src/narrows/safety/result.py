@@ -11,14 +11,13 @@ from narrows.quantities.names import KNOT
 from narrows.results import Shown
 from narrows.safety.channel_rules import OutsideRules, rules_of
 from narrows.safety.headline import RANGE, cause, first_run, headline
+from narrows.safety.settings import LEAST_ANGLE, SAME_ANGLE, SURE_SHARE
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a place is called safe.
-MEDIAN, SURE_SHARE = 0.5, 0.95
-# Rudder angles [rad] that are one, and the least that says something.
-SAME, TURNED = 1e-6, 1e-4
+MEDIAN = 0.5
 
 
 @dataclass(frozen=True, repr=False)
@@ -207,8 +206,8 @@ class SafeEnvelope(Shown):
     def speed_free(self) -> bool:
         """Whether the rudder that holds it is the same at every speed, as where all forces go with its square."""
         rudder = self.data["rudder"].transpose("y", "u").to_numpy()
-        telling = rudder[np.isfinite(rudder).all(axis=1) & (np.abs(rudder) > TURNED).all(axis=1)]
-        return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME)
+        telling = rudder[np.isfinite(rudder).all(axis=1) & (np.abs(rudder) > LEAST_ANGLE).all(axis=1)]
+        return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME_ANGLE)
 
     def summary(self) -> str:
         """Say from where to where it is safe and what ends that, and what the tests do not settle of the banks."""

@@ -11,21 +11,21 @@ import pytest
 from shown_page import ALARM, HANDSHAKE, soon
 
 import narrows as nw
-from narrows.warning.alerts.alert import BANK, SENSORS, Command, Priority
-from narrows.warning.alerts.alert_desk import AlertDesk, Condition
+from narrows.warning.alerts.alert import BANK, SENSORS, AlertDesk, Command, Condition, Priority
 from narrows.warning.alerts.alert_sentences import notifications
 from narrows.warning.monitoring.alert_publisher import SignalKSender
-from narrows.warning.page import onlookers as waiting
+from narrows.warning.page import clients as waiting
 from narrows.warning.page.bridge_page import UPDATES, BridgePage
-from narrows.warning.page.onlookers import MOST_ANSWERS, Onlookers
+from narrows.warning.page.clients import Clients
+from narrows.warning.settings import ANSWER_QUEUE
 
 
 def test_who_reads_slowly_gets_the_newest_and_holds_up_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten thousand messages while one is being sent: a loop that is stuck is called once for all and once for one."""
-    all_of_them, got, called = Onlookers(), [], []
+    all_of_them, got, called = Clients(), [], []
 
     async def scene() -> None:
-        onlooker, sent, loop = all_of_them.enter(), asyncio.Event(), asyncio.get_running_loop()
+        client, sent, loop = all_of_them.enter(), asyncio.Event(), asyncio.get_running_loop()
         calls = loop.call_soon_threadsafe
         monkeypatch.setattr(loop, "call_soon_threadsafe", lambda call: (called.append(call), calls(call)))
 
@@ -33,43 +33,43 @@ def test_who_reads_slowly_gets_the_newest_and_holds_up_nobody(monkeypatch: pytes
             got.append(message)
             await sent.wait()
 
-        telling = asyncio.create_task(all_of_them.tell(onlooker, send))
+        telling = asyncio.create_task(all_of_them.tell(client, send))
         all_of_them.publish("first")
         await asyncio.sleep(0.05)
         called.clear()
         for number in range(10_000):
             all_of_them.publish(str(number))
-            onlooker.answer(f"answer {number}")
+            client.answer(f"answer {number}")
         assert len(called) == 2
-        assert len(onlooker.answers) == MOST_ANSWERS
+        assert len(client.answers) == ANSWER_QUEUE
         sent.set()
         while "9999" not in got:
             await asyncio.sleep(0.01)
         telling.cancel()
-        all_of_them.leave(onlooker)
+        all_of_them.leave(client)
 
     asyncio.run(scene())
-    assert got == ["first", *(f"answer {number}" for number in range(10_000 - MOST_ANSWERS, 10_000)), "9999"]
+    assert got == ["first", *(f"answer {number}" for number in range(10_000 - ANSWER_QUEUE, 10_000)), "9999"]
     all_of_them.publish("nobody listens, and the loop is closed")
     assert len(all_of_them) == 0
 
 
 def test_who_comes_to_a_second_loop_is_told_after_the_first_was_closed() -> None:
     """A server that is opened again: what was called in the loop that is gone holds up nothing."""
-    crowd, got = Onlookers(), []
+    crowd, got = Clients(), []
 
     async def scene(message: str) -> None:
         async def send(message: str) -> None:
             got.append(message)
 
-        onlooker = crowd.enter()
-        telling = asyncio.create_task(crowd.tell(onlooker, send))
+        client = crowd.enter()
+        telling = asyncio.create_task(crowd.tell(client, send))
         await asyncio.sleep(0.05)
         crowd.publish(message)
         while message not in got:
             await asyncio.sleep(0.01)
         telling.cancel()
-        crowd.leave(onlooker)
+        crowd.leave(client)
 
     for message in ("one", "two"):
         asyncio.run(asyncio.wait_for(scene(message), 20.0))
@@ -79,7 +79,7 @@ def test_who_comes_to_a_second_loop_is_told_after_the_first_was_closed() -> None
 
 def test_what_is_old_is_told_to_nobody() -> None:
     """Who comes to a monitor that hangs is not told what was true before, as if it were now."""
-    crowd, got = Onlookers(lasts=0.05), []
+    crowd, got = Clients(lasts=0.05), []
 
     async def scene() -> None:
         async def send(message: str) -> None:
@@ -98,10 +98,10 @@ def test_what_is_old_is_told_to_nobody() -> None:
 
 
 def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(waiting, "PATIENCE", 0.02)
+    monkeypatch.setattr(waiting, "SEND_TIMEOUT", 0.02)
 
     async def scene() -> None:
-        crowd = Onlookers()
+        crowd = Clients()
 
         async def never(message: str) -> None:
             await asyncio.sleep(60.0)
@@ -116,8 +116,8 @@ def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_dead_browser_holds_up_neither_the_monitor_nor_another(monkeypatch: pytest.MonkeyPatch) -> None:
     """Over real sockets: one never reads what would fill it in a moment, the other hears the last word."""
     connect = pytest.importorskip("websockets.sync.client", reason="of the extra monitor").connect
-    monkeypatch.setattr(waiting, "PATIENCE", 0.3)
-    monkeypatch.setattr(waiting, "SHORTEST", 0.0)
+    monkeypatch.setattr(waiting, "SEND_TIMEOUT", 0.3)
+    monkeypatch.setattr(waiting, "SEND_INTERVAL", 0.0)
     page = BridgePage()
     with page.open() as address:
         host, token = address.removeprefix("http://").split("/?")
@@ -154,7 +154,7 @@ def test_a_server_of_signal_k_is_told_again_after_it_was_gone_and_when_the_watch
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     serve = pytest.importorskip("websockets.sync.server", reason="of the extra monitor").serve
-    monkeypatch.setattr("narrows.warning.monitoring.alert_publisher.FIRST_PAUSE", 0.05)
+    monkeypatch.setattr("narrows.warning.settings.FIRST_PAUSE", 0.05)
     heard: list[tuple[str, str]] = []
 
     def hear(line: Any) -> None:

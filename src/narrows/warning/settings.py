@@ -1,0 +1,69 @@
+"""Numbers of the monitor that one may want to change: unit and reason of each."""
+
+# Alerts. Times of IEC 62923-1:2018 where it has one.
+SILENCE = 30.0  # [s] a silenced alert sounds again after this time (IEC 62923-1)
+REPEAT_AFTER = 60.0  # [s] an alert that nobody acknowledges sounds anew after this time
+MOST_REPEATS = 9  # repeats that are counted: the field of ALF has one digit
+HOLD_TIME = 10.0  # [s] a condition of noisy sensors is shown this long after it last held
+HYSTERESIS = 0.7  # [1] a level ends below this share of its threshold; false alarms: decisions/warning_scores.py
+RAISE_DELAY = 2.0  # [s] urgency above a threshold for this long raises the level
+LOWER_DELAY = 10.0  # [s] urgency below a threshold for this long lowers the level
+DISK_TIMEOUT = 0.5  # [s] an alert waits this long for the disk, and is then published unlogged
+DISK_RETRY = 1.0  # [s] a disk that failed is tried again after this time
+LOG_QUEUE = 100_000  # rows that wait for a disk; then the oldest are lost, which breaks the chain and shows
+HEARTBEAT = 60.0  # [s] between heartbeats, as the sentence HBT states it
+LIST_INTERVAL = 30.0  # [s] between lists of alerts (ALC)
+# Forecasts
+SOON = 60.0  # [s] a contact within this time is soon
+CERTAIN_CONTACT_TIME = 10.0  # [s] as urgent as a pilot who meets a bank with certainty
+SHORTEST_CONTACT_TIME = 1.0  # [s] shorter times to contact are no more urgent
+STEPS_A_PERIOD = 2.0  # steps in the root of length over gravity
+PILOT_REDESIGN_LENGTHS = 5.0  # [ship lengths] along the way, after which the pilot is designed anew
+PILOT_REDESIGN_SPEED = 0.2  # [1] change of the speed after which the pilot is designed anew
+LEAST_FROUDE = 0.01  # [1] Froude number by length: slower ships get the pilot of this speed
+TRACK_STEP = 2.0  # [s] between points of a track without a model
+CONTACT_TOLERANCE = 0.02  # [beams] a contact is located this closely
+# Inputs
+WATERWAY_REACH = 1000.0  # [m] a position farther beyond the banks or the ends is none of this waterway
+SOURCE_SILENCE = 5.0  # [s] another source is used after this long without a word
+PERIOD = 1.0  # [s] between updates
+READ_TIMEOUT = 0.5  # [s] a read waits this long, then looks whether to stop
+OPEN_TIMEOUT = 5.0  # [s] opening a connection
+FIRST_PAUSE = 0.5  # [s] before a connection is tried again; each time twice as long
+LONGEST_PAUSE = 30.0  # [s] between two tries at most
+LAST_MESSAGE_TIMEOUT = 2.0  # [s] the last message to a Signal K server is waited for
+AIS_TIME_SHARE = 0.2  # [1] of a second that the reports of other ships may take
+OWN_QUEUE = 20_000  # messages of the ship itself that wait; of more the oldest are lost
+OTHERS_QUEUE = 5_000  # messages of other ships that wait
+LONGEST_LINE = 4096  # [bytes] a sentence has 82, and some more before it
+LATE = 60.0  # [s] a line may stand this much too late in a recording
+LONGEST_SILENCE = 120.0  # [s] replayed second by second; a longer silence is skipped
+# The monitor
+GROUND_LOG_NOISE = 0.4  # [m/s] of a speed over ground taken for that through water: a current lies between
+GRACE = 20.0  # [s] after the start, in which a missing forecast is no alert
+DRAFT_TOLERANCE = 0.03  # [1] of the draft: reported and modelled draft may differ by this
+DEPTH_TOLERANCE = 0.1  # [1] of the depth: echo sounder and waterway may differ by this
+SENSOR_SILENCE = 3.0  # [s] a needed sensor that is silent this long is a caution
+BLIND_AFTER = 10.0  # [s] a needed sensor that is silent this long ends the forecasts
+OTHER_SENSOR_SILENCE = 10.0  # [s] the same of a sensor that is not needed: a caution
+DOUBT_HOLD_TIME = 10.0  # [s] a refused or drifting sensor is shown this long
+NEAR_MISS = 20.0  # [m] less water beside the hull is a near miss
+CONTACT_CLEARANCE = 5.0  # [m] counts as contact, as in scores: sensors know the place no better
+MOST_SECONDS = 86_400  # [s] of a watch that are kept: a day; the log of alerts has the rest
+MOST_ALERTS = 10_000  # changes of alerts that are kept of a watch
+# The page
+OLDEST_UPDATE = 2.0  # [s] an older update is sent to no page: it would look new there
+FAREWELL = 0.3  # [s] for the last message to arrive
+LARGEST_MESSAGE = 4096  # [bytes] of what a browser sends
+PING_INTERVAL = 5.0  # [s] between looks whether a browser is still there
+SERVER_TIMEOUT = 10.0  # [s] for the server to start or to end
+LONGEST_REQUEST = 512  # [characters]
+REQUEST_QUEUE = 64  # requests between two updates
+SEND_TIMEOUT = 5.0  # [s] for one message to one client; then that client is let go
+SEND_INTERVAL = 0.1  # [s] between messages to one client
+ANSWER_QUEUE = 16  # answers that wait for one client
+MOST_CLIENTS = 32  # clients at a time
+# Scores
+SCORED_CONTACT = 5.0  # [m] clearance that counts as a contact: an estimate is no surer
+QUIET_CLEARANCE = 20.0  # [m] a transit that always had more is quiet
+NEEDED_LEAD = 20.0  # [s] an alert must stand this long before a contact; a later one is missed
