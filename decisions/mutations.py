@@ -1,0 +1,168 @@
+"""Mutations: small errors put into the code one at a time, to see that a test fails for each.
+
+Each mutation changes one operator, comparison or number of a file; the tests of its package then run until
+the first failure. What no test notices is printed as a survivor, with its line before and after.
+
+    python decisions/mutations.py                     # 100 mutations, the same at every run
+    python decisions/mutations.py --count 20 --seed 3 --of warning
+"""
+
+import argparse
+import ast
+import copy
+import io
+import os
+import random
+import shutil
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+# Tests of each package, the quickest first: the run of a mutation ends at the first failure.
+TESTS = {
+    "estimation": ["unit/test_estimation_algebra.py", "unit/test_estimator.py", "conformance/test_every_sensor.py"],
+    "control": ["unit/test_control_numbers.py", "engine/test_regulator.py", "engine/test_linear_system.py"],
+    "warning": ["warning/test_alerts.py", "warning/test_monitor_sensors.py", "warning/test_forecast.py"],
+    "safety": ["unit/test_channel_rules.py", "unit/test_answer.py", "unit/test_envelope.py"],
+    "identification": ["unit/test_solve.py", "unit/test_uncertainty.py", "unit/test_diagnostics.py"],
+}
+TIME_LIMIT = 300  # [s], after which a mutation counts as noticed: it made something endless
+SWAPS: dict[type, type] = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Lt: ast.GtE, ast.GtE: ast.Lt,
+    ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq, ast.And: ast.Or, ast.Or: ast.And,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One changed place of one file."""
+
+    path: Path  # of the file, relative to the package
+    line: int
+    place: int  # of the node among those of the file that can be changed
+    before: str
+    after: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.before}  ->  {self.after}"
+
+
+def changed(node: ast.AST) -> ast.AST | None:
+    """A copy of a node with one error in it, or None where it offers none."""
+    new = copy.copy(node)
+    if isinstance(node, ast.BinOp | ast.BoolOp) and type(node.op) in SWAPS:
+        new.op = SWAPS[type(node.op)]()
+    elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in SWAPS:
+        new.ops = [SWAPS[type(node.ops[0])]()]
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
+        return node.operand
+    elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        new.value = node.value * 2 if node.value else 1
+    else:
+        return None
+    return new
+
+
+def places(tree: ast.Module) -> Iterator[tuple[ast.AST, str, int]]:
+    """Each node that can be changed, as its parent, the field and the index in it (-1: the field itself)."""
+    for parent in ast.walk(tree):
+        # What a type, a default text or a message holds is no arithmetic.
+        if isinstance(parent, ast.Raise | ast.JoinedStr | ast.FormattedValue | ast.Subscript):
+            continue
+        for field, value in ast.iter_fields(parent):
+            if field in ("annotation", "returns", "decorator_list"):
+                continue
+            for index, node in enumerate(value if isinstance(value, list) else [value]):
+                if isinstance(node, ast.expr) and changed(node) is not None:
+                    yield parent, field, index if isinstance(value, list) else -1
+
+
+def mutations(path: Path) -> list[Mutation]:
+    """All mutations of a file."""
+    found = []
+    for place, (parent, field, index) in enumerate(places(ast.parse((ROOT / "src/narrows" / path).read_text("utf-8")))):
+        value = getattr(parent, field)
+        node = value if index < 0 else value[index]
+        found.append(Mutation(path, node.lineno, place, ast.unparse(node), ast.unparse(changed(node))))
+    return found
+
+
+def mutated(mutation: Mutation) -> str:
+    """The text of the file with its error in it."""
+    tree = ast.parse((ROOT / "src/narrows" / mutation.path).read_text("utf-8"))
+    parent, field, index = list(places(tree))[mutation.place]
+    if index < 0:
+        setattr(parent, field, changed(getattr(parent, field)))
+    else:
+        getattr(parent, field)[index] = changed(getattr(parent, field)[index])
+    return ast.unparse(tree)
+
+
+def drawn(count: int, seed: int, package: str | None) -> list[Mutation]:
+    """Mutations spread evenly over the packages, drawn by chance."""
+    draw, packages = random.Random(seed), [package] if package else list(TESTS)
+    chosen = []
+    for number, name in enumerate(packages):
+        files = sorted((ROOT / "src/narrows" / name).rglob("*.py"))
+        every = [m for path in files for m in mutations(path.relative_to(ROOT / "src/narrows"))]
+        share = count // len(packages) + (number < count % len(packages))
+        chosen += draw.sample(every, min(share, len(every)))
+    return chosen
+
+
+def is_noticed(mutation: Mutation, source: Path) -> bool:
+    """Run the tests of the package on a copy of it that has the error."""
+    file = source / "narrows" / mutation.path
+    whole = file.read_text("utf-8")
+    file.write_text(mutated(mutation), "utf-8")
+    try:
+        child = os.fork()
+        if not child:
+            os._exit(run_tests(mutation, source))
+        return os.waitpid(child, 0)[1] != 0
+    finally:
+        file.write_text(whole, "utf-8")
+
+
+def run_tests(mutation: Mutation, source: Path) -> int:
+    """In a process of its own, which shares the libraries that are loaded already."""
+    import pytest
+
+    signal.alarm(TIME_LIMIT)
+    os.environ["PYTHONPATH"] = str(source)
+    sys.path.insert(0, str(source))
+    sys.dont_write_bytecode = True
+    os.chdir(ROOT)
+    tests = [f"tests/{name}" for name in TESTS[mutation.path.parts[0]]]
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        return int(pytest.main(["-x", "-q", "-m", "not slow", "-p", "no:xdist", *tests]))
+
+
+def main() -> None:
+    """Make the mutations and print the survivors."""
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--count", type=int, default=100, help="how many mutations")
+    options.add_argument("--seed", type=int, default=0, help="of the choice")
+    options.add_argument("--of", choices=list(TESTS), help="one package alone")
+    asked = options.parse_args()
+    for library in ("numba", "pandas", "pytest", "scipy.stats", "xarray"):
+        import_module(library)  # once, for all children
+
+    chosen, survivors = drawn(asked.count, asked.seed, asked.of), []
+    with tempfile.TemporaryDirectory(prefix="narrows-mutations-") as folder:
+        shutil.copytree(ROOT / "src/narrows", Path(folder) / "narrows", ignore=shutil.ignore_patterns("__pycache__"))
+        for number, mutation in enumerate(chosen, 1):
+            noticed = is_noticed(mutation, Path(folder))
+            print(f"{number:4d} {'noticed ' if noticed else 'SURVIVES'} {mutation}", flush=True)
+            survivors += [] if noticed else [mutation]
+    print(f"\n{len(survivors)} of {len(chosen)} mutations survive")
+
+
+if __name__ == "__main__":
+    main()
