@@ -101,7 +101,7 @@ def test_what_is_left_out_is_filled_in_or_refused(tmp_path: Path, place: tuple) 
 ODD_TEXTS = {
     "100 000 brackets": "[" * 100_000,
     "100 000 brackets, closed": "[" * 100_000 + "]" * 100_000,
-    "a deep coordinate": json.dumps(WHOLE).replace("20.0", "[" * 5000 + "1" + "]" * 5000, 1),
+    "a deep coordinate": json.dumps(WHOLE).replace("32.5", "[" * 5000 + "1" + "]" * 5000, 1),
     "a deep crs": json.dumps(WHOLE)[:-1] + ', "crs": ' + "[" * 900 + "1" + "]" * 900 + "}",
     "an integer of 5000 digits": json.dumps(WHOLE).replace("20.0", "9" * 5000, 1),
     "nothing": "",
@@ -114,7 +114,7 @@ ODD_TEXTS = {
 def test_texts_that_are_no_geojson_are_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "canal.geojson").write_text(ODD_TEXTS[name])
     for reader in (nw.read_waterway, read_line):
-        with pytest.raises(nw.InputError, match=r"canal\.geojson: |depth of the centreline"):
+        with pytest.raises(nw.InputError, match=r"canal\.geojson: "):
             reader(tmp_path / "canal.geojson")
 
 
