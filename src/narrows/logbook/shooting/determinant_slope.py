@@ -12,7 +12,7 @@ import numpy as np
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.search_state import SampledRecord
-from narrows.logbook.shooting.window_equations import window_equations
+from narrows.logbook.shooting.window_equations import RecordUnknowns, window_equations
 
 # Of a difference, in standard deviations before.
 STEP = 0.02
@@ -28,25 +28,29 @@ def determinant_slope(
     linked = [replace(problem, chain=chain) for chain in chains] or [problem]
     none = np.zeros((len(linked), len(scaled)))
     try:
-        slope = _slope(linked, samples, scaled)
+        slope = np.stack([_slope(problem, samples, scaled) for problem in linked])
     except np.linalg.LinAlgError:  # Windows of which nothing is known.
         return none
     return slope if np.isfinite(slope).all() else none
 
 
-def _slope(linked: Sequence[LogProblem], samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
-    slope, windows = np.zeros((len(linked), len(scaled))), sum(len(sample.grid) for sample in samples)
-    at = _determinants(linked, samples, scaled)
-    for place in np.flatnonzero(linked[0].prior.moves):
-        beside = scaled + STEP * (np.arange(len(scaled)) == place)
-        slope[:, place] = _determinants(linked, samples, beside) - at
+def _slope(problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
+    slope, windows = np.zeros(len(scaled)), sum(len(sample.grid) for sample in samples)
+    follows = [sample.follows(problem) for sample in samples]
+    at = _determinant(problem, samples, scaled, [sample.told.own for sample in samples])
+    for place in np.flatnonzero(problem.prior.moves):
+        step = STEP * (np.arange(len(scaled)) == place)
+        # Starts and pushes follow the coefficients: held where they were, they leave out a part that can turn the sign.
+        owns = [follow.moved(sample.told.own, step) for sample, follow in zip(samples, follows, strict=True)]
+        slope[place] = _determinant(problem, samples, scaled + step, owns) - at
     return slope / (2 * STEP * max(windows, 1))
 
 
-def _determinants(linked: Sequence[LogProblem], samples: Sequence[SampledRecord], scaled: np.ndarray) -> np.ndarray:
-    """The logarithms of those of all that records have of their own, where they stood, by each linkage."""
-    motion, whole = linked[0].at(scaled).of_records, np.zeros(len(linked))
-    for sample in samples:
-        found = window_equations(linked[0], motion, scaled, sample.grid, sample.told.own)
-        whole += [sample.left(problem, found).determinant for problem in linked]
+def _determinant(
+    problem: LogProblem, samples: Sequence[SampledRecord], scaled: np.ndarray, owns: Sequence[RecordUnknowns]
+) -> float:
+    """Sum the log-determinants of the equations of all record-specific unknowns over the records."""
+    motion, whole = problem.at(scaled).of_records, 0.0
+    for sample, own in zip(samples, owns, strict=True):
+        whole += sample.left(problem, window_equations(problem, motion, scaled, sample.grid, own)).determinant
     return whole

@@ -98,6 +98,18 @@ class SampledRecord(NamedTuple):
         assert self.told.best is not None
         return self.told.best.found
 
+    def follows(self, problem: LogProblem) -> FollowingUnknowns:
+        """Return how its record-specific unknowns follow the coefficients.
+
+        Parameters
+        ----------
+        problem : LogProblem
+            With the chain that links its windows.
+        """
+        own = self.told.own
+        band = banded(problem, self.grid, own, self.found, self.links)
+        return FollowingUnknowns(*band.eliminated().followed(len(own.zeros)))
+
     def left(self, problem: LogProblem, found: WindowEquations) -> Eliminated:
         """Return what is left of its equations without all that it has of its own."""
         own = self.told.own
