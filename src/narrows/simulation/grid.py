@@ -215,14 +215,14 @@ def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
         raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or samples=0")
     names = model.terms.names
     mean = np.array([model.coefficients[name] for name in names])
-    drawn = mean + _correlated(model.covariance, samples, seed)
+    drawn = mean + correlated(model.covariance, samples, seed)
     low, high = np.array([term.bound for term in model.terms.terms]).T
     columns = _within(drawn, model.covariance, low, high).T
     coordinate = {"sample": np.arange(samples)}
     return {name: xr.DataArray(c, dims=["sample"], coords=coordinate) for name, c in zip(names, columns, strict=True)}
 
 
-def _correlated(covariance: np.ndarray, samples: int, seed: int) -> np.ndarray:
+def correlated(covariance: np.ndarray, samples: int, seed: int | Sequence[int]) -> np.ndarray:
     """Draw normal errors, by the correlations: coefficients of a ship differ in size by many powers of ten."""
     size = np.sqrt(np.diag(covariance))
     scale = np.where(size > 0, size, 1.0)

@@ -18,6 +18,7 @@ from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
 from narrows.simulation.controllers import Order, VoyageState
+from narrows.simulation.grid import correlated
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
@@ -113,13 +114,10 @@ def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.
 
 def drawn_truth(model: Model, seed: int, **held: float) -> Model:
     """Return a ship that the tests of a model leave possible, within the bounds of its terms."""
-    from narrows.logbook.learned_coefficient import NormalPrior
-
-    draw, names = np.random.default_rng((seed, 17)), model.terms.names
-    prior = NormalPrior.of(np.array([model.coefficients[name] for name in names]), np.asarray(model.covariance))
+    names = model.terms.names
+    mean = np.array([model.coefficients[name] for name in names])
     bounds = np.array([term.bound for term in model.terms.terms])
-    for _ in range(MOST_DRAWS):
-        values = prior.mean + prior.root @ draw.standard_normal(prior.root.shape[1])
+    for values in mean + correlated(np.asarray(model.covariance), MOST_DRAWS, (seed, 17)):
         if ((values >= bounds[:, 0] - 1e-9) & (values <= bounds[:, 1] + 1e-9)).all():
             return model.with_coefficients(**{**dict(zip(names, values.tolist(), strict=True)), **held})
     raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
