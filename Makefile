@@ -4,7 +4,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: check demo test test-fast test-whole lint docs site-check bench package newest lock clean
+.PHONY: check demo test test-fast test-whole lint docs site-check bench package newest newest-whole lock clean
 
 demo: .venv/base
 	$(BIN)/narrows demo --out out
@@ -60,9 +60,13 @@ bench: .venv/dev
 package: .venv/package
 	PYTHON=$(PYTHON) .ci/package
 
-# The demo and quick tests on python3.15 or python3.14, where the machine has one; under two minutes.
+# The demo and the tests that are not slow on python3.15 or python3.14, where the machine has one.
 newest:
 	PYTHON=$(PYTHON) .ci/newest
+
+# All that `make test` runs, there.
+newest-whole:
+	NARROWS_NEWEST_ALL=1 PYTHON=$(PYTHON) .ci/newest
 
 .venv/package: .venv/base requirements/package.txt
 	$(PYTHON) -m venv .venv/tools
