@@ -1,7 +1,7 @@
 """What varies over an ensemble: every argument with its own named dimensions, cut into blocks that fit in memory."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
