@@ -15,7 +15,7 @@ from equations import Equations
 from public import kinds
 
 import narrows as nw
-from narrows.waterway.geojson import projected
+from narrows.waterway.projection import projected
 
 OUTLINE = ((2.0, 0.0), (1.4, 0.286), (-2.0, 0.286), (-2.0, -0.286), (1.4, -0.286))
 TEN = math.radians(10)
@@ -126,7 +126,6 @@ def meander() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("side", ["starboard", "port"])
 def test_a_bank_of_two_points_is_straight(side: str, tmp_path: Path) -> None:
     """A bank 200 m off a meandering line was read as 129 to 254 m off."""
-    pytest.importorskip("pyproj")
     degrees = {role: np.array([5.0, 52.0]) + points / [68_700.0, 111_300.0] for role, points in meander().items()}
     features = [
         {"type": "Feature", "properties": {"role": role},

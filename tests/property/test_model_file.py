@@ -1,14 +1,17 @@
 """A model file gives back the same forces to the last bit, and the same everything else."""
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+import tomli_w
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from strategies import STATES, numbers
 
 import narrows as nw
+from narrows.model.model_file import to_toml
 
 ANY = st.floats(allow_nan=False, allow_infinity=False)
 """Every finite double, subnormal ones too."""
@@ -67,10 +70,6 @@ def test_a_fit_comes_back(twin_fit: nw.Fit, file: Path) -> None:
 
 
 def test_covariance_is_read_by_name_and_not_by_place(twin_fit: nw.Fit, file: Path) -> None:
-    import tomllib
-
-    import tomli_w
-
     nw.save_model(twin_fit.model, file)
     tables = tomllib.loads(file.read_text())
     order = np.random.default_rng(0).permutation(17)
@@ -91,3 +90,33 @@ def test_saving_twice_writes_the_same_bytes(twin_fit: nw.Fit, tmp_path: Path) ->
 def test_tapered_model_comes_back_tapered(dtc: nw.Model, file: Path) -> None:
     model = nw.Model(dtc.configuration, nw.TAPERED, dtc.coefficients)
     assert back(model, file).terms is nw.TAPERED
+
+
+TOML_TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+TOML_VALUES = st.recursive(
+    st.booleans() | st.integers() | st.floats(allow_nan=False) | TOML_TEXT,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(TOML_TEXT, inner, max_size=3),
+    max_leaves=12,
+)
+
+
+def lists_hold_tables(value: object) -> bool:
+    if isinstance(value, dict):
+        return any(map(lists_hold_tables, value.values()))
+    return isinstance(value, list) and any(isinstance(one, dict) or lists_hold_tables(one) for one in value)
+
+
+@given(table=st.dictionaries(TOML_TEXT, TOML_VALUES, max_size=4))
+def test_tables_are_written_as_the_toml_reader_of_python_reads_them(table: dict[str, object]) -> None:
+    assume(not lists_hold_tables(table))
+    assert tomllib.loads(to_toml(table)) == table
+
+
+def test_model_files_are_written_as_by_tomli_w(twin_fit: nw.Fit, dtc: nw.Model) -> None:
+    for model in (twin_fit.model, dtc):
+        assert to_toml(model.to_dict()) == tomli_w.dumps(model.to_dict())
+
+
+def test_what_toml_cannot_hold_is_refused() -> None:
+    with pytest.raises(TypeError, match="NoneType has no form in TOML"):
+        to_toml({"nothing": None})

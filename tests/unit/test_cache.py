@@ -89,6 +89,27 @@ def test_a_closed_folder_is_done_without(tmp_path: Path, monkeypatch: pytest.Mon
     assert cache.cache_folder().parent != tmp_path / "file"
 
 
+PLACES = {
+    "linux": (".cache/narrows", {}),
+    "darwin": ("Library/Caches/narrows", {}),
+    "win32": ("AppData/Local/narrows/narrows/Cache", {}),
+    "linux with XDG_CACHE_HOME": ("other/narrows", {"XDG_CACHE_HOME": "other"}),
+    "win32 with LOCALAPPDATA": ("other/narrows/narrows/Cache", {"LOCALAPPDATA": "other"}),
+}
+
+
+@pytest.mark.parametrize("case", PLACES)
+def test_the_folder_is_where_the_system_keeps_caches(case: str, tmp_path: Path, monkeypatch) -> None:
+    place, variables = PLACES[case]
+    for variable in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(variable, raising=False)
+    for variable, folder in variables.items():
+        monkeypatch.setenv(variable, str(tmp_path / folder))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr("sys.platform", case.split()[0])
+    assert cache.user_cache_folder() == tmp_path / place
+
+
 def test_versions_are_part_of_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
     before = cache.key_of(["a", "b"])
     assert before == cache.key_of(["a", "b"]) != cache.key_of(["a", "c"])

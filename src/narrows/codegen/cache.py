@@ -54,9 +54,18 @@ def key_of(parts: Iterable[object]) -> str:
 def cache_folder() -> Path:
     """Return where generated modules are: the user's cache folder, or a temporary one where that is closed."""
     # ``NARROWS_CACHE_DIR`` names another.
-    import platformdirs
+    chosen = os.environ.get(FOLDER_VARIABLE)
+    return _usable((Path(chosen) if chosen else user_cache_folder()) / "compiled")
 
-    return _usable(Path(os.environ.get(FOLDER_VARIABLE) or platformdirs.user_cache_dir("narrows")) / "compiled")
+
+def user_cache_folder() -> Path:
+    """Return where this system keeps the caches of a user's programs."""
+    home = Path("~").expanduser()
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "narrows" / "narrows" / "Cache"
+    if sys.platform == "darwin":
+        return home / "Library" / "Caches" / "narrows"
+    return Path(os.environ.get("XDG_CACHE_HOME", "").strip() or home / ".cache") / "narrows"
 
 
 @lru_cache(maxsize=8)

@@ -1,9 +1,12 @@
 """Model files: TOML that gives back the same forces to the last bit."""
 
+import json
 import os
+import re
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import overload
+from typing import Any, overload
 
 from narrows.errors import InputError, did_you_mean
 from narrows.files import form_of, write_whole
@@ -27,10 +30,33 @@ def save_model(model: Model, path: str | Path) -> None:
     InputError
         Where the file is none of TOML by its suffix, or cannot be written.
     """
-    import tomli_w
-
     form_of(path, (".toml",))
-    write_whole(path, tomli_w.dumps(model.to_dict()))
+    write_whole(path, to_toml(model.to_dict()))
+
+
+def to_toml(table: Mapping[str, Any], name: str = "") -> str:
+    """Return nested tables of numbers, text, booleans and lists as TOML."""
+    tables = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+    lines = [f"{_key(key)} = {_value(value)}\n" for key, value in table.items() if key not in tables]
+    head = f"[{name}]\n" if name and (lines or not tables) else ""
+    below = [to_toml(value, f"{name}.{_key(key)}" if name else _key(key)) for key, value in tables.items()]
+    return "\n".join(filter(None, [head + "".join(lines), *below]))
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _value(name)
+
+
+def _value(value: Any, indent: str = "") -> str:
+    if isinstance(value, str):
+        # JSON escapes what TOML does, but for the control character DEL.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list | tuple):
+        inner = indent + "    "
+        return "[\n" + "".join(f"{inner}{_value(one, inner)},\n" for one in value) + f"{indent}]" if value else "[]"
+    if not isinstance(value, bool | int | float):
+        raise TypeError(f"{type(value).__name__} has no form in TOML")
+    return str(value).lower()  # true, nan and 1e+16 are lower case in both; str gives every digit of a float.
 
 
 def load_model(path: str | Path, terms: TermTable | None = None) -> Model:

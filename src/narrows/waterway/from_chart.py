@@ -11,7 +11,8 @@ import numpy as np
 from narrows.errors import InputError, needs
 from narrows.waterway.bank_line import Normals
 from narrows.waterway.banks import Bank, bank_from_points
-from narrows.waterway.centreline import Centreline, origin_of, projected
+from narrows.waterway.centreline import Centreline
+from narrows.waterway.projection import origin_of, projected
 from narrows.waterway.waterway import Waterway
 
 # Longer [m] than any waterway's width.

@@ -11,7 +11,8 @@ from narrows.errors import InputError, shown
 from narrows.files import form_of, reading, write_whole
 from narrows.ship.cross_section import Point
 from narrows.waterway.banks import Bank, bank_from_points
-from narrows.waterway.centreline import Centreline, origin_of, projected, unprojected
+from narrows.waterway.centreline import Centreline
+from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
 
 ROLES = ("centreline", "starboard", "port")
