@@ -1,6 +1,8 @@
 """Readers: the same rows whatever the file, the unit or the layout."""
 
+import math
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,9 @@ import pytest
 from scipy.io import savemat
 
 import narrows as nw
+from narrows.quantities.names import MOTION
+from narrows.readers import units
+from narrows.readers.headers import parse_header
 from tables import frame_of, written
 
 
@@ -117,13 +122,60 @@ def test_another_ships_table_in_the_fhr_layout(short: nw.CaptiveTests, ship_file
     assert '"b_bank"' in shown
 
 
-def test_usual_units_are_those_of_the_units_library() -> None:
+PINT = {
+    "rpm": "1/minute", "rps": "1/s", "Nm": "N*m", "kNm": "kN*m", "Nmm": "N*mm", "mps2": "m/s^2", "degps": "deg/s",
+    "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2", "°": "deg",
+}  # fmt: skip
+"""What pint calls units that headers abbreviate; a revolution per minute is one turn, not 2 pi, a minute."""
+DIMENSIONS = ("[length]", "[mass]", "[time]", "[current]", "[temperature]")
+
+
+def test_units_are_those_of_pint() -> None:
     import pint
 
-    from narrows.readers.headers import SPELLINGS, USUAL, _powers
-
     registry = pint.UnitRegistry()
-    for si, units in USUAL.items():
-        for unit, scale in units.items():
-            one, target = (registry(SPELLINGS.get(word, _powers(word))) for word in (unit, si))
-            assert float((1 * one).to(target.units).magnitude) == pytest.approx(scale, rel=1e-14)
+    prefixed = [prefix + symbol for prefix in units.PREFIXES for symbol in units.SYMBOLS]
+    plurals = [f"{word}s" for word in units.WORDS]
+    for word in [*units.SYMBOLS, *units.ABBREVIATIONS, *units.WORDS, *prefixed, *plurals]:
+        one = (1 * registry(PINT.get(word, word))).to_base_units()
+        scale, powers = units.unit_named(word)
+        assert scale == pytest.approx(one.magnitude, rel=1e-12), word
+        assert powers == tuple(one.dimensionality.get(name, 0) for name in DIMENSIONS), word
+
+
+@pytest.fixture
+def without_pint(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setattr(units, "_by_pint", lambda text: None)
+    monkeypatch.setattr("narrows.readers.headers.find_spec", lambda name: None)
+    units.unit_named.cache_clear()
+    yield
+    units.unit_named.cache_clear()
+
+
+COMPOUNDS = {
+    "m/s2": (1.0, (1, 0, -2, 0, 0)), "kg m2": (1.0, (2, 1, 0, 0, 0)), "kN·m": (1e3, (2, 1, -2, 0, 0)),
+    "m s^-1": (1.0, (1, 0, -1, 0, 0)), "m*s**-1": (1.0, (1, 0, -1, 0, 0)), "mm/s/s": (1e-3, (1, 0, -2, 0, 0)),
+    "°/min": (math.pi / 10800, (0, 0, -1, 0, 0)), "kg/m³": (1.0, (-3, 1, 0, 0, 0)), "1/min": (1 / 60, (0, 0, -1, 0, 0)),
+    "10 mm": (0.01, (1, 0, 0, 0, 0)), "ft/s^2": (0.3048, (1, 0, -2, 0, 0)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", COMPOUNDS)
+def test_products_and_powers_of_units(text: str, without_pint: None) -> None:
+    scale, powers = units.unit_named(text)
+    assert (scale, powers) == (pytest.approx(COMPOUNDS[text][0], rel=1e-14), COMPOUNDS[text][1])
+
+
+@pytest.mark.parametrize("text", ["", "-", "m//s", "1e999", "0", "m^", "^2", "*m", "n/a", "furlong/fortnight"])
+def test_what_is_no_unit_or_a_rare_one(text: str, without_pint: None) -> None:
+    assert units.unit_named(text) is None
+
+
+def test_pint_knows_rare_units() -> None:
+    assert parse_header("u [furlong/hour]", MOTION).scale == pytest.approx(201.168 / 3600, rel=1e-5)
+
+
+def test_a_rare_unit_without_pint_is_refused_with_what_to_install(without_pint: None) -> None:
+    said = r"unknown unit \[furlong/hour\]; give it in \[m/s\]; for rarer units: .* -m pip install 'pint"
+    with pytest.raises(nw.InputError, match=said):
+        parse_header("u [furlong/hour]", MOTION)

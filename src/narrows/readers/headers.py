@@ -3,31 +3,17 @@
 import math
 import re
 from collections.abc import Mapping
-from functools import cache
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
-from narrows.errors import InputError
-from narrows.quantities.names import KNOT, Quantity
+from narrows.errors import InputError, installing, libraries_of
+from narrows.quantities.names import Quantity
+from narrows.readers.units import unit_named
 
 if TYPE_CHECKING:
     import pandas as pd
 
 DEGREE = math.pi / 180
-# How headers spell units, where that is not how the units library does.
-SPELLINGS = {
-    "1": "dimensionless", "°": "deg", "Nm": "N*m", "N m": "N*m", "kNm": "kN*m", "Nmm": "N*mm", "kn": "knot",
-    # A revolution is one turn here, and not 2 pi of anything.
-    "rpm": "1/minute", "rps": "1/s",
-    "mps": "m/s", "mps2": "m/s^2", "degps": "deg/s", "degps2": "deg/s^2", "radps": "rad/s", "radps2": "rad/s^2",
-}  # fmt: skip
-# How many of an SI unit one of another is, for those that most tables have: the units library takes long to load.
-USUAL = {
-    "m": {"mm": 1e-3, "cm": 1e-2}, "m/s": {"mm/s": 1e-3, "mps": 1.0, "kn": KNOT, "knot": KNOT},
-    "m/s2": {"mps2": 1.0, "mm/s2": 1e-3, "m/s^2": 1.0},
-    "rad": {"deg": DEGREE, "°": DEGREE}, "rad/s": {"radps": 1.0, "deg/s": DEGREE, "degps": DEGREE, "°/s": DEGREE},
-    "rad/s2": {"radps2": 1.0, "deg/s2": DEGREE, "degps2": DEGREE, "rad/s^2": 1.0, "deg/s^2": DEGREE},
-    "N": {"kN": 1e3}, "N m": {"Nm": 1.0, "kNm": 1e3, "N*m": 1.0, "Nmm": 1e-3}, "1/s": {"rpm": 1 / 60, "rps": 1.0},
-}  # fmt: skip
 SUFFIXES = (
     "m",
     "mm",
@@ -94,39 +80,23 @@ def _split(header: str, known: Mapping[str, Quantity]) -> tuple[str, str | None]
     return (name, suffix) if name in known and suffix in SUFFIXES else (header, None)
 
 
-@cache
 def _scale(header: str, unit: str, si: str) -> float:
-    if unit == si or unit in USUAL.get(si, ()):
-        return USUAL.get(si, {}).get(unit, 1.0)
-
-    import pint
-
-    registry = _registry()
-    try:
-        parsed, target = (registry(SPELLINGS.get(word, _powers(word))) for word in (unit, si))
-        return float((1 * parsed).to(target.units).magnitude)
-    except pint.DimensionalityError:
-        raise InputError(f"column {header!r}: {unit} is not a unit of this quantity; give it in {si}") from None
-    except Exception:  # The units library raises nearly anything on what is no unit.
-        raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]") from None
+    if unit == si:
+        return 1.0
+    given, wanted = unit_named(unit), unit_named(si)
+    if given is None or wanted is None:
+        rarer = "" if find_spec("pint") else f"; for rarer units: {installing(libraries_of('units') or ['pint'])}"
+        raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]{rarer}")
+    if given.powers != wanted.powers:
+        raise InputError(f"column {header!r}: {unit} is not a unit of this quantity; give it in {si}")
+    return given.scale / wanted.scale
 
 
-def _powers(unit: str) -> str:
-    """Spell ``m/s2`` as ``m/s^2``."""
-    return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace("°", "deg")
-
-
-@cache
 def is_unit(word: str) -> bool:
-    try:
-        _registry()(SPELLINGS.get(word, _powers(word)))
-    except Exception:  # The units library raises nearly anything on what is no unit.
-        return False
-    return any(character.isalpha() or character == "°" for character in word)
+    """Say whether a word, without brackets, is a unit of anything."""
+    named = any(character.isalpha() or character == "°" for character in word)
+    return named and (word in TEMPERATURES or unit_named(word) is not None)
 
 
-@cache
-def _registry():  # type: ignore[no-untyped-def]
-    import pint
-
-    return pint.UnitRegistry()
+# Units that tables have and that no factor brings to SI.
+TEMPERATURES = ("°C", "degC", "°F", "degF")
