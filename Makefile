@@ -84,7 +84,7 @@ newest-whole:
 
 # Needs uv; writes the locked requirements anew.
 # Every extra but fmu: its compiler is 80 MB, and the tests make do with the machine's own.
-EXTRAS := $(addprefix --extra ,charts control cluster excel monitor nmea parquet)
+EXTRAS := $(addprefix --extra ,charts cluster compiled control excel monitor nmea parquet units)
 
 lock:
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
@@ -96,7 +96,7 @@ lock:
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
 		--group package -o requirements/package.txt
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \
-		pyproject.toml --group build --group docs -c requirements/dev.txt -o requirements/docs.txt
+		pyproject.toml --extra compiled --group build --group docs -c requirements/dev.txt -o requirements/docs.txt
 
 # The same beside the environment, for the tests of WebAssembly alone: FMUs are then built for this machine, in seconds.
 .venv/zig: .venv/base requirements/compiler.txt

@@ -1,6 +1,7 @@
 """Without Numba and without threads, as in a browser: imports, fits, voyages, and fleets by columns of NumPy."""
 
 import json
+import re
 import subprocess
 import sys
 from typing import Any
@@ -24,18 +25,29 @@ voyage = nw.simulate(model, y=0.5, u=1.0)
 fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0)
 fit = nw.identify(nw.twin())
 model.forces(y=1.0, u=1.0), nw.eigenvalues(fit.model, y=0.5, u=1.0), nw.derivative(model, [0, 0.5, 0, 1, 0, 0])
-print(json.dumps([voyage.outcome.time, *fleet.time.values.tolist(), fit.model["b_bank"]]))
+tanker = nw.published("yasukawa2015_kvlcc2")
+course = nw.steady_course(tanker, y=[0.0, 1.0], u=1.0, Y=50.0)
+try:
+    nw.safe_envelope(tanker, y=[0.0], u=[1.0])
+except nw.InputError as error:
+    refusal = str(error)
+print(json.dumps([
+    voyage.outcome.time, *fleet.time.values.tolist(), fit.model["b_bank"], course.rudder.values.tolist(), refusal,
+]))
 """
 
 
-def test_everything_but_speed_works_where_numba_and_threads_do_not() -> None:
+def test_what_works_where_numba_and_threads_do_not() -> None:
     done = subprocess.run([sys.executable, "-c", BROWSER], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    voyage, one, mirrored, b_bank = json.loads(done.stdout)
+    voyage, one, mirrored, b_bank, rudder, refusal = json.loads(done.stdout)
     expected = nw.simulate(nw.published("mikkelsen2025_dtc"), y=0.5, u=1.0).outcome.time
     assert (voyage, b_bank) == (expected, nw.identify(nw.twin()).model["b_bank"])
     assert one == mirrored
     assert abs(one - expected) < 1e-9
+    course = nw.steady_course(nw.published("yasukawa2015_kvlcc2"), y=[0.0, 1.0], u=1.0, Y=50.0)
+    np.testing.assert_allclose(rudder, course.rudder, atol=1e-12)
+    assert re.match(r"compiled simulation .* needs numba: .* -m pip install 'numba", refusal)
 
 
 @pytest.mark.parametrize("contact", ["corners", "midship"])

@@ -73,7 +73,7 @@ def test_the_machine_is_looked_at_before_anything_is_downloaded() -> None:
 
 def test_every_extra_that_is_asked_for_exists() -> None:
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.py"))
-    asked = set(re.findall(r'needs\("(\w+)"', sources))
+    asked = set(re.findall(r"""(?:needs|libraries_of)\(["'](\w+)""", sources))
     assert asked == set(PROJECT["project"]["optional-dependencies"])
 
 

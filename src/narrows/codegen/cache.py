@@ -2,27 +2,19 @@
 
 import hashlib
 import inspect
-import logging
 import os
-import pickle
 import platform
 import re
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from functools import lru_cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
-from typing import Any
-
-from numba.core import event
-from numba.core.caching import IndexDataCacheFile
-
-from narrows.progress import bar, is_shown
 
 FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
 
@@ -38,7 +30,9 @@ SAME_TIME = 946_684_800
 @lru_cache(maxsize=1)
 def versions() -> str:
     """Everything but a model that decides what its compiled form is; Numba itself minds the processor."""
-    packages = [f"{name} {version(name)}" for name in ("narrows", "numpy", "numba", "sympy")]
+    packages = [f"{name} {version(name)}" for name in ("narrows", "numpy", "sympy")]
+    with suppress(PackageNotFoundError):  # Without Numba nothing is compiled.
+        packages.append(f"numba {version('numba')}")
     # What is compiled with a kernel, from here or from elsewhere.
     sources = [*sorted(Path(__file__).parent.rglob("*.py")), Path(__file__).parents[1] / "waterway" / "room.py"]
     ours = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
@@ -158,7 +152,9 @@ def _imported(path: Path, text: str) -> ModuleType:
     except BaseException:
         del sys.modules[module.__name__]
         raise
-    if "numba" in sys.modules:
+    if sys.modules.get("numba"):  # None stands there where it is shut out.
+        from narrows.codegen.compilation import checked, watch
+
         checked(module)
         watch(module, text)
     return module
@@ -179,120 +175,6 @@ def _written(path: Path, text: str) -> Path:
     return path
 
 
-# What is said while Numba compiles a generated module: that it does, and how far it has come.
-COMPILED = re.compile(r"^@(jit|called|cached|numba\.njit.*)\ndef (\w+)", re.MULTILINE)
-
-# How many functions of each generated file are compiled, by its name.
-FUNCTIONS: dict[str, int] = {}
-
-
-class CompilationBar(event.Listener):  # type: ignore[misc]
-    """Counts functions of generated modules as Numba compiles them; its lock lets in one thread at a time."""
-
-    def __init__(self) -> None:
-        self.depth = 0
-        self.shown = ExitStack()
-        self.advance: Callable[[int], None] = lambda done: None
-
-    def on_start(self, event: Any) -> None:
-        """Begin the bar with the outermost function."""
-        if (total := FUNCTIONS.get(_file(event))) is None:
-            return
-        if self.depth == 0:
-            logging.getLogger("narrows").info(
-                "compiling these equations, which takes some seconds and is kept for the next time ..."
-            )
-            self.advance = self.shown.enter_context(bar(total, is_shown(), "compiling"))
-        self.depth += 1
-
-    def on_end(self, event: Any) -> None:
-        """Count a function, and end the bar with the outermost."""
-        if _file(event) in FUNCTIONS:
-            self.advance(1)
-            self.depth -= 1
-            if self.depth == 0:
-                self.shown.close()
-
-
-def _file(event: Any) -> str:
-    return str(event.data["dispatcher"].py_func.__code__.co_filename)
-
-
-def watch(module: ModuleType, text: str) -> None:
-    """Say from now on when functions of a generated module are compiled."""
-    if not FUNCTIONS:
-        event.register("numba:compile", CompilationBar())
-    FUNCTIONS[str(module.__file__)] = count_of_compiled(text)
-
-
-def count_of_compiled(text: str) -> int:
-    """Return how many functions of a module are compiled: those that are called in it, or kept."""
-    functions = COMPILED.findall(text)
-    return sum(how == "cached" or len(re.findall(rf"\b{name}\(", text)) > 1 for how, name in functions)
-
-
-# Numba's files of compiled code, checked: what is damaged is compiled again, what cannot be written is done without.
-# Numba trusts its files. A part of one ends in a traceback, and machine code with a few bytes wrong in worse.
-SIZE = hashlib.sha256().digest_size
-
-
-class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
-    """Numba's index and data files, each behind the hash of what it holds."""
-
-    def _load_index(self) -> dict[Any, str]:
-        try:
-            version, stamp, overloads = self._read(self._index_path)
-        except OSError:
-            return {}
-        return overloads if (version, stamp) == (self._version, self._source_stamp) else {}
-
-    def _save_index(self, overloads: dict[Any, str]) -> None:
-        self._write(self._index_path, (self._version, self._source_stamp, overloads))
-
-    def _load_data(self, name: str) -> Any:
-        return self._read(self._data_path(name))
-
-    def _save_data(self, name: str, data: Any) -> None:
-        self._write(self._data_path(name), data)
-
-    def _read(self, path: str) -> Any:
-        content = Path(path).read_bytes()
-        if hashlib.sha256(content[SIZE:]).digest() != content[:SIZE]:
-            raise OSError(f"{path} is damaged")  # which Numba takes for absent
-        return pickle.loads(content[SIZE:])
-
-    def _write(self, path: str, value: Any) -> None:
-        data = self._dump(value)
-        with self._open_for_write(path) as file:
-            file.write(hashlib.sha256(data).digest() + data)
-
-
-class CheckedCache:
-    """The cache of one compiled function, with which the function compiles whatever the disk does."""
-
-    def __init__(self, cache: Any) -> None:
-        old = cache._cache_file
-        cache._cache_file = CheckedFile(old._cache_path, "", old._source_stamp)
-        vars(cache._cache_file).update(vars(old))
-        self._cache = cache
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._cache, name)
-
-    def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep what was compiled, where the disk takes it."""
-        with suppress(OSError):
-            self._cache.save_overload(signature, data)
-
-
-def checked(module: ModuleType) -> None:
-    """Check the compiled files of every function of a module that Numba keeps."""
-    for value in vars(module).values():
-        cache = getattr(value, "_cache", None)
-        if hasattr(cache, "_cache_file"):
-            value._cache = CheckedCache(cache)
-
-
 # Loops that are written in Python and compiled: a module of them as it stands, each function by Numba.
 HEADER = '''"""Made by narrows from {name}: made again where it is missing, so do not edit."""
 import numba
@@ -302,10 +184,18 @@ cached = numba.njit(fastmath={{"nsz", "contract"}}, error_model="numpy", nogil=T
 '''
 
 
+def lacks_compiler() -> bool:
+    """Return whether Numba is not installed (the extra ``compiled``; a browser has none)."""
+    try:
+        return find_spec("numba") is None
+    except ValueError:  # What stands for it is no module.
+        return True
+
+
 @lru_cache
 def compiled_loops(module: ModuleType) -> ModuleType:
     """Return a module's functions, compiled when they are called; as they stand where there is no Numba."""
-    if find_spec("numba") is None:
+    if lacks_compiler():
         return module
     text = inspect.getsource(module)
     name = module.__name__.rpartition(".")[2]

@@ -1,20 +1,21 @@
 """Many voyages of one model at once: numbers and columns by name in, columns of ends out."""
 
 import hashlib
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.cache import lacks_compiler
 from narrows.codegen.choices import COUNTED, LENGTH, SHARE, Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
 from narrows.codegen.system import System
-from narrows.errors import InputError
+from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
@@ -37,6 +38,9 @@ OUTPUTS: dict[str, type] = {
 }  # fmt: skip
 
 Result = dict[str, np.ndarray]
+
+
+COSINE = 2  # its place among what is kept of the state
 
 
 @dataclass
@@ -176,6 +180,9 @@ class KernelRun:
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
         """Run voyages; in columns of NumPy, in double precision, where there is no Numba."""
         columns = lacks_compiler()
+        if columns and vessels > 1:
+            install = installing(libraries_of("compiled") or ["numba"])
+            logging.getLogger("narrows").info("without Numba many voyages take longer; to add it: %s", install)
         prepared = self._in_columns(values, vessels) if columns else self.prepared(values, vessels, workers)
         prepared()
         ended = self.ended(prepared, values)
@@ -196,6 +203,8 @@ class KernelRun:
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
         start, times = self._start(system, values), self._times(vessels)
+        with needs("compiled", "compiled simulation (safe envelopes, estimation, predictive helms, the monitor)"):
+            import numba  # noqa: F401  # Its kernels would take minutes to run as plain Python.
         kernel = system.kernel(_vessel_inputs(system, inputs, self.steering), self.precision)
         width = np.asarray(inputs.get("width", 1.0))
         tolerance = max(CONTACT_TOLERANCE, 4 * float(np.finfo(self.precision).eps) * float(width.max()))
@@ -276,15 +285,3 @@ def _vessel_inputs(system: System, inputs: Mapping[str, Any], steering: Steering
         if any(np.size(inputs.get(name, 0.0)) > 1 for name in group):
             names += ("k",) if number == 0 else group
     return tuple(sorted(set(names)))
-
-
-# Many voyages by columns of NumPy: where there is no compiler, as in a browser, what a kernel does elsewhere.
-COSINE = 2
-
-
-def lacks_compiler() -> bool:
-    """Return whether Numba is not here, so that ships are sailed by columns."""
-    try:
-        return find_spec("numba") is None
-    except ValueError:  # What stands for it is no module.
-        return True

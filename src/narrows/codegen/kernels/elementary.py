@@ -21,14 +21,26 @@ from math import cos, hypot, inf, nan, sin, sqrt
 from collections.abc import Sequence
 from typing import Any
 
-import numba
 import numpy as np
 from numpy import {precision} as real
 
-FAST = {{"nsz", "contract"}}  # fused multiply-add, nothing that reorders: the mirrored voyage is the mirror to the bit
-jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, forceinline=True)
-called = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
-cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
+try:
+    import numba
+except ImportError:  # The functions run as written. NumPy's roots and quotients raise no errors, like compiled ones.
+    from numpy import cos, hypot, sin, sqrt
+
+    def jit(function):
+        return function
+
+    def cached(function):
+        return np.errstate(all="ignore")(function)
+
+    called = jit
+else:
+    FAST = {{"nsz", "contract"}}  # fused multiply-add, nothing reordered: the mirrored voyage is the mirror to the bit
+    jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, forceinline=True)
+    called = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
+    cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
 '''
 
 SIMPLE = """
