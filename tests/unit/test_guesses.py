@@ -162,6 +162,7 @@ FRESH: dict[str, Callable[[Path], Any]] = {
 """Of forty more, written down before they were tried, those that hold."""
 ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
+    "fit.popt": (lambda: fit().popt, "write coefficients"),  # type: ignore[attr-defined]
     "fit.tvalues": (lambda: fit().tvalues, "write verdicts"),  # type: ignore[attr-defined]
     "fit.aic": (lambda: fit().aic, "write left_out"),  # type: ignore[attr-defined]
     "voyage.heading": (lambda: voyage().heading, "write psi"),  # type: ignore[attr-defined]
@@ -307,3 +308,10 @@ def test_later_guesses_hold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     for guess in LATER_MISSED:
         with pytest.raises((AttributeError, TypeError, nw.InputError)):
             exec(guess, names)
+
+
+def test_names_of_other_libraries_that_are_answered_are_listed() -> None:
+    listed = dir(fit())
+    assert {"params", "bse", "ci", "pcov", "cov", "resid", "coefficients", "summary"} <= set(listed)
+    assert not {"popt", "pvalues", "poles"} & set(listed)
+    assert all(hasattr(fit(), name) for name in listed)

@@ -15,6 +15,9 @@ from narrows.errors import installing, libraries_of, needs
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 MACHINE = runpy.run_path(str(ROOT / "requirements" / "check_machine.py"))
+CALLED = ("check.yml", "site.yml")
+BUILD = {"editables", "hatchling", "pathspec", "pluggy", "tomlkit", "trove-classifiers"}
+"""What a checkout is built with, which users of the package do not install."""
 GOOD: dict[str, Any] = {
     "version": (3, 12, 1), "bits": 64, "processor": "x86_64", "free": 9e9, "libc": "glibc", "lacks": [],
 }  # fmt: skip
@@ -91,3 +94,22 @@ def test_the_hint_installs_what_an_extra_holds(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr("narrows.errors.requires", unknown)
     assert libraries_of("charts") == []
     assert installing(["a>=1"]).endswith(" -m pip install 'a>=1'")
+
+
+def test_the_workflows_run_what_a_change_must_pass_on_the_oldest_python_and_the_newest() -> None:
+    check, site = ((ROOT / ".github" / "workflows" / name).read_text(encoding="utf-8") for name in CALLED)
+    oldest = PROJECT["project"]["requires-python"].removeprefix(">=")
+    assert f'python: ["{oldest}", "3.x"]' in check
+    assert "run: .ci/run\n" in check
+    assert "run: make docs\n" in site
+    assert "path: out/site\n" in site
+
+
+def test_every_mandatory_dependency_has_its_line() -> None:
+    text = (ROOT / "docs" / "contributing.md").read_text(encoding="utf-8").split("## Dependencies")[1]
+    named = re.findall(r"^\| ([a-z0-9-]+) \|", text.split("| extra |")[0], re.MULTILINE)
+    needed = [re.split(r"[^\w-]", library)[0] for library in PROJECT["project"]["dependencies"]]
+    assert [name for name in named if name != "library"] == needed
+    locked = (ROOT / "requirements" / "base.txt").read_text(encoding="utf-8")
+    installed = set(re.findall(r"^([a-z0-9-]+)==", locked, re.MULTILINE)) - BUILD
+    assert f"The base install has {len(installed)} packages" in text

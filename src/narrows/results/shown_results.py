@@ -67,9 +67,21 @@ def _given_or_written(content: str | bytes | None, path: str | Path | None) -> A
     return None
 
 
+def other_names(thing: Any) -> list[str]:
+    """Return the names of other libraries that a thing answers to."""
+    known = _known(thing)
+    return [
+        name.removesuffix(CALL) for ours, theirs in SAME.items() if ours.removesuffix(CALL) in known for name in theirs
+    ]
+
+
+def _known(thing: Any) -> set[str]:
+    return {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
+
+
 def answer(thing: Any, name: str) -> Any:
     """Return what a thing has under another name, by what that is called elsewhere."""
-    known = {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
+    known = _known(thing)
     for ours, theirs in SAME.items():
         attribute = ours.removesuffix(CALL)
         if attribute in known and (name in theirs or name + CALL in theirs):
@@ -94,6 +106,9 @@ class Described:
     def __repr__(self) -> str:
         said: Any = self
         return f"<{type(self).__name__}: {shortened(said.summary())}>"
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *other_names(self)})
 
     def _repr_html_(self) -> str:
         said: Any = self
@@ -207,7 +222,7 @@ CALL = "()"
 
 # Names of ours by what is called the same elsewhere; brackets after whatever is called.
 SAME = {
-    "coefficients": ("params", "coef_", "coef", "popt"),
+    "coefficients": ("params", "coef_", "coef"),
     "std": ("bse", "stderr", "standard_errors", "std_errors"),
     "covariance": ("pcov", "cov()", "cov_params()"),
     "intervals": ("confidence_intervals", "ci"),
@@ -233,6 +248,7 @@ ANOTHER = {
     **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
     **dict.fromkeys(("data", "values_"), ("to_dataframe()",)),
     "tests": ("test(name)",), "speed": ("u",),
+    "popt": ("coefficients",),  # SciPy's is an array; ours go by name
 }  # fmt: skip
 
 
