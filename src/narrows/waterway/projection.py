@@ -8,7 +8,7 @@ from narrows.errors import InputError
 NORTHMOST = 89.0
 # Semi-major axis [m] and flattening of the WGS84 ellipsoid.
 EQUATOR_RADIUS, FLATTENING = 6378137.0, 1 / 298.257223563
-# Easting, in rectifying radii, beyond which the series is not used: 150 degrees from the meridian at the equator (PROJ).
+# Easting, in rectifying radii, beyond which the series is not used: 150 degrees off the meridian at the equator (PROJ).
 WIDEST = 2.623395162778
 
 
