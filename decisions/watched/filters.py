@@ -5,10 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.recursion import GROSS, gate
+from narrows.estimation.recursion import gate
+from narrows.estimation.settings import GROSS_ERROR_NIS
 from narrows.estimation.ship_lanes import ShipLanes
 from narrows.estimation.states import Columns
-from narrows.estimation.unscented import Normal
+from narrows.estimation.unscented import Gaussian
 
 REFUSED, TINY = 1e12, 1e-12
 TURN = 2 * np.pi
@@ -48,7 +49,7 @@ class FiltersAbreast:
             start.readings |= {
                 name: tuple(readings[ship, part]) for name, part in zip(self.filter.sensors, self.parts, strict=True)
             }
-            first = self.filter.begun(start)
+            first = self.filter.begin(start)
             self.mean[ship], self.covariance[ship] = first.mean, first.covariance
 
     @property
@@ -88,7 +89,7 @@ class FiltersAbreast:
         bank = points[:, self.filter.states.places["bank"]]
         columns = self.lanes.columns_of(recursion.coefficients + points[:, size:] @ recursion.root.T, bank)
         start, end = (np.repeat(angle, each)[:, None] for angle in (before, after))
-        states = self.lanes.moved(points[:, :size], 1.0, start, end, columns)
+        states = self.lanes.advance(points[:, :size], 1.0, start, end, columns)
         lost = self.lanes.aground.reshape(self.count, each)[:, 0]
         kept = np.exp(-1.0 / recursion.memory) * points[:, size:]
         return np.concatenate([states, kept], axis=1), lost.copy()
@@ -102,7 +103,7 @@ class FiltersAbreast:
         squares = np.stack([_square(innovation[:, part], expected[:, part, part]) for part in self.parts])
         gates = [gate(self.filter.refusing, part.stop - part.start) for part in self.parts]
         odd = ~(squares <= np.array(gates)[:, None])
-        gross = (odd & ~(squares <= GROSS)).any(axis=0)
+        gross = (odd & ~(squares <= GROSS_ERROR_NIS)).any(axis=0)
         refused = odd & ((odd.sum(axis=0) < 2) | gross)  # All sensors of this filter are of different kinds.
         for part, without in zip(self.parts, refused, strict=True):
             noise[without, part] *= REFUSED
@@ -112,9 +113,9 @@ class FiltersAbreast:
         after = self.covariance - gain @ covariance @ gain.transpose(0, 2, 1)
         self.covariance = (after + after.transpose(0, 2, 1)) / 2
 
-    def normal(self) -> Normal:
+    def normal(self) -> Gaussian:
         """Means (count, n) and roots (count, n, n)."""
-        return Normal(self.mean, self.root)
+        return Gaussian(self.mean, self.root)
 
 
 def _square(off: np.ndarray, block: np.ndarray) -> np.ndarray:

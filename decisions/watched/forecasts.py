@@ -6,7 +6,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.unscented import Normal
+from narrows.estimation.unscented import Gaussian
 from narrows.warning.forecasting.forecast import AFTER, CASES, CHANCES, LIKELY
 from narrows.warning.forecasting.forecaster import BridgePredictor, Forecaster, Samples
 from narrows.warning.forecasting.future_lanes import FutureBlock, FutureLanes
@@ -49,7 +49,7 @@ class ForecastsAbreast:
         self.close = lanes(FutureBlock(both, AT_ONCE * members))
         self.takeovers = lanes(FutureBlock(LIKELY[1 : 1 + len(CHANCES)], AT_ONCE))
 
-    def columns(self, known: Normal, rudder: np.ndarray, alive: np.ndarray) -> dict[str, np.ndarray]:
+    def columns(self, known: Gaussian, rudder: np.ndarray, alive: np.ndarray) -> dict[str, np.ndarray]:
         """What is foretold of each ship, by ``COLUMNS``; the rudder as it is indicated."""
         scouts, likely = self._drawn(known, self.members._normals[self.scouts]), self._points(known.mean)
         ships = [(scouts, np.repeat(rudder, len(self.scouts))), (likely, rudder)]
@@ -63,7 +63,7 @@ class ForecastsAbreast:
         last = self._last_chances(likely, rudder, contact, alive)
         return {**bridges_today(known.mean), "contact": contact, "last_chance": last, **chances}
 
-    def _drawn(self, known: Normal, normals: np.ndarray) -> Samples:
+    def _drawn(self, known: Gaussian, normals: np.ndarray) -> Samples:
         """Members of every ship."""
         points = known.mean[:, None] + normals[:, : known.mean.shape[1]] @ known.root.transpose(0, 2, 1)
         return self._points(points.reshape(-1, points.shape[2]))
@@ -72,10 +72,10 @@ class ForecastsAbreast:
         size = len(self.forecaster.filter.states)
         return Samples(points[:, :size], self.members._coefficients(points[:, size:]))
 
-    def _chances(self, known: Normal, rudder: np.ndarray, here: np.ndarray) -> dict[str, np.ndarray]:
+    def _chances(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> dict[str, np.ndarray]:
         """By all members of some ships."""
         filled, normals = np.resize(here, AT_ONCE), self.members._normals
-        drawn = self._drawn(Normal(known.mean[filled], known.root[filled]), normals)
+        drawn = self._drawn(Gaussian(known.mean[filled], known.root[filled]), normals)
         (ends,) = self.close([self.forecaster._ships(drawn, np.repeat(rudder[filled], len(normals)))])
         as_is, pilot = ends.contact.reshape(2, AT_ONCE, len(normals))
         shares = {"soon": as_is <= SOON, "later": as_is <= AFTER, "pilot_now": np.isfinite(pilot)}

@@ -113,7 +113,6 @@ def needs(extra: str, what: str) -> Iterator[None]:
 
 
 def libraries_of(extra: str) -> list[str]:
-    """Return what an extra of the package consists of, with the versions that it asks for."""
     try:
         lines = requires("narrows") or []
     except PackageNotFoundError:  # It runs out of a folder.
@@ -128,7 +127,6 @@ def installing(libraries: Iterable[str]) -> str:
 
 
 def check_choice(name: str, value: object, known: Iterable[str]) -> None:
-    """Raise where an argument is none of the words that it may be."""
     known = tuple(known)
     if not isinstance(value, str) or value not in known:
         near = near_miss(value, known) if isinstance(value, str) and len(value) < LONGEST else ""
@@ -136,14 +134,12 @@ def check_choice(name: str, value: object, known: Iterable[str]) -> None:
 
 
 def check_count(name: str, value: object, least: int = 0, most: float = 2**63 - 1) -> None:
-    """Raise where an argument is no whole number that counts."""
     if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         upto = f" to {most}" if most < 2**63 - 1 else ""
         raise InputError(f"{name} = {shown(value)}: give a whole number from {least}{upto}")
 
 
 def path_of(name: str, value: object) -> Path:
-    """Return an argument as a path."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"{name} = {shown(value)} is no path; give the name of a file")
     return Path(value)

@@ -73,7 +73,6 @@ def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
 
 
 def netcdf_of(dataset: "xarray.Dataset", path: str | Path) -> bytes:
-    """Return a dataset as NetCDF."""
     try:
         return bytes(dataset.to_netcdf(engine="scipy"))
     except (TypeError, ValueError, OverflowError, NotImplementedError) as error:
@@ -81,7 +80,6 @@ def netcdf_of(dataset: "xarray.Dataset", path: str | Path) -> bytes:
 
 
 def parquet_of(frame: "pd.DataFrame", path: str | Path) -> bytes:
-    """Return a table as Parquet."""
     with needs("parquet", f"{path}: Parquet"):
         return bytes(frame.to_parquet(None))
 
@@ -115,14 +113,12 @@ def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
 
 
 def picture_of(figure: "Figure", suffix: str) -> bytes:
-    """Return a figure as a picture."""
     memory = BytesIO()
     figure.savefig(memory, format=suffix[1:], dpi=150)
     return memory.getvalue()
 
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a picture, whole or not at all."""
     write_whole(path, picture_of(figure, form_of(path, PICTURES)))
 
 

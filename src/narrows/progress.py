@@ -14,8 +14,6 @@ LISTENERS: list[Listener] = []
 
 
 class _Lines(logging.Handler):
-    """Hands what the package logs to a listener."""
-
     def __init__(self, listener: Listener) -> None:
         super().__init__(logging.INFO)
         self.listener = listener

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.control import HeldLine, Regulator, linearize, regulator
-from narrows.control.regulator import LADDER, MEMORY, STROKE, rate_driven
+from narrows.control.regulator import rate_driven
+from narrows.control.settings import INTEGRAL_TIME, STROKE_TIME, WEIGHT_LADDER
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
@@ -40,9 +41,9 @@ def test_gains_are_those_of_python_control(ship: str) -> None:
     model, y = SHIPS[ship][0](), SHIPS[ship][1]
     A, b = rate_driven(linearize(model, y, 1.0), bank=False)
     half, time = model.configuration.ship.beam / 2, model.configuration.ship.length
-    (off_course, hard), *_ = LADDER  # no covariance: the calmest
-    rate = min(hard / (STROKE * time), model.configuration.gear.rate)
-    weights = np.diag([half**-2, off_course**-2, 0.0, 0.0, hard**-2, (half * MEMORY * time) ** -2])
+    (off_course, hard), *_ = WEIGHT_LADDER  # no covariance: the calmest
+    rate = min(hard / (STROKE_TIME * time), model.configuration.gear.rate)
+    weights = np.diag([half**-2, off_course**-2, 0.0, 0.0, hard**-2, (half * INTEGRAL_TIME * time) ** -2])
     gains, _, poles = control.lqr(A, b[:, None], weights, [[rate**-2]])
     np.testing.assert_allclose(regulator(model, y, 1.0).lines[0].gains, gains[0], rtol=1e-6)
     assert poles.real.max() < 0

@@ -5,19 +5,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from narrows.estimation.recursion import gate, normalised_square
+from narrows.estimation.recursion import gate, normalised_innovation_squared
 from narrows.estimation.smoothing import Stage, smoothed
 from narrows.estimation.unscented import (
-    Normal,
-    corrected,
+    Gaussian,
     downdated_root,
     innovation_covariance,
-    linear,
-    predicted,
+    linear_transform,
+    predict,
+    sigma_point_weights,
     sigma_points,
-    spread_of,
-    transformed,
     triangular_root,
+    unscented_transform,
+    update,
 )
 
 SIZE, MEASURED = 4, 2
@@ -28,21 +28,21 @@ SEEN = RANDOM.standard_normal((MEASURED, SIZE))
 SIGMA = np.array([0.4, 0.7])
 
 
-def first() -> Normal:
+def first() -> Gaussian:
     root = np.tril(RANDOM.standard_normal((SIZE, SIZE)))
-    return Normal(RANDOM.standard_normal(SIZE), root)
+    return Gaussian(RANDOM.standard_normal(SIZE), root)
 
 
 def moved(points: np.ndarray) -> np.ndarray:
     return points @ MOTION.T
 
 
-def measured_by(now: Normal, told: np.ndarray, seen: np.ndarray = SEEN, spread=None) -> Normal:
+def measured_by(now: Gaussian, told: np.ndarray, seen: np.ndarray = SEEN, spread=None) -> Gaussian:
     """The unscented step, for a measurement that is linear."""
-    spread = spread or spread_of(SIZE)
-    expected = transformed(sigma_points(now.mean, now.root, spread) @ seen.T, spread)
+    spread = spread or sigma_point_weights(SIZE)
+    expected = unscented_transform(sigma_points(now.mean, now.root, spread) @ seen.T, spread)
     covariance = innovation_covariance(expected, SIGMA, spread)
-    return corrected(now, expected, told - expected.mean, covariance, SIGMA, spread)
+    return update(now, expected, told - expected.mean, covariance, SIGMA, spread)
 
 
 def kalman(mean: np.ndarray, covariance: np.ndarray, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -56,7 +56,7 @@ def test_a_linear_system_has_the_kalman_filter() -> None:
     now = first()
     mean, covariance = now.mean, now.covariance
     for told in RANDOM.standard_normal((50, MEASURED)):
-        now = measured_by(predicted(now, moved, NOISE, spread_of(SIZE))[0], told)
+        now = measured_by(predict(now, moved, NOISE, sigma_point_weights(SIZE))[0], told)
         mean, covariance = kalman(mean, covariance, told)
     np.testing.assert_allclose(now.mean, mean, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(now.covariance, covariance, rtol=1e-10, atol=1e-12)
@@ -64,9 +64,9 @@ def test_a_linear_system_has_the_kalman_filter() -> None:
 
 def test_straight_measurements_need_no_points() -> None:
     now, told = first(), np.array([0.3, -0.2])
-    expected = linear(np.concatenate([now.mean[None], now.root.T]) @ SEEN.T)
-    covariance = innovation_covariance(expected, SIGMA, spread_of(SIZE))
-    short = corrected(now, expected, told - expected.mean, covariance, SIGMA, spread_of(SIZE))
+    expected = linear_transform(np.concatenate([now.mean[None], now.root.T]) @ SEEN.T)
+    covariance = innovation_covariance(expected, SIGMA, sigma_point_weights(SIZE))
+    short = update(now, expected, told - expected.mean, covariance, SIGMA, sigma_point_weights(SIZE))
     long = measured_by(now, told)
     np.testing.assert_allclose(short.mean, long.mean, rtol=1e-10)
     np.testing.assert_allclose(short.covariance, long.covariance, rtol=1e-10, atol=1e-13)
@@ -88,14 +88,14 @@ def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kap
         SIZE, MEASURED, 1.0, seen, lambda x, dt: bent(x), MerweScaledSigmaPoints(SIZE, alpha, beta, kappa)
     )
     peer.x, peer.P, peer.Q, peer.R = np.ones(SIZE), 0.2 * np.eye(SIZE), noise.T @ noise, np.diag(SIGMA**2)
-    now, spread = Normal(peer.x.copy(), np.linalg.cholesky(peer.P)), spread_of(SIZE, 0, alpha, beta, kappa)
+    now, spread = Gaussian(peer.x.copy(), np.linalg.cholesky(peer.P)), sigma_point_weights(SIZE, 0, alpha, beta, kappa)
     for told in np.array([8.0, 1.0]) + 0.3 * RANDOM.standard_normal((20, MEASURED)):
         peer.predict()
         peer.update(told)
-        now = predicted(now, bent, noise, spread)[0]
-        expected = transformed(seen(sigma_points(now.mean, now.root, spread)), spread)
+        now = predict(now, bent, noise, spread)[0]
+        expected = unscented_transform(seen(sigma_points(now.mean, now.root, spread)), spread)
         covariance = innovation_covariance(expected, SIGMA, spread)
-        now = corrected(now, expected, told - expected.mean, covariance, SIGMA, spread)
+        now = update(now, expected, told - expected.mean, covariance, SIGMA, spread)
     np.testing.assert_allclose(now.mean, peer.x, rtol=1e-7)
     np.testing.assert_allclose(now.covariance, peer.P, rtol=1e-6, atol=1e-9)
 
@@ -103,13 +103,13 @@ def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kap
 def test_carried_errors_follow_schmidt() -> None:
     """A linear system driven by two unknown constants, which are carried: covariances by formula."""
     driven = RANDOM.standard_normal((SIZE, 2))
-    now, spread = first(), spread_of(SIZE, 2)
+    now, spread = first(), sigma_point_weights(SIZE, 2)
     mean, covariance, cross = now.mean, now.covariance, np.zeros((SIZE, 2))
-    now = Normal(now.mean, np.hstack([np.zeros((SIZE, 2)), now.root]))
+    now = Gaussian(now.mean, np.hstack([np.zeros((SIZE, 2)), now.root]))
     constants = np.zeros((1 + 2 * (SIZE + 2), 2))
     constants[[1, 2], [0, 1]], constants[[SIZE + 3, SIZE + 4], [0, 1]] = spread.distance[0], -spread.distance[0]
     for told in RANDOM.standard_normal((30, MEASURED)):
-        now = predicted(now, lambda points: moved(points) + constants @ driven.T, NOISE, spread)[0]
+        now = predict(now, lambda points: moved(points) + constants @ driven.T, NOISE, spread)[0]
         now = measured_by(now, told, spread=spread)
         covariance = (
             MOTION @ covariance @ MOTION.T + MOTION @ cross @ driven.T + driven @ cross.T @ MOTION.T
@@ -132,7 +132,7 @@ def test_the_smoother_is_batch_least_squares() -> None:
     noise = np.diag([0.3, 0.2, 0.5, 0.4])
     now, stages = start, []
     for row in told:
-        after, how = predicted(now, moved, noise, spread_of(SIZE))
+        after, how = predict(now, moved, noise, sigma_point_weights(SIZE))
         stages.append(Stage(now, how, after))
         now = measured_by(after, row)
     back = smoothed(stages, now)
@@ -175,7 +175,7 @@ def test_a_root_of_too_few_rows_is_still_square() -> None:
 @pytest.mark.parametrize("size", [1, 2, 3])
 def test_gates_refuse_as_often_as_they_say(size: int) -> None:
     root = np.tril(RANDOM.standard_normal((size, size))) + 2 * np.eye(size)
-    squares = [normalised_square(root @ e, root @ root.T) for e in RANDOM.standard_normal((20_000, size))]
+    squares = [normalised_innovation_squared(root @ e, root @ root.T) for e in RANDOM.standard_normal((20_000, size))]
     share = np.mean(np.array(squares) > gate(0.05, size))
     assert abs(share - 0.05) < 5 * np.sqrt(0.05 * 0.95 / 20_000)
     assert gate(0.0, size) == np.inf

@@ -11,7 +11,7 @@ from matplotlib.text import Text
 
 import narrows as nw
 from narrows.report.voyage_figures import hull, map_figure, voyage_figure
-from narrows.simulation.departure import usual_voyage
+from narrows.simulation.departure import voyage_defaults
 from narrows.waterway import Bank, Centreline, Waterway
 from pictures import assert_readable
 
@@ -37,17 +37,17 @@ class TestUsualVoyage:
     """What suits a ship is what suits its model, by Froude's law."""
 
     def test_the_papers_own_canal_keeps_its_numbers(self, dtc: nw.Model) -> None:
-        assert usual_voyage(dtc) == (1.0, 60.0, 0.02, 2.5)
+        assert voyage_defaults(dtc) == (1.0, 60.0, 0.02, 2.5)
 
     def test_froude(self, dtc: nw.Model, full_size: nw.Model) -> None:
         scale = 355.0 / dtc.configuration.ship.length
-        expected = np.array(usual_voyage(dtc)) * scale ** np.array([0.5, 0.5, 0.5, 1.0])
-        np.testing.assert_allclose(usual_voyage(full_size), expected, rtol=0.06)  # two digits of each
+        expected = np.array(voyage_defaults(dtc)) * scale ** np.array([0.5, 0.5, 0.5, 1.0])
+        np.testing.assert_allclose(voyage_defaults(full_size), expected, rtol=0.06)  # two digits of each
 
     def test_a_speed_that_is_known_sets_the_time(self, dtc: nw.Model) -> None:
-        slow = usual_voyage(dtc, 0.5)
+        slow = voyage_defaults(dtc, 0.5)
         assert slow.speed == 0.5
-        assert slow.duration == 2 * usual_voyage(dtc).duration
+        assert slow.duration == 2 * voyage_defaults(dtc).duration
 
     def test_a_map_of_a_large_ship_has_groundings_on_it(self, full_size: nw.Model, cli, tmp_path: Path) -> None:
         full_size.save(tmp_path / "full.toml")

@@ -14,7 +14,7 @@ from transit import canal
 import narrows as nw
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.states import StateNames
-from narrows.estimation.unscented import Normal
+from narrows.estimation.unscented import Gaussian
 from narrows.warning.alerts.alert import BANK, AlertDesk, Condition, Priority, Situation
 from narrows.warning.forecasting.forecast import CASES, BankForecast, CaseForecast, LikelyRun
 from narrows.warning.forecasting.future_lanes import FAN_MEMBERS, TIMES, PredictedFan
@@ -32,7 +32,7 @@ NOW = {"x": 3200.0, "y": 60.0, "psi": 0.05, "u": 4.2, "v": 0.0, "r": 0.001}
 
 
 def estimate(t: float, now: Mapping[str, float] | None = NOW) -> Estimate:
-    normal = Normal(np.array([now[name] for name in STATES]), np.eye(len(STATES))) if now else None
+    normal = Gaussian(np.array([now[name] for name in STATES]), np.eye(len(STATES))) if now else None
     return Estimate(t, StateNames(STATES), normal, now is not None, {})
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from narrows.model.model import Model
-    from narrows.simulation.departure import UsualVoyage
+    from narrows.simulation.departure import VoyageDefaults
     from narrows.waterway import Waterway
 
 HELMS = ("regulator", "predictive", "track")
@@ -107,7 +107,7 @@ class TimeOptions:
         float | None, typer.Option(help="Time step [s]; a 200th of the time of a ship length unless given.")
     ] = None
 
-    def values(self, usual: "UsualVoyage") -> dict[str, Any]:
+    def values(self, usual: "VoyageDefaults") -> dict[str, Any]:
         duration = usual.duration if self.duration is None else self.duration
         return {"duration": duration, "dt": usual.dt if self.dt is None else self.dt}
 
@@ -160,7 +160,7 @@ class VariedOptions:
         """Surge velocities [m/s], where they are given."""
         return None if self.speed is None else speeds("--speed", self.speed)
 
-    def values(self, usual: "UsualVoyage", offsets: int) -> dict[str, Any]:
+    def values(self, usual: "VoyageDefaults", offsets: int) -> dict[str, Any]:
         import numpy as np
 
         aside = np.linspace(-usual.offset, usual.offset, offsets)

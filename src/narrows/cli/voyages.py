@@ -43,11 +43,11 @@ def simulate(
     from math import radians
 
     from narrows.model.model_file import model_named
-    from narrows.simulation.departure import usual_voyage
+    from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.voyage import simulate as run
 
     chosen, waterway = model_named(model), water.read()
-    usual = usual_voyage(chosen, start.u)
+    usual = voyage_defaults(chosen, start.u)
     u = usual.speed if start.u is None else start.u
     options: dict[str, Any] = start.values() | push.values() | time.values(usual) | vars(physics)
     controller = helm.of(chosen, u, start.x, waterway)
@@ -73,12 +73,12 @@ def map_(
     """
     from narrows.model.model_file import model_named
     from narrows.results import save_dataset
-    from narrows.simulation.departure import usual_voyage
+    from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.ensemble import ensemble
     from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()
-    usual = usual_voyage(chosen, None if varied.u is None else float(abs(varied.u).min()))
+    usual = voyage_defaults(chosen, None if varied.u is None else float(abs(varied.u).min()))
     vary, choices = varied.values(usual, OFFSETS), dict[str, Any](contact=contact)
     voyages = ensemble(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,

@@ -19,12 +19,15 @@ from types import ModuleType
 FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
 
 SEAL = "# sha256 of all above: "
-
 LAST_LINE = "# end of a module made by narrows\n"
 
 # Every generated file bears one time [s], the year 2000. Numba asks the time of a file whether its compiled form is
 # stale; the name of a file says all of its text, so two processes that write it at once must not seem to change it.
 SAME_TIME = 946_684_800
+
+_LOCK = Lock()
+_TEXTS: dict[Path, str] = {}
+_MODULES: dict[Path, ModuleType] = {}
 
 
 @lru_cache(maxsize=1)
@@ -69,17 +72,13 @@ def _usable(folder: Path) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError:
-        return _temporary_folder()
+        return Path(_temporary_folder().name)
 
 
 @lru_cache(maxsize=1)
-def _temporary_folder() -> Path:
-    folder = tempfile.TemporaryDirectory(prefix="narrows-")
-    _KEPT.append(folder)
-    return Path(folder.name)
-
-
-_KEPT: list[tempfile.TemporaryDirectory[str]] = []  # removed when the process ends
+def _temporary_folder() -> tempfile.TemporaryDirectory[str]:
+    # The cache of this function keeps it; it is removed when the process ends.
+    return tempfile.TemporaryDirectory(prefix="narrows-")
 
 
 def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
@@ -87,35 +86,25 @@ def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _TEXTS:
-            _TEXTS[path] = _read(path) or _kept(path, _sealed(make()))
+            text = _read(path)
+            if text is None:
+                text = _sealed(make())
+                with suppress(OSError):
+                    _written(path, text)
+            _TEXTS[path] = text
         return _TEXTS[path]
-
-
-def _kept(path: Path, text: str) -> str:
-    """A text, on disk where the disk takes it."""
-    with suppress(OSError):
-        _written(path, text)
-    return text
-
-
-_TEXTS: dict[Path, str] = {}
 
 
 def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
     """Import a generated module, made now if no process has made it before."""
-    # What is damaged is made again; where the folder takes no file, or the disk is full, a temporary one serves, and
-    # where there is none the module stays in memory.
+    # A damaged file is made again. Where the folder takes no file a temporary one serves; without one the module stays
+    # in memory.
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _MODULES:
             text = _read(path)
             _MODULES[path] = _made(path, make()) if text is None else _imported(path, text)
         return _MODULES[path]
-
-
-_LOCK = Lock()
-
-_MODULES: dict[Path, ModuleType] = {}
 
 
 def _read(path: Path) -> str | None:
@@ -138,7 +127,7 @@ def _made(path: Path, text: str) -> ModuleType:
     with suppress(OSError, RuntimeError):
         return _imported(_written(path, text), text)
     with suppress(OSError, RuntimeError):
-        return _imported(_written(_temporary_folder() / path.name, text), text)
+        return _imported(_written(Path(_temporary_folder().name) / path.name, text), text)
     return _imported(path, text.replace("cache=True", "cache=False"))
 
 
@@ -199,9 +188,6 @@ def compiled_loops(module: ModuleType) -> ModuleType:
         return module
     text = inspect.getsource(module)
     name = module.__name__.rpartition(".")[2]
-    return generated(name, [text, HEADER], lambda: HEADER.format(name=name) + _decorated(text))
-
-
-def _decorated(text: str) -> str:
-    """Without what the module says of itself, which comes before the imports of the header."""
-    return re.sub(r"^def ", "@cached\ndef ", text.split('"""\n', 1)[1], flags=re.MULTILINE)
+    # The docstring of the module must not stand between the imports of the header and its functions.
+    decorated = re.sub(r"^def ", "@cached\ndef ", text.split('"""\n', 1)[1], flags=re.MULTILINE)
+    return generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)

@@ -28,16 +28,12 @@ Pushed = Literal["never", "always", "until"]
 
 @dataclass(frozen=True)
 class Actuated:
-    """An actuator as the equations ask for it."""
-
     name: str  # Of its position
     angle: bool  # Whether it enters the terms as cosine and sine
 
 
 @dataclass(frozen=True)
 class Law:
-    """A control law as the equations ask for it."""
-
     tape: Tape  # Of the orders, by the names of the actuators, and of the new memory, by its names
     memory: tuple[str, ...]  # Numbers that it keeps from step to step
     ordered: tuple[Actuated, ...]  # What it gives orders to

@@ -16,7 +16,7 @@ from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, 
 from narrows.codegen.kernels.elementary import HEADER, elementary_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
-from narrows.codegen.printers.python import Arithmetic, function_text
+from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step
 from narrows.quantities.names import FORCES
@@ -67,7 +67,6 @@ def with_tangents(
 
 
 def slope(value: Expr, by: Expr) -> Expr:
-    """Differentiate an expression of a line."""
     if value == by:
         return sympy.Integer(1)
     if by not in value.free_symbols:
@@ -76,7 +75,8 @@ def slope(value: Expr, by: Expr) -> Expr:
     if value.is_Add:
         return sympy.Add(*parts)
     if value.is_Mul:
-        return _product_slope(value.args, parts)
+        others = [(*value.args[:i], *value.args[i + 1 :]) for i in range(len(parts))]
+        return sympy.Add(*(sympy.Mul(part, *rest) for part, rest in zip(parts, others, strict=True) if part != 0))
     if value.is_Pow:
         return _power_slope(*value.args, *parts)
     if isinstance(value, sympy.Abs):
@@ -89,44 +89,27 @@ def slope(value: Expr, by: Expr) -> Expr:
     return sympy.Add(*(outer * part for outer, part in zip(SLOPES[name](*value.args), parts, strict=True)))
 
 
-def _product_slope(factors: Sequence[Expr], parts: Sequence[Expr]) -> Expr:
-    terms = (sympy.Mul(*factors[:i], part, *factors[i + 1 :]) for i, part in enumerate(parts) if part != 0)
-    return sympy.Add(*terms)
-
-
 def _power_slope(base: Expr, power: Expr, base_slope: Expr, power_slope: Expr) -> Expr:
     by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else sympy.Integer(0)
     return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
 
 
 # Exact derivatives of the motion, from the same trace: by state, by control, by coefficient.
-ANGLES = ("cos_{}", "sin_{}")
-
-
 def jacobian_text(
     motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str] = ()
 ) -> str:
-    """Write the module of derivatives."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
-    linear, by_coefficient = _linear(rates, actuators), _by_coefficient(rates, names)
-    constants = rates.constants
-    inputs = (*arguments(actuators, section), *constants.names)
-    assignments, results = straight_lines(list(constants.table))
-    used = set().union(*(expression.free_symbols for expression in constants.table))
-    asked = {name: parameter for name, parameter in motion.names.items() if parameter in used}
-    parts = [
-        f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}",
-        function_text("constants", [str(parameter) for parameter in asked.values()], assignments, results),
-        function_text("linear", inputs, linear[0].needed_for(linear[1]).assignments, linear[1]),
-        function_text(
-            "coefficients", inputs, by_coefficient[0].needed_for(by_coefficient[1]).assignments, by_coefficient[1]
-        ),
+    lines = Lines()
+    values = {name: real(name) for name in (*STATE, *rates.moving)}
+    functions = {"linear": _linear(rates, actuators)}
+    functions["coefficients"] = lines, coefficient_slopes(lines, rates, names, values)
+    # Both lift constants of their own, so the function of constants comes after them.
+    inputs = (*arguments(actuators, section), *rates.constants.names)
+    texts = [
+        function_text(name, inputs, program.needed_for(results).assignments, results)
+        for name, (program, results) in functions.items()
     ]
-    return "\n\n".join(parts)
-
-
-def _directions(actuators: Sequence[Actuated]) -> tuple[str, ...]:
-    return (*LINEARISED, *controlled(actuators))
+    return "\n\n".join([constants_text(rates.parameters, rates.constants), *texts])
 
 
 BATCH = """
@@ -160,24 +143,15 @@ def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Ex
 def linear_slopes(lines: Lines, rates: Mapping[str, Expr], actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
     """Write the derivatives of the rates of ``LINEARISED`` by state and by control, row by row."""
     angles = {"psi", *(actuator.name for actuator in actuators if actuator.angle)}
-    directions = _directions(actuators)
+    directions = (*LINEARISED, *controlled(actuators))
     slopes: dict[Expr, list[Expr]] = {}
     for number, name in enumerate(directions):
-        moved = _angle_slopes(name) if name in angles else {name: 1}
+        cosine, sine = f"cos_{name}", f"sin_{name}"
+        moved = {cosine: -real(sine), sine: real(cosine)} if name in angles else {name: 1}
         for component, slope in moved.items():
             slopes[real(component)] = [slope if k == number else 0 for k in range(len(directions))]
     more, slopes_of = with_tangents(lines, slopes, len(directions))
     return more, [entry for name in LINEARISED for entry in slopes_of(rates[name])]
-
-
-def _angle_slopes(name: str) -> dict[str, Expr]:
-    cosine, sine = (text.format(name) for text in ANGLES)
-    return {cosine: -real(sine), sine: real(cosine)}
-
-
-def _by_coefficient(rates: Rates, names: Sequence[str]) -> tuple[Lines, list[Expr]]:
-    lines = Lines()
-    return lines, coefficient_slopes(lines, rates, names, {name: real(name) for name in (*STATE, *rates.moving)})
 
 
 def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values: Mapping[str, Expr]) -> list[Expr]:
@@ -205,9 +179,7 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
 # The tangent of a voyage: a step with the slopes of everything it keeps, directions as lanes. The lines of the step
 # and their partial derivatives are floats, written once; the slopes along the directions are one loop over a block of
 # lanes, which LLVM vectorises, so that a direction costs a few additions and products a line.
-# Lanes of a block; more directions take more passes.
-DIRECTIONS = 32
-
+DIRECTIONS = 32  # Lanes of a block; more directions take more passes
 SLOPE = "d_{}".format
 
 
@@ -289,13 +261,9 @@ def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], versi
     )
 
 
-def constants_text(rates: Rates) -> str:
-    """Write the function of the slopes of what stays the same through a voyage."""
-    constants, names = rates.constants, rates.motion.names
-    assignments, results = straight_lines(list(constants.table))
-    used = set().union(*(expression.free_symbols for expression in constants.table))
-    asked = {name: symbol for name, symbol in names.items() if symbol in used}
-    lines = Lines()
+def constants_slopes_text(rates: Rates) -> str:
+    assignments, results = straight_lines(list(rates.constants.table))
+    asked, lines = rates.parameters, Lines()
     values = lines.inline("", assignments, results, {})
     seeds = {symbol: [real(SLOPE(symbol))] for symbol in asked.values()}
     more, slopes_of = with_tangents(lines, seeds, 1)

@@ -12,7 +12,7 @@ from keyword import iskeyword
 from typing import Any, Literal
 
 from narrows.codegen.tape import Tape
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
@@ -33,24 +33,19 @@ INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 # The argument [kg] added to the mass in surge, where the table's own was not identifiable.
 SURGE_INERTIA = "surge_inertia"
 
-MACHINERY = {name for actuator in STANDARD for name in (*actuator.controls, *actuator.particulars)}
-
-LIMITS = {f"{actuator.name}_{of}" for actuator in STANDARD for of in ("limit", "rate")}
-
-WALLS = {"wall_starboard", "wall_port"}
-
-RESERVED = {*REGRESSOR_INPUTS, *MACHINERY, *INPUTS.values(), SURGE_INERTIA, *LIMITS, *WALLS}
+# Names that mean something else than a coefficient: quantities, machinery with its limits, forces, walls.
+RESERVED = {
+    *REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA, "wall_starboard", "wall_port",
+    *(name for actuator in STANDARD for name in (*actuator.controls, *actuator.particulars)),
+    *(f"{actuator.name}_{of}" for actuator in STANDARD for of in ("limit", "rate")),
+}  # fmt: skip
 
 # Names that the generated text has for itself.
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
 
-MOST_BITS = 20
-
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """The equations of motion."""
-
     # The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
 
     names: Mapping[str, Expr]  # Every coefficient, particular and input, as the caller names it
@@ -64,7 +59,6 @@ class FreeMotion:
 
 @lru_cache(maxsize=64)
 def symbol(name: str) -> Expr:
-    """Return the real symbol of a name."""
     import sympy
 
     signed = name == "x_g" or name.startswith(("propeller_", "rudder_"))
@@ -74,7 +68,6 @@ def symbol(name: str) -> Expr:
 
 def trace(tape: Tape, forces: Mapping[str, str], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations."""
-    # surge [kg]
     freedoms = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(tape)
     regressors = _regressors(tape, forces, freedoms)
@@ -131,7 +124,8 @@ def exact_number(value: int | float) -> Expr:
     if value == math.e:
         return sympy.E
     above, below = value.as_integer_ratio()
-    return sympy.Rational(above, below) if below.bit_length() <= MOST_BITS else sympy.Float(value)
+    # SymPy cancels and compares fractions exactly; beyond 20 bits they cost more than they help.
+    return sympy.Rational(above, below) if below.bit_length() <= 20 else sympy.Float(value)
 
 
 def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str]) -> Expr:
@@ -182,29 +176,6 @@ Outline = tuple[tuple[float, float], ...]
 
 CORNERS, MIDSHIP, OPEN = "corners", "midship", "none"
 
-SHAPES = (CORNERS, MIDSHIP, OPEN)
-
-FEWEST_POINTS = 3
-
-
-def checked_shape(shape: Any) -> str | Outline:
-    """Return the name or the outline of a hull's shape."""
-    # shape [m]
-    if isinstance(shape, str):
-        if shape not in SHAPES:
-            raise InputError(f"contact {shape!r} is unknown{did_you_mean(shape, SHAPES)}, or points of an outline")
-        return shape
-    try:
-        points = tuple((float(forward), float(starboard)) for forward, starboard in shape)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError("contact: an outline is a list of points (forward, starboard), in metres") from None
-    if len(points) < FEWEST_POINTS:
-        raise InputError(f"contact: an outline needs {FEWEST_POINTS} points or more; this one has {len(points)}")
-    if not all(abs(number) < 1e6 for point in points for number in point):
-        raise InputError("contact: an outline's points are finite numbers of metres; mend them")
-    return points
-
 
 def point_names(count: int) -> list[tuple[str, str]]:
-    """Name the coordinates of an outline's points."""
     return [(f"outline_forward_{number}", f"outline_starboard_{number}") for number in range(count)]

@@ -7,9 +7,9 @@ from pathlib import Path
 from narrows.codegen.choices import ROW, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
 from narrows.codegen.kernels.elementary import HEADER, NUMBER, elementary_text
-from narrows.codegen.lines import Lines, real, straight_lines
+from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import Lanes
-from narrows.codegen.printers.python import Arithmetic, function_text
+from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, room_left
 
@@ -51,16 +51,10 @@ def exact_room(track, step, s, n, cosine, sine, outline):
 
 
 def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
-    fields, shared = lanes.fields, lanes.shared_inputs
+    fields, shared, vessel_inputs = lanes.layout.fields, lanes.shared_inputs, lanes.vessel_inputs
     numbers: dict[str, float] = {name: fields[field] for name, field in FIELDS.items()}
     numbers |= {f"AT_{name.upper()}": shared.index(name) if name in shared else 0 for name in SHARED_PLACES}
-    vessel_inputs = lanes.vessel_inputs
-    numbers |= {
-        "LANES": lanes.count,
-        "FIELDS": lanes.size,
-        "KEPT": len(lanes.kept),
-        "CELL_ENTRIES": ROW,
-    }
+    numbers |= {"LANES": lanes.count, "FIELDS": lanes.layout.size, "KEPT": len(lanes.kept), "CELL_ENTRIES": ROW}
     numbers["FIRST_VESSEL_INPUT"] = fields[vessel_inputs[0]] if vessel_inputs else 0
     numbers |= {"EXACT": exact, "WATERWAY": choices.waterway, "LEAVES": choices.leaves}
     names = {"KEPT_NAMES": lanes.kept, "VESSEL_INPUTS": vessel_inputs, "SHARED": shared}
@@ -75,10 +69,8 @@ def _room_text(lanes: Lanes, choices: Choices, printer: Arithmetic) -> str:
     room, lean = room_left(lines, choices, {name: real(name) for name in STATE})
     body = []
     for name in lines.inputs:
-        if name in lanes.fields:
-            body.append(f"{name} = {lanes.entry(name)}")
-        else:
-            body.append(f"{name} = shared[{lanes.shared_inputs.index(name)}]")
+        own = name in lanes.layout.fields
+        body.append(f"{name} = {lanes.entry(name) if own else f'shared[{lanes.shared_inputs.index(name)}]'}")
     body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
     body.append(f"return {printer.doprint(room)}, {printer.doprint(lean)}")
     return "\n    ".join(["@jit\ndef room_of(block, lane, table, shared):", *body]) + "\n"
@@ -96,27 +88,17 @@ def _module_text(name: str, decorator: str) -> str:
 
 # The plain module of a system: constants, rates, step and room as functions of floats or columns.
 def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
-    """Write the plain module of a system."""
     kept, lines = choices.kept, Lines()
     room, lean = room_left(lines, choices, {name: real(name) for name in STATE})
     program, derivatives = rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
-        _constants(rates),
+        constants_text(rates.parameters, rates.constants),
         _function("rates", program, {name: derivatives[name] for name in STATE}, STATE, False),
         _function("step", step.lines, {name: step.out[name] for name in (*kept, "room", "lean")}, kept, True),
         _function("room", lines, {"room": room, "lean": lean}, STATE[:4], True),
     ]
     return "\n\n".join(parts)
-
-
-def _constants(rates: Rates) -> str:
-    constants, names = rates.constants, rates.motion.names
-    assignments, results = straight_lines(list(constants.table))
-    used = set().union(*(expression.free_symbols for expression in constants.table))
-    asked = {name: symbol for name, symbol in names.items() if symbol in used}
-    text = function_text("constants", [str(symbol) for symbol in asked.values()], assignments, results)
-    return f"PARAMETERS = {tuple(asked)!r}\nCONSTANTS = {constants.names!r}\n\n\n{text}"
 
 
 def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], table: bool) -> str:

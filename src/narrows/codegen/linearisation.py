@@ -38,7 +38,6 @@ class Linearisation:
 
     @property
     def controlled(self) -> tuple[str, ...]:
-        """The columns of ``controls``."""
         return controlled(self.actuators)
 
     def linear(self, at: Mapping[str, Number]) -> np.ndarray:
@@ -79,7 +78,6 @@ class Linearisation:
 def argument_values(
     at: Mapping[str, Number], actuators: Sequence[Actuated], section: Sequence[str] = ()
 ) -> list[Number]:
-    """Return what the generated functions are given before the constants."""
     values = dict(at)
     for name in ("psi", *(actuator.name for actuator in actuators if actuator.angle)):
         if f"cos_{name}" not in values:
@@ -107,6 +105,5 @@ class JacobianBatch:
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
-        # values (points, arguments)
         self.module.batch(values, self.constants, self.out)
         return self.out.reshape(len(self.out), len(LINEARISED), -1)

@@ -26,7 +26,6 @@ FUNCTIONS: dict[str, Expr] = {name: sympy.Function(name, real=True) for name in 
 
 @lru_cache(maxsize=4096)
 def real(name: str) -> Expr:
-    """Return the symbol of a number of the program."""
     return sympy.Symbol(name, real=True)
 
 
@@ -36,7 +35,6 @@ def clipped(value: Expr, most: Expr) -> Expr:
 
 
 def least(*values: Expr) -> Expr:
-    """Return the least of some expressions."""
     smallest, *rest = values
     for value in rest:
         smallest = FUNCTIONS["minimum"](smallest, value)
@@ -44,7 +42,6 @@ def least(*values: Expr) -> Expr:
 
 
 def greatest(*values: Expr) -> Expr:
-    """Return the greatest of some expressions."""
     largest, *rest = values
     for value in rest:
         largest = FUNCTIONS["maximum"](largest, value)
@@ -73,7 +70,6 @@ class Lines:
         self, prefix: str, assignments: Iterable[Assignment], results: Iterable[Expr], values: Mapping[Expr, Expr]
     ) -> list[Expr]:
         """Write the lines of a function here, its arguments replaced, and return its results."""
-        # assignments (symbol, expression)
         where = dict(values)
         for name, value in assignments:
             where[name] = self.put(f"{prefix}{name}", value.xreplace(where))
@@ -89,7 +85,6 @@ class Lines:
         return [line for line in self.program if line is not None]
 
     def needed_for(self, results: Sequence[Expr]) -> "Lines":
-        """Return the program without the lines that nothing asks for."""
         wanted = {str(s) for result in results for s in sympy.sympify(result).free_symbols}
         kept: list[Assignment | None] = []
         for line in reversed(self.program):
@@ -113,14 +108,11 @@ class Lines:
 
 @dataclass(frozen=True)
 class Program:
-    """Lines, and what becomes of them."""
-
     assignments: tuple[Assignment, ...]  # In order
     results: tuple[Expr, ...]  # What it gives
 
     @classmethod
     def of(cls, lines: Lines, results: Sequence[Expr]) -> "Program":
-        """Return the lines that some results need."""
         return cls(tuple(lines.needed_for(results).assignments), tuple(results))
 
     @cached_property
@@ -142,7 +134,6 @@ class Constants:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the constants are called, in order."""
         return tuple(str(name) for name in self.table.values())
 
     def lift(self, expression: Expr) -> Expr:
@@ -164,8 +155,6 @@ class Constants:
 
 def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list[Assignment], list[Expr]]:
     """Take out common subexpressions and name what a power repeats."""
-    import sympy
-
     names = sympy.numbered_symbols(prefix, real=True)
     shared, results = sympy.cse(expressions, symbols=names, order="canonical")
     assignments: list[Assignment] = []
@@ -178,13 +167,12 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
         return name**exponent
 
     for name, expression in shared:
-        value = expression.replace(sympy.Pow, name_base)
+        value = expression.replace(sympy.Pow, name_base)  # This may append lines of its own, which come first.
         assignments.append((name, value))
     return assignments, [result.replace(sympy.Pow, name_base) for result in results]
 
 
 def reads_table(value: Expr) -> bool:
-    """Whether a line reads the table of a waterway."""
     return str(value.func) == "entry"
 
 

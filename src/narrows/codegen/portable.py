@@ -36,17 +36,14 @@ class Portable:
 
     @property
     def geared(self) -> tuple[Actuated, ...]:
-        """What follows orders."""
         return tuple(actuator for actuator in self.actuators if actuator.angle)
 
     @cached_property
     def choices(self) -> Choices:
-        """What a step holds."""
         return Choices(self.contact, self.waterway, self.law or _followed(self.geared), "always")
 
     @property
     def kept(self) -> tuple[str, ...]:
-        """The state: what goes from step to step."""
         return self.choices.kept
 
     @cached_property
@@ -58,9 +55,7 @@ class Portable:
 
     @cached_property
     def parameters(self) -> dict[str, Expr]:
-        """The symbols of what the constants are made of, by the names of the vocabulary."""
-        used = set().union(*(expression.free_symbols for expression in self.rates.constants.table))
-        return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
+        return self.rates.parameters
 
     @cached_property
     def programs(self) -> Mapping[str, Program]:
@@ -147,7 +142,6 @@ class Portable:
 
 
 def _followed(actuators: Sequence[Actuated]) -> Law | None:
-    """The law of orders that a caller gives."""
     if not actuators:
         return None
     names = {ORDERED(actuator.name): ORDERED(actuator.name) for actuator in actuators}

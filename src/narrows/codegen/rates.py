@@ -34,8 +34,13 @@ class Rates:
         return self._parts[0]
 
     @property
+    def parameters(self) -> dict[str, Expr]:
+        """The symbols of what the constants are made of, by the names of the vocabulary."""
+        used = set().union(*(expression.free_symbols for expression in self.constants.table))
+        return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
+
+    @property
     def derivatives(self) -> tuple[Expr, ...]:
-        """The rates as formulas."""
         return self._parts[1]
 
     @cached_property
@@ -43,18 +48,15 @@ class Rates:
         """The rates as straight lines, and the results in terms of them."""
         return straight_lines(self.derivatives)
 
-    def feels(self, name: str) -> bool:
-        """Whether a rate depends on a quantity."""
+    def depend_on(self, name: str) -> bool:
         return any(symbol(name) in rate.free_symbols for rate in self.derivatives)
 
     def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
-        """Write the rates into a program."""
         where = {symbol(name): value for name, value in values.items()}
         results = lines.inline(f"e{tag}_", *self.lines, where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
     def program(self) -> tuple[Lines, dict[str, Expr]]:
-        """Write the rates alone, by the names of their quantities."""
         lines = Lines()
         names = {*STATE, *self.moving}
         return lines, self.written(lines, "", {name: real(name) for name in names})

@@ -9,18 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from narrows.codegen.kernels.event import PLACES
 from narrows.errors import InputError
 
+# Steps that single precision can count.
 MOST_STEPS_SINGLE = 2**24
-LARGEST_SLICE, SMALLEST_SLICE = 16_384, 1024
-SLICES_PER_WORKER = 4
-BOOK_PLACES = 9
+# Vessels that a thread sails at a time: few enough to share the work out evenly, enough that calls do not count.
+LARGEST_SLICE, SMALLEST_SLICE, SLICES_PER_WORKER = 16_384, 1024, 4
 
 
 @dataclass(frozen=True)
 class WaterTable:
-    """Where vessels sail, as a kernel asks for it."""
-
     table: np.ndarray  # Of a waterway, a row a cell; empty in a straight canal
     track: np.ndarray  # Nodes of line and banks, for the exact room
     outline: np.ndarray  # Points of the hull, forward and starboard in turn [m]
@@ -53,26 +52,18 @@ class PreparedRun:
         self.end, self.time = self.start.copy(), np.zeros(vessels)
         self.codes = np.zeros((vessels, 2), np.int64)
         parts = slices(vessels, self.workers)
-        memory = [self._memory() for _ in range(min(self.workers, len(parts)))]
-        self._calls, self._memories = [self._arguments(part) for part in parts], memory
+        self._calls = [self._arguments(part) for part in parts]
+        self._memories = [self._memory() for _ in range(min(self.workers, len(parts)))]
 
     def _memory(self) -> tuple[np.ndarray, ...]:
-        size = (self.kernel.FIELDS + 1) * self.kernel.LANES
         lanes = self.kernel.LANES
-        return np.zeros(size, self.start.dtype), np.zeros((lanes, BOOK_PLACES)), np.zeros(lanes, np.int64)
+        block = np.zeros((self.kernel.FIELDS + 1) * lanes, self.start.dtype)
+        return block, np.zeros((lanes, PLACES)), np.zeros(lanes, np.int64)
 
     def _arguments(self, part: slice) -> tuple[Any, ...]:
-        water = self.water
-        inputs = (
-            self.start[part],
-            self.times[part],
-            self.vessel_inputs[part],
-            water.table,
-            self.shared,
-            water.track,
-            water.outline,
-        )
-        return (*inputs, self.limits, self.end[part], self.time[part], self.codes[part])
+        own, water = (self.start[part], self.times[part], self.vessel_inputs[part]), self.water
+        shared = (water.table, self.shared, water.track, water.outline, self.limits)
+        return (*own, *shared, self.end[part], self.time[part], self.codes[part])
 
     def __call__(self) -> int:
         """Sail every vessel, and return the lane-steps that it took."""
@@ -108,14 +99,12 @@ def in_threads(work: Any, parts: Sequence[Any], workers: int) -> list[Any]:
 
 
 def cores() -> int:
-    """Return how many processors this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def slices(vessels: int, workers: int) -> list[slice]:
-    """Part vessels for threads."""
     if workers == 1:
         return [slice(0, vessels)]
     size = max(SMALLEST_SLICE, min(LARGEST_SLICE, -(-vessels // (workers * SLICES_PER_WORKER))))
@@ -124,7 +113,6 @@ def slices(vessels: int, workers: int) -> list[slice]:
 
 def step_counts(dt: np.ndarray, duration: np.ndarray) -> np.ndarray:
     """Return length of a step, whole steps and length of the last, shorter one, (n, 3) [s]."""
-    # dt (n,) [s]; duration (n,) [s]
     count = np.floor(duration / dt + 1e-9)
     rest = duration - count * dt
     return np.ascontiguousarray(np.stack([dt, count, np.where(rest > 1e-9 * dt, rest, 0.0)], axis=1))
@@ -134,8 +122,6 @@ def prepare(
     kernel: ModuleType, inputs: Mapping[str, Any], start: Mapping[str, Any], times: np.ndarray, water: WaterTable,
     limits: np.ndarray, workers: int, precision: str = "float64",
 ) -> PreparedRun:  # fmt: skip
-    """Lay out vessels for a kernel."""
-    # times (n, 3) [s]; limits (2,) [m]
     vessels = len(times)
     if precision == "float32" and times[:, 1].max(initial=0) >= MOST_STEPS_SINGLE:
         raise InputError(f"single precision counts fewer than {MOST_STEPS_SINGLE} steps; lengthen dt or use float64")

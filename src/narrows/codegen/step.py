@@ -4,7 +4,7 @@ Control law, actuators, the section of the water at the ship's place, Runge-Kutt
 waterway whose section does not change. Every engine prints these lines.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,16 +15,12 @@ from narrows.codegen.free_motion import CORNERS, INPUTS, MIDSHIP, OPEN, STATE, E
 from narrows.codegen.lines import FUNCTIONS, Lines, clipped, greatest, least, real
 from narrows.codegen.rates import Rates
 
+# The classical Runge-Kutta method of order 4: where in the step each rate is taken.
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
-
-# The classical Runge-Kutta method of order 4: where in the step each rate is taken, and what the first and last weigh.
-SIXTH = sympy.Rational(1, 6)
 
 
 @dataclass(frozen=True)
 class Step:
-    """The lines of a step."""
-
     lines: Lines  # The program
     # What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and
     # to the limit of heading; ``lean`` [m], positive where the starboard bank is nearer
@@ -44,7 +40,6 @@ class Step:
 
 
 def step_of(rates: Rates, choices: Choices) -> Step:
-    """Write one step."""
     lines, z = Lines(), {name: real(name) for name in choices.kept}
     h = lines.put("h", real(LENGTH) * real(SHARE))
     moves, out = _orders(lines, choices, z)
@@ -55,22 +50,14 @@ def step_of(rates: Rates, choices: Choices) -> Step:
         values = {**{name: at[name] for name in STATE}, **controls(NODES[node]), **pushes}
         return rate_here(lines, rates, choices, values, str(node))
 
-    after = _runge_kutta(lines, z, h, rate, _felt_states(rates, choices))
+    # Only what the rates depend on is moved to each stage.
+    along = ("x", "y") if choices.waterway else ()
+    after = _runge_kutta(lines, z, h, rate, tuple(name for name in STATE if name in along or rates.depend_on(name)))
     if TIME in z:
         out[TIME] = lines.put("t_new", z[TIME] + h)
     out |= after
     out["room"], out["lean"] = room_left(lines, choices, after)
     return Step(lines, out)
-
-
-def _felt_columns(rates: Rates) -> tuple[str, ...]:
-    return ("starboard", "port", *(("depth",) if rates.feels("depth") else ()), "curvature")
-
-
-def _felt_states(rates: Rates, choices: Choices) -> tuple[str, ...]:
-    """What of the state the rates depend on, so that it is moved to each stage."""
-    along = ("x", "y") if choices.waterway else ()
-    return tuple(name for name in STATE if name in along or rates.feels(name))
 
 
 def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
@@ -144,7 +131,8 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 
 def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str) -> tuple[dict[str, Expr], Expr]:
     """Write the straight canal that a waterway is at a ship's place, and the curvature of its line there."""
-    now = _section(lines, values["x"], _felt_columns(rates), f"stage{tag}")
+    columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature")
+    now = _section(lines, values["x"], columns, f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
         "depth": now.get("depth", real("depth")),
@@ -173,7 +161,7 @@ def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Ex
 Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
 
 
-def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, felt: tuple[str, ...]) -> dict[str, Expr]:
+def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved: tuple[str, ...]) -> dict[str, Expr]:
     """Write the classical Runge-Kutta step, and bring the heading back to the unit circle."""
     at, k, middle = dict(z), [], {}
     integrated = (*STATE, *(COUNTED,) * (COUNTED in z))
@@ -183,10 +171,10 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, felt:
             middle = {name: lines.put(f"middle_{name}", k[1][name] + k[2][name]) for name in integrated}
         if node < 3:
             ahead = lines.put(f"h_{node}", NODES[node + 1] * h)
-            moved = [name for name in felt if k[node][name] != 0]
-            at = {**z, **{name: lines.put(f"{name}_at{node + 1}", z[name] + ahead * k[node][name]) for name in moved}}
+            steps = {name: ahead * k[node][name] for name in moved if k[node][name] != 0}
+            at = {**z, **{name: lines.put(f"{name}_at{node + 1}", z[name] + step) for name, step in steps.items()}}
             lines.cut()
-    sixth, after = lines.put("sixth", h * SIXTH), {}
+    sixth, after = lines.put("sixth", h * sympy.Rational(1, 6)), {}
     for name in integrated:
         # Additions, for processors whose multipliers are the narrow place.
         total = (k[0][name] + k[3][name]) + (middle[name] + middle[name])
@@ -204,8 +192,11 @@ def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Ex
     lean: Expr = sympy.Integer(0)
     if choices.contact != OPEN:
         reach = reaches(lines, choices.contact, z["cos_psi"], z["sin_psi"])
-        bank, lean = bank_room(lines, _walls(lines, choices, z["x"]), reach, z["y"])
-        left.insert(0, bank)
+        walls = _walls(lines, choices, z["x"])
+        starboard = lines.put("room_starboard", walls[0] - z["y"] - reach[0])
+        port = lines.put("room_port", walls[1] + z["y"] - reach[1])
+        left.insert(0, lines.put("room_bank", least(starboard, port)))
+        lean = lines.put("lean", port - starboard)
     return lines.put("room_new", least(*left)), lean
 
 
@@ -218,7 +209,6 @@ def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
     return section[names[0]], section[names[1]]
 
 
-# Where hull and bank meet: the room between them, and the side that is nearer, in lines.
 def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple[Expr, Expr]:
     """Write how far a hull reaches athwart the canal to starboard and to port of midship [m]."""
     half_beam = real("half_beam")
@@ -231,11 +221,3 @@ def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple
         for number, (forward, starboard) in enumerate(point_names(int(contact)))
     ]
     return lines.put("reach_starboard", greatest(*out)), lines.put("reach_port", -least(*out))
-
-
-def bank_room(lines: Lines, walls: Sequence[Expr], reach: Sequence[Expr], y: Expr) -> tuple[Expr, Expr]:
-    """Write the room between a hull and the nearer bank, and how much more there is to port than to starboard [m]."""
-    # walls [m]; reach [m]; y [m]
-    starboard = lines.put("room_starboard", walls[0] - y - reach[0])
-    port = lines.put("room_port", walls[1] + y - reach[1])
-    return lines.put("room_bank", least(starboard, port)), lines.put("lean", port - starboard)

@@ -23,10 +23,8 @@ if TYPE_CHECKING:
     from narrows.codegen.rates import Rates
     from narrows.codegen.step import Step
 
-FORCES_FROM_OUTSIDE = ("X_in", "Y_in", "N_in")
-
-# What numbers are where nothing is said of them.
-DEFAULTS = dict.fromkeys((*FORCES_FROM_OUTSIDE, "heave", "surge_inertia"), 0.0)
+# Values of the numbers that a caller may leave out.
+DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
 
 
 @dataclass(frozen=True)
@@ -42,12 +40,10 @@ class System:
 
     @cached_property
     def tape(self) -> Tape:
-        """What the regressors do."""
         return tape_of_terms(self.table)
 
     @cached_property
     def rates(self) -> "Rates":
-        """The rates of the state, in symbols."""
         from narrows.codegen.free_motion import trace
         from narrows.codegen.rates import Rates
 
@@ -57,7 +53,6 @@ class System:
 
     @cached_property
     def step(self) -> "Step":
-        """One step, in lines."""
         from narrows.codegen.step import step_of
 
         return step_of(self.rates, self.choices)
@@ -87,13 +82,10 @@ class System:
 
             return plain_text(self.choices, self.rates, self.step)
 
-        scope: dict[str, Any] = dict(functions)
-        exec(compile(source("plain", self.key, text), "<plain>", "exec"), scope)
-        return SimpleNamespace(**scope)
+        return SimpleNamespace(**_run("plain", self.key, text, functions))
 
     @cached_property
     def key(self) -> tuple[object, ...]:
-        """What names this system in the cache."""
         law = self.choices.law
         told = (law.tape.text, law.memory, law.ordered) if law else ()
         choices = (self.choices.contact, self.choices.waterway, self.choices.pushed, told)
@@ -101,7 +93,6 @@ class System:
         return (self.tape.text, forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
-        """Evaluate what stays the same through a voyage, by the names of the lines."""
         scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)
         functions = self.scalar if scalar else self.columns
         return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
@@ -109,7 +100,6 @@ class System:
     def linearisation(
         self, values: Mapping[str, Number], actuators: Sequence["Actuated"], section: tuple[str, ...] = ()
     ) -> "Linearisation":
-        """Return the exact derivatives of the motion."""
         from narrows.codegen.linearisation import Linearisation
 
         scope = _derivatives(self, tuple(actuators), section)
@@ -162,13 +152,11 @@ class System:
     @cached_property
     def _constants_slopes(self) -> SimpleNamespace:
         def text() -> str:
-            from narrows.codegen.derivatives import constants_text
+            from narrows.codegen.derivatives import constants_slopes_text
 
-            return constants_text(self.rates)
+            return constants_slopes_text(self.rates)
 
-        scope: dict[str, Any] = dict(column_functions())
-        exec(compile(source("constants", self.key, text), "<constants>", "exec"), scope)
-        return SimpleNamespace(**scope)
+        return SimpleNamespace(**_run("constants", self.key, text, column_functions()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.
@@ -177,15 +165,20 @@ class System:
 
 @lru_cache(maxsize=64)
 def _derivatives(system: System, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Mapping[str, Any]:
-    """The generated functions of derivatives, for floats and columns."""
-
     def text() -> str:
         from narrows.codegen.derivatives import jacobian_text
 
         return jacobian_text(system.rates.motion, system.table.names, actuators, section)
 
-    scope: dict[str, Any] = dict(column_functions())
-    exec(compile(source("jacobian", (*system.key, actuators, section), text), "<jacobian>", "exec"), scope)
+    return _run("jacobian", (*system.key, actuators, section), text, column_functions())
+
+
+def _run(
+    name: str, key: tuple[object, ...], make: Callable[[], str], functions: Mapping[str, Callable[..., Any]]
+) -> dict[str, Any]:
+    """Run a generated text with the elementary functions that it calls; return what it defines."""
+    scope: dict[str, Any] = dict(functions)
+    exec(compile(source(name, key, make), f"<{name}>", "exec"), scope)
     return scope
 
 
@@ -212,20 +205,7 @@ def _evaluated(
 
 
 # The elementary functions of plain Python, for floats and for columns: what printed lines call.
-def _root(value: float) -> float:
-    return math.sqrt(value) if value >= 0 else math.nan
-
-
-def _power(base: float, exponent: float) -> float:
-    return base**exponent if base >= 0 or exponent.is_integer() else math.nan
-
-
-def _entries(row: int) -> Callable[[Any, int, float], float]:
-    return lambda table, column, cell: float(table[row * int(cell) + column])
-
-
 def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats."""
     return {
         "minimum": lambda a, b: a if a < b else b,
         "maximum": lambda a, b: a if a > b else b,
@@ -235,23 +215,18 @@ def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
         "angle": lambda cosine, sine: math.atan2(sine, cosine),
         "sine": math.sin,
         "cosine": math.cos,
-        "sqrt": _root,
+        "sqrt": lambda value: math.sqrt(value) if value >= 0 else math.nan,
         "exp": math.exp,
         "log": math.log,
-        "power": _power,
-        "entry": _entries(row),
+        "power": lambda base, exponent: base**exponent if base >= 0 or exponent.is_integer() else math.nan,
+        "entry": lambda table, column, cell: float(table[row * int(cell) + column]),
     }
 
 
-def _column_entries(row: int) -> Callable[[Any, int, Any], Any]:
+def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
     def entry(table: Any, column: int, cell: Any) -> Any:
         return np.asarray(table)[row * np.nan_to_num(cell).astype(np.int64) + column]
 
-    return entry
-
-
-def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
-    """Return the elementary functions for floats and columns alike."""
     return {
         "minimum": np.minimum,
         "maximum": np.maximum,
@@ -265,5 +240,5 @@ def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
         "exp": np.exp,
         "log": np.log,
         "power": np.power,
-        "entry": _column_entries(row),
+        "entry": entry,
     }

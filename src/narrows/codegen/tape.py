@@ -63,7 +63,6 @@ class Recorded:
         return self.notes.operation("abs", self)
 
     def apply_function(self, name: str, values: Iterable[Any]) -> "Recorded":
-        """Note a function of ``quantities.arithmetic``."""
         return self.notes.operation(name, *values)
 
 
@@ -97,11 +96,9 @@ class Notes:
         self.lines: dict[Line, int] = {}
 
     def note(self, line: Line) -> Recorded:
-        """Write a line, or find it."""
         return Recorded(self, self.lines.setdefault(line, len(self.lines)))
 
     def operation(self, sign: str, *operands: Any) -> Recorded:
-        """Write an operation on placeholders and numbers."""
         return self.note((sign, *(str(self.of(operand).line) for operand in operands)))
 
     def of(self, value: Any) -> Recorded:
@@ -118,8 +115,6 @@ class Notes:
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """What a function does."""
-
     lines: tuple[Line, ...]  # The operations, in order
     results: Mapping[str, int]  # The line of each result
 
@@ -130,7 +125,6 @@ class Tape:
         return "\n".join([*body, *(f"{name} = {line}" for name, line in self.results.items())])
 
     def __eq__(self, other: object) -> bool:
-        """Whether another tape does the same."""
         return isinstance(other, Tape) and self.text == other.text
 
     def __hash__(self) -> int:
@@ -149,7 +143,6 @@ class Tape:
         number: Callable[[int | float], Number] = lambda value: value,
         functions: Mapping[str, Callable[..., Number]] = COLUMNS,
     ) -> dict[str, Number]:
-        """Evaluate every result."""
         values: list[Number] = []
         for sign, *operands in self.lines:
             if sign == "input":

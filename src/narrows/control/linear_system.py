@@ -21,9 +21,8 @@ UNITS = {
 
 SYMBOLS = {"psi": r"\psi", "rudder": r"\delta", "revolutions": "n", "current": r"c", "curvature": r"\kappa"}
 
-RANK_TOLERANCE = 1e-9
-
-DIGITS = 4
+RANK_TOLERANCE = 1e-9  # Of a singular value over the largest [1]
+DIGITS = 4  # In LaTeX
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -300,11 +299,10 @@ class LinearSystem(Shown):
         import xarray
 
         values, lead = self.eigenvalues(), self.varied
-        parts = {
-            "A": ("of_state", self.states),
-            "B": ("control", self.controls),
-            "G": ("disturbance", self.disturbances),
-        }
+        columns = ("of_state", "control", "disturbance")
+        parts = dict(
+            zip("ABG", zip(columns, (self.states, self.controls, self.disturbances), strict=True), strict=True)
+        )
         data = {n: (lead, column, {"units": UNITS.get(n, "")}) for n, column in self.course.items() if n not in lead}
         data |= {name: ((*lead, "state", column), getattr(self, name), {}) for name, (column, _) in parts.items()}
         modes = {"growth": values.real, "angular_frequency": values.imag}
@@ -366,10 +364,8 @@ def _number(value: float) -> str:
     return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits
 
 
-# How far a closed loop is from instability: margins of gain, phase and delay, by python-control.
 def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, float]:
     """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input."""
-    # A (n, n); B (n, 1); gains (n,)
     with needs("control", "margins"):
         import control
     loop = control.ss(A, B, gains[None, :], 0)

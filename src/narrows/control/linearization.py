@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 Columns = dict[str, np.ndarray]
 FORCES = {"held": ("Y", "N"), "free": ("X", "Y", "N")}
-ROUNDS, SETTLED = 30, 1e-11
 
 
 def linearize(
@@ -71,7 +70,10 @@ def linearize(
     water, ship = local_water(model, waterway, at), SimulatedShip(model, surge, surge_inertia)
     given = _checked(ship, values)
     asked = {"y": _column("y", y), "u": _column("u", u)}
-    _check_places(model, water, given, asked)
+    if not (asked["u"] > 0).all():
+        raise InputError("a steady course needs a speed over 0; give u in m/s")
+    width, beam = given.get("width", water.width), given.get("beam", model.configuration.ship.beam)
+    check_inside(asked["y"] - water.middle, width, beam)
     offsets, speeds = (part.ravel() for part in np.meshgrid(asked["y"], asked["u"], indexing="ij"))
     motion, course = _steady(ship, water, offsets, speeds, given)
     varied = {name: column for (name, column), told in zip(asked.items(), (y, u), strict=True) if np.ndim(told)}
@@ -95,7 +97,6 @@ def _column(name: str, value: Any) -> np.ndarray:
 
 
 def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, float]:
-    """What was given beside offset and speed, as finite numbers with known names."""
     terms = ship.model.terms
     known = {*ship.model.configuration.values(), *terms.names, "heave", "Y", "N", *(a.name for a in terms.actuators)}
     for name in values:
@@ -104,13 +105,6 @@ def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, floa
     if ship.surge == "free" and "revolutions" in values:
         raise InputError("revolutions are sought where the speed is free: leave them out, or hold the speed")
     return finite_numbers(**values)
-
-
-def _check_places(model: Model, water: LocalWater, given: Mapping[str, float], asked: Columns) -> None:
-    if not (asked["u"] > 0).all():
-        raise InputError("a steady course needs a speed over 0; give u in m/s")
-    width, beam = given.get("width", water.width), given.get("beam", model.configuration.ship.beam)
-    check_inside(asked["y"] - water.middle, width, beam)
 
 
 def _steady(
@@ -123,7 +117,7 @@ def _steady(
     motion = LocalMotion(ship, water, fixed)
     bend = water.curvature / (1 - water.curvature * y)
     turns = _turns(ship.model, u, given)
-    for _ in range(ROUNDS):
+    for _ in range(30):  # Newton's method, which takes four or five
         sought = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
         v, rudder = solved(ship, {**sought, "y": y - water.middle, "u": u}, len(y), 1)
         psi = -np.arctan(v / u)
@@ -132,18 +126,14 @@ def _steady(
         course |= {"current": water.current, "curvature": water.curvature}
         course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
         change = _to_balance(motion, course) if ship.surge == "free" and turns else np.zeros(1)
-        if not (np.abs(change) > SETTLED * np.abs(course.get("revolutions", change))).any():
+        if not (np.abs(change) > 1e-11 * np.abs(course.get("revolutions", change))).any():
             break
         turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
     if ship.surge == "free":
-        course["X"] = np.zeros(len(y)) if turns else _drag(motion, course)
+        course["X"] = np.zeros(len(y))
+        if not turns:  # A force keeps the speed of a ship without a propeller.
+            course["X"] = -motion.rates(course)["u"] / motion.slopes(course)["X"][..., MOVED.index("u")]
     return motion, course
-
-
-def _drag(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
-    """Return the force that keeps the speed of a ship without a propeller [N]."""
-    slowing, by_force = motion.rates({**course, "X": 0.0})["u"], motion.slopes(course)["X"][..., MOVED.index("u")]
-    return np.asarray(-slowing / by_force)
 
 
 def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:

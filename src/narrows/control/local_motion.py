@@ -21,11 +21,9 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 MOVED = ("y", "psi", "u", "v", "r")
-
 WATER = ("current", "curvature")
 
 
-# The water at a place, as steady courses and helms ask for it: a section, the curvature of the line, the current.
 @dataclass(frozen=True)
 class LocalWater:
     """The water at a place, taken to go on as it is there."""
@@ -85,17 +83,13 @@ class LocalMotion:
         for name, column in columns.items():
             column[..., heading] -= curvature / room * ahead[name]
         columns["y"][..., heading] -= curvature**2 * speed / room**2
-        turning = np.zeros((*matrix.shape[:-2], len(MOVED)))
-        by_water = {"current": -curvature / room, "curvature": -speed / room**2}
-        for name, slope in by_water.items():
-            columns[name] = turning.copy()
+        for name, slope in (("current", -curvature / room), ("curvature", -speed / room**2)):
+            columns[name] = np.zeros((*matrix.shape[:-2], len(MOVED)))
             columns[name][..., heading] = slope
         return columns
 
 
 def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWater:
-    """Return the water at a place of a waterway, or the model's own canal."""
-    # at [m]
     finite_numbers(at=at)
     check_waterway(waterway)
     if waterway is None:

@@ -10,31 +10,23 @@ import numpy as np
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
 from narrows.control.regulator_law import FELT, HeldLine, Regulator
+from narrows.control.settings import (
+    DRAWN_SHIPS,
+    HELD_SHARE,
+    INTEGRAL_TIME,
+    LEAD_TIME,
+    LEAST_DECAY,
+    STROKE_TIME,
+    UNWINDING_TIME,
+    WEIGHT_LADDER,
+    WEIGHTS,
+)
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import sampled
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-# A heading off, and a rudder off that of the course [rad], that weigh as much as half a beam off the line: the calmest
-# helm first.
-LADDER = tuple(
-    (math.radians(heading), math.radians(rudder)) for heading, rudder in ((5, 10), (3, 20), (2, 40), (1, 160))
-)
-# Ships of drawn coefficients, and the share of them that a helm is to hold by the linear theory.
-DRAWN, NEARLY_ALL = 64, 0.98
-# Of the time of a ship length, in which that much rudder put over weighs as much; no faster than the gear does it.
-STROKE = 0.1
-# Times of a ship length for which half a beam off the line weighs as much.
-MEMORY = 1.2
-# Times of a ship length that a bend is looked ahead.
-LEAD = 0.45
-# Times of a ship length in which the integral is led back where the gear cannot follow.
-UNWINDING = 0.15
-WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
-SETTLES = 1e-7
-IN_VAIN = "no regulator holds this ship {:g} m off the middle at {:g} m/s: its rudder turns nothing there"
 
 
 def regulator(
@@ -81,7 +73,7 @@ def regulator(
     else:
         lines = [held_line(model, about(y=offset, at=at), start) for start, offset in _pairs(y)]
     time = model.configuration.ship.length / u
-    return Regulator(tuple(lines), u, LEAD * time, UNWINDING * time, along=np.ndim(at) > 0)
+    return Regulator(tuple(lines), u, LEAD_TIME * time, UNWINDING_TIME * time, along=np.ndim(at) > 0)
 
 
 def _pairs(y: Any) -> list[tuple[float, float]]:
@@ -94,8 +86,6 @@ def _pairs(y: Any) -> list[tuple[float, float]]:
 
 
 def held_line(model: Model, linear: LinearSystem, start: float = 0.0) -> HeldLine:
-    """Return a line with what holds a ship on it."""
-    # start [s]
     course = {name: float(value) for name, value in linear.course.items()}
     limit = model.configuration.gear.limit
     if not abs(course["rudder"]) <= limit:
@@ -115,48 +105,42 @@ def _straight(
     rates = [linear.states.index(name) for name in ("y", "v", "r")]
     columns = [A[rates, linear.states.index("psi")], A[rates, linear.states.index("v")], b[rates]]
     psi, v, rudder = np.linalg.solve(np.stack(columns, axis=1), -A[rates, linear.states.index("r")])
-    straight = (
-        course["rudder"] - rudder * course["r"],
-        course["psi"] - psi * course["r"],
-        course["v"] - v * course["r"],
-    )
+    r = course["r"]
+    straight = course["rudder"] - rudder * r, course["psi"] - psi * r, course["v"] - v * r
     return straight, (float(psi), float(v), float(rudder))
-
-
-def held_gains(model: Model, linear: LinearSystem) -> list[tuple[Any, ...] | None]:
-    """Return the gains of regulators about many courses, by their offset; None where there is no course."""
-    known = np.isfinite(linear.course["rudder"])
-    return [regulator_gains(model, linear.one(index)) if known[index] else None for index in range(len(known))]
 
 
 def regulator_gains(model: Model, linear: LinearSystem) -> tuple[Any, ...]:
     """Return the gains of a regulator for what ``FELT`` names, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]."""
-    # They are of the ship as if a bank drew it as hard at every distance: its slope is what tests tell least of, and
-    # gains that trust it lose twice as many ships whose bank is another. What they are to hold is the ship with its
-    # bank, and ships of coefficients drawn from the covariance: of ``LADDER`` the calmest helm that holds nearly all
-    # of them by the linear theory, or the one that holds most.
-    known = sampled(model, DRAWN, 0) if model.covariance is not None else {}
+    # The gains are made as if the bank's force did not change with the distance: tests determine its slope worst, and
+    # gains that trust it lose twice as many ships. They are judged on the ship with its bank, and on ships of
+    # coefficients drawn from the covariance: the calmest helm of the ladder that holds nearly all of them by the linear
+    # theory, or the one that holds most.
+    known = sampled(model, DRAWN_SHIPS, 0) if model.covariance is not None else {}
     A, B = linear.drawn({name: column.to_numpy() for name, column in known.items()}) if known else (linear.A, linear.B)
     ships, (blind, push) = rate_driven(linear, A, B)[0], rate_driven(linear, bank=False)
     best: tuple[float, np.ndarray] | None = None
-    for heading, rudder in LADDER:
+    for heading, rudder in WEIGHT_LADDER:
         gains = _riccati(model, float(linear.course["u"]), blind, push, heading, rudder)
         if gains is None or not _settles(rate_driven(linear)[0] - np.outer(push, gains)).all():
             continue
         share = float(_settles(ships - np.multiply.outer(push, gains)).mean())
         if best is None or share > best[0]:
             best = share, gains
-        if share >= NEARLY_ALL:
+        if share >= HELD_SHARE:
             break
     if best is None:
-        raise InputError(IN_VAIN.format(float(linear.course["y"]), float(linear.course["u"])))
+        y, u = float(linear.course["y"]), float(linear.course["u"])
+        raise InputError(
+            f"no regulator holds this ship {y:g} m off the middle at {u:g} m/s: its rudder turns nothing there"
+        )
     return tuple(best[1].tolist())
 
 
 def _settles(closed: np.ndarray) -> np.ndarray:
     """Whether what is off dies out; where nothing stabilises a ship, some releases of SciPy give rounding."""
     poles = np.linalg.eigvals(closed)
-    return np.asarray(poles.real.max(axis=-1) < -SETTLES * np.abs(poles).max(axis=-1))
+    return np.asarray(poles.real.max(axis=-1) < -LEAST_DECAY * np.abs(poles).max(axis=-1))
 
 
 def _riccati(
@@ -168,8 +152,8 @@ def _riccati(
     ship, gear = model.configuration.ship, model.configuration.gear
     time = ship.length / speed
     # Each state in what weighs as much as the others, and time in ship lengths: the equation is of size 1.
-    size = np.array([ship.beam / 2, heading, speed, speed / ship.length, rudder, ship.beam / 2 * MEMORY * time])
-    rate = min(rudder / (STROKE * time), gear.rate)
+    size = np.array([ship.beam / 2, heading, speed, speed / ship.length, rudder, ship.beam / 2 * INTEGRAL_TIME * time])
+    rate = min(rudder / (STROKE_TIME * time), gear.rate)
     push = time * b * rate / size
     try:
         cost = solve_continuous_are(time * A * size / size[:, None], push[:, None], WEIGHTS, np.eye(1))
@@ -182,7 +166,6 @@ def rate_driven(
     linear: LinearSystem, A: np.ndarray | None = None, B: np.ndarray | None = None, *, bank: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the system of ``FELT`` whose one input is the rate of the rudder: matrices (..., 6, 6) and (6,)."""
-    # A, B (..., 4, 4)
     A, B = (linear.A if A is None else A), (linear.B if B is None else B)
     driven, b = np.zeros((*A.shape[:-2], len(FELT), len(FELT))), np.zeros(len(FELT))
     driven[..., :4, :4] = A

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.control.settings import SLOWEST
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.results import Described
@@ -14,8 +15,6 @@ from narrows.simulation.controllers import EARLY, Named
 
 FELT = ("y", "psi", "v", "r", "rudder", "integral")
 TURNED = ("psi", "v", "rudder")
-# Of the speed that it was made for: below it the gains are those of this speed.
-SLOWEST = 0.05
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,6 @@ class HeldLine:
                 raise InputError(f"a regulator with {number} steers nothing; give finite numbers")
 
     def numbers(self) -> dict[str, Any]:
-        """Return its numbers by the names of the law."""
         held = {f"held_{name}": getattr(self, name) for name in ("y", "rudder", "psi", "v")}
         held |= {f"by_{name}": gain for name, gain in zip(FELT, self.gains, strict=True)}
         return held | {f"turn_{name}": slope for name, slope in zip(TURNED, self.turning, strict=True)}
@@ -128,23 +126,11 @@ class Regulator(Described):
         return numbers
 
     def memory(self, start: Named) -> Named:
-        """Return the integral of the offset, as it is at the start.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return the integral of the offset, as it is at the start."""
         return {"integral": self.integral}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the rudder's angle a step ahead, and the integral.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the rudder's angle a step ahead, and the integral."""
         speed = maximum(at.u, SLOWEST * at.made_for)
         pace, share = at.u + at.current, speed / at.made_for
         turn = at.water("curvature", at.x + at.lead * pace) * pace

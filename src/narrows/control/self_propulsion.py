@@ -6,8 +6,6 @@ import xarray as xr
 from narrows.errors import InputError
 from narrows.model.model import Model
 
-DOUBLINGS = 30
-
 
 def self_propulsion(model: Model, u: float) -> float:
     """Return the revolutions at which thrust and resistance balance straight ahead, amidships [1/s].
@@ -32,7 +30,7 @@ def self_propulsion(model: Model, u: float) -> float:
     def surplus(revolutions: float) -> float:
         return -model.resistance(u, revolutions=revolutions)
 
-    fast = next((n for n in 2.0 ** np.arange(-10, DOUBLINGS - 10) if surplus(float(n)) > 0), None)
+    fast = next((n for n in 2.0 ** np.arange(-10, 20) if surplus(float(n)) > 0), None)
     if fast is None:
         raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
     return float(brentq(surplus, 0.0, float(fast))) if surplus(0.0) < 0 else 0.0
@@ -40,7 +38,6 @@ def self_propulsion(model: Model, u: float) -> float:
 
 def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
     """Return what varies, with revolutions that go with the speed where the terms ask for them."""
-    # vary [m/s]
     if not model.terms.propelled or "revolutions" in vary:
         return vary
     speed = vary["u"]
@@ -48,9 +45,5 @@ def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
     revolutions = np.vectorize(lambda one_speed: self_propulsion(model, float(one_speed)), otypes=[float])(u)
     if isinstance(speed, xr.DataArray):
         return {**vary, "revolutions": speed.copy(data=revolutions)}
-    return {
-        **vary,
-        "revolutions": xr.DataArray(revolutions, dims=["u"], coords={"u": u})
-        if revolutions.ndim
-        else float(revolutions),
-    }
+    column = xr.DataArray(revolutions, dims=["u"], coords={"u": u}) if revolutions.ndim else float(revolutions)
+    return {**vary, "revolutions": column}

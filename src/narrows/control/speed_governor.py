@@ -10,6 +10,7 @@ import numpy as np
 
 from narrows.control.linearization import linearize
 from narrows.control.self_propulsion import self_propulsion
+from narrows.control.settings import EASE, GOVERNOR_TIME, PIECES
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
@@ -17,14 +18,8 @@ from narrows.results import Described
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
 
-# Of what a stopped propeller loses of way, that a plan asks for.
-EASE = 0.5
-
-# Times of a ship length in which the governor makes up what is lacking.
-SETTLED = 3.0
-
-# Of which a change of speed is made: v2 is a line along the way, v is not.
-PIECES = 4
+# What the law remembers: the speed that was lacking, over time [m].
+SHORTFALL = "surge_shortfall"
 
 
 @dataclass(frozen=True, repr=False)
@@ -97,23 +92,11 @@ class SpeedGovernor(Described):
         return {**self.helm.parameters(), **plan, **gains, **most}
 
     def memory(self, start: Named) -> Named:
-        """Return what the helm keeps, and that nothing is lacking yet.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        """Return what the helm keeps, and that nothing is lacking yet."""
         return {**self.helm.memory(start), SHORTFALL: 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the helm's orders and revolutions, and what both keep.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
+        """Return the helm's orders and revolutions, and what both keep."""
         orders, kept = self.helm.orders(at)
         speed, rate, revolutions = at.plan_u, 0.0, at.plan_revolutions
         for i in range(len(self.x) - 1):
@@ -192,7 +175,6 @@ def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[f
 
 def planned(x: float, places: Sequence[float], speeds: Sequence[float], rate: float) -> float:
     """Return the fastest speed at a place that keeps every limit [m/s]."""
-    # x [m]; places [m]; speeds [m/s]; rate [m/s2]
     edges = [-math.inf, *places[1:], math.inf]
     away = [max(first - x, x - last, 0.0) for first, last in pairwise(edges)]
     return min(math.sqrt(speed**2 + 2 * rate * gap) for speed, gap in zip(speeds, away, strict=True))
@@ -205,14 +187,12 @@ def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> li
     bends = sorted({edge + gap * way for edge in places for gap in gaps for way in (-1, 1)})
     points = [bends[0] - 1.0, *bends, bends[-1] + 1.0]
     plan = [planned(x, places, speeds, rate) for x in points]
-    inner = range(1, len(points) - 1)
-    bent = [points[i] for i in inner if not _straight(points[i - 1 : i + 2], plan[i - 1 : i + 2])]
+    bent = []
+    for i in range(1, len(points) - 1):
+        (x0, x, x1), (u0, u, u1) = points[i - 1 : i + 2], plan[i - 1 : i + 2]
+        if abs(u - (u0 + (u1 - u0) * (x - x0) / (x1 - x0))) > 1e-9 * u:
+            bent.append(x)
     return [points[0], *bent, points[-1]]
-
-
-def _straight(x: Sequence[float], u: Sequence[float]) -> bool:
-    line = u[0] + (u[2] - u[0]) * (x[1] - x[0]) / (x[2] - x[0])
-    return abs(u[1] - line) <= 1e-9 * u[1]
 
 
 def _gains(model: Model, u: float) -> tuple[float, float, float]:
@@ -220,13 +200,8 @@ def _gains(model: Model, u: float) -> tuple[float, float, float]:
     linear = linearize(model, u=u, surge="free")
     row = linear.states.index("u")
     slope, push = linear.A[row, row], linear.B[row, linear.controls.index("revolutions")]
-    pole = u / (SETTLED * model.configuration.ship.length)
+    pole = u / (GOVERNOR_TIME * model.configuration.ship.length)
     return float((2 * pole + slope) / push), float(pole**2 / push), float(1 / push)
-
-
-# A governor of the speed as a control law: revolutions that keep the speeds of a plan along the way, beside a helm.
-# What it remembers: the speed that was lacking, over time [m].
-SHORTFALL = "surge_shortfall"
 
 
 def _within(value: Any, most: Any) -> Any:

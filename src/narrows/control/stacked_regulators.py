@@ -7,19 +7,15 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.regulator import LADDER, MEMORY, SETTLES, STROKE, WEIGHTS
 from narrows.control.regulator_law import FELT
+from narrows.control.settings import INTEGRAL_TIME, LEAST_DECAY, OFF_HEADING, OFF_RUDDER, STROKE_TIME, WEIGHTS
 from narrows.simulation.ship import SimulatedShip
-
-STATES, (OFF_COURSE, HARD) = ("y", "psi", "v", "r"), LADDER[0]
 
 
 @dataclass(frozen=True)
 class Tightness:
-    """How hard a regulator holds its line."""
-
     offset: float = 1.0  # A half beam over the offset that weighs as much as the usual heading and rudder [1]
-    memory: float = MEMORY  # Times of a ship length for which that offset weighs as much [1]
+    memory: float = INTEGRAL_TIME  # Times of a ship length for which that offset weighs as much [1]
     # Whether it trusts how what a bank does grows as it comes nearer, or takes the ship as drawn as hard at every
     # distance, as ``regulator_gains`` does
     knowing: bool = False
@@ -29,11 +25,10 @@ def stacked_gains(
     ship: SimulatedShip, values: Mapping[str, Any], course: Mapping[str, Any], tightness: Tightness
 ) -> np.ndarray:
     """Return the gains of a regulator for each of many courses, (n, 6), as of ``regulator_gains``."""
-    # course [m]
     particulars, gear = ship.model.configuration.ship, ship.model.configuration.gear
     linear = ship.linearisation({**ship.values(), **values})
     matrix = linear.linear({**course, "psi": -np.arctan(course["v"] / course["u"])})
-    states, speed = [LINEARISED.index(name) for name in STATES], np.asarray(course["u"], float)
+    states, speed = [LINEARISED.index(name) for name in FELT[:4]], np.asarray(course["u"], float)
     count, rudder = len(speed), len(LINEARISED) + linear.controlled.index("rudder")
     rows = np.broadcast_to(matrix, (count, *matrix.shape[-2:]))[:, states]
     motion, push = np.zeros((count, len(FELT), len(FELT))), np.zeros((count, len(FELT)))
@@ -42,11 +37,9 @@ def stacked_gains(
     # Each state in what weighs as much as the others, and time in ship lengths: the equation is of size 1.
     time, off = particulars.length / speed, particulars.beam / 2 / tightness.offset
     one = np.ones(count)
-    size = np.stack(
-        [off * one, OFF_COURSE * one, speed, speed / particulars.length, HARD * one, off * tightness.memory * time],
-        axis=1,
-    )
-    rate = HARD / np.maximum(STROKE * time, HARD / gear.rate)
+    yaw, integral = speed / particulars.length, off * tightness.memory * time
+    size = np.stack([off * one, OFF_HEADING * one, speed, yaw, OFF_RUDDER * one, integral], axis=1)
+    rate = OFF_RUDDER / np.maximum(STROKE_TIME * time, OFF_RUDDER / gear.rate)
     scaled = time[:, None, None] * motion * size[:, None, :] / size[:, :, None]
     drive, weights = (time * rate)[:, None] * push / size, WEIGHTS
     gains = best_gains(scaled, drive, weights)
@@ -60,22 +53,13 @@ def stacked_gains(
 
 def holding(motion: np.ndarray, push: np.ndarray, gains: np.ndarray) -> np.ndarray:
     """Return which of many systems gains hold (n,); false where a gain is NaN."""
-    # motion (n, k, k); push (n, k); gains (n, k)
     known = np.isfinite(gains).all(axis=1) & np.isfinite(motion).all(axis=(1, 2))
     poles = np.linalg.eigvals(np.where(known[:, None, None], motion - push[:, :, None] * gains[:, None, :], 0.0))
-    return np.asarray(known & (poles.real.max(axis=1) < -SETTLES * np.abs(poles).max(axis=1)))
-
-
-# The Riccati equation of linear-quadratic control, for many systems at once.
-ROUNDS, SETTLED = 40, 1e-14
-
-# Least decay of the slowest motion over the fastest that counts.
-STABLE = 1e-7
+    return np.asarray(known & (poles.real.max(axis=1) < -LEAST_DECAY * np.abs(poles).max(axis=1)))
 
 
 def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Return the gains that cost least of many systems with one input each, (n, k); NaN where nothing stabilises it."""
-    # motion (n, k, k); push (n, k); weights (k, k)
     # The cost is the square of the input and those of the states by their weights; the equation is solved by doubling.
     # Chu, Fan and Lin (2005), A structure-preserving doubling algorithm for continuous-time algebraic Riccati
     # equations, Linear Algebra and its Applications 396.
@@ -89,7 +73,7 @@ def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.
     usable = np.isfinite(found).all(axis=1)
     known, found = known[usable], found[usable]
     poles = np.linalg.eigvals(motion[known] - push[known, :, None] * found[:, None, :])
-    holds = poles.real.max(axis=1) < -STABLE * np.abs(poles).max(axis=1)
+    holds = poles.real.max(axis=1) < -LEAST_DECAY * np.abs(poles).max(axis=1)
     gains[known[holds]] = found[holds]
     return gains
 
@@ -104,12 +88,12 @@ def _doubled(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.nd
     step = np.eye(size) + 2 * shift * inverse.swapaxes(1, 2)
     reach = 2 * shift * driven @ inverse
     cost = 2 * shift * inverse @ weights @ _solved(moved, np.broadcast_to(np.eye(size), moved.shape))
-    for _ in range(ROUNDS):
+    for _ in range(40):  # Each round doubles the time that is looked ahead.
         both = _solved(np.eye(size) + reach @ cost, np.concatenate([step, reach], axis=2))
         back, change = step.swapaxes(1, 2), step.swapaxes(1, 2) @ cost @ both[..., :size]
         reach = reach + step @ both[..., size:] @ back
         step, cost = step @ both[..., :size], cost + change
-        if not (np.abs(change).max(axis=(1, 2)) > SETTLED * np.abs(cost).max(axis=(1, 2))).any():
+        if not (np.abs(change).max(axis=(1, 2)) > 1e-14 * np.abs(cost).max(axis=(1, 2))).any():
             break
     return np.asarray(cost)
 

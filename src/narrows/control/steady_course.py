@@ -26,15 +26,8 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.codegen.system import System
 
-# What a steady course answers or does not feel.
-SOUGHT = ("x", "psi", "v", "r", "rudder", "X")
-
 RUDDER = "rudder"
-
-# What bends a steady course, or carries it along: none in a straight canal.
-ALONG = ("path_curvature", "current")
-
-BLOCK = 16_384
+BLOCK = 16_384  # Courses that a thread solves at a time
 
 
 def steady_course(
@@ -70,8 +63,7 @@ def steady_course(
         Where the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
     """
     check_rudder(model)
-    check_workers(workers)
-    for name in SOUGHT:
+    for name in ("x", "psi", "v", "r", RUDDER, "X"):
         if name in vary:
             raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
     check_workers(workers)
@@ -89,7 +81,6 @@ def steady_course(
 
 
 def check_rudder(model: Model) -> None:
-    """Raise where a model cannot be steered."""
     if "sin_rudder" not in model.terms.inputs:
         raise InputError(
             "this model has no terms of a rudder; identify it with the terms steered, or borrow a rudder from one"
@@ -98,7 +89,6 @@ def check_rudder(model: Model) -> None:
 
 def check_inside(y: Any, width: Any, beam: Any) -> None:
     """Raise where a hull beside its line is in a bank."""
-    # y [m]; width, beam [m]
     if not np.all(np.abs(y) < (width - beam) / 2):
         far, room = float(np.abs(y).max()), float(np.min((width - beam) / 2))
         raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
@@ -113,7 +103,7 @@ def solved(
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
     module = balance_module(system)
-    inputs = {**dict.fromkeys((*INPUTS, *ALONG), 0.0), **ship.values(), **values}
+    inputs = {**dict.fromkeys((*INPUTS, "path_curvature", "current"), 0.0), **ship.values(), **values}
     inputs |= {FORCES[name]: inputs[name] for name in INPUTS}
     drift, angle = np.empty(count), np.empty(count)
 
@@ -134,10 +124,6 @@ def moving(actuators: tuple[Actuated, ...]) -> Law:
     """Return a law that moves actuators: what it orders is not asked, only that they are variables."""
     names = {actuator.name: actuator.name for actuator in actuators}
     return Law(tape_of(vars, names, "what moves"), (), actuators)
-
-
-# Steady courses: the balance of sway and yaw by drift and rudder, with its exact slopes, compiled for many ships.
-STEERED_BY = "rudder"
 
 
 def balance_module(system: "System") -> ModuleType:
@@ -164,8 +150,8 @@ def _text(system: "System") -> str:
     at |= {"cos_psi": cosine, "sin_psi": lines.put("sin_psi", -drift * cosine), "v": sway}
     at |= {
         "r": lines.put("r", real("path_curvature") * pace),
-        f"cos_{STEERED_BY}": lines.put("cos_angle", FUNCTIONS["cosine"](angle)),
-        f"sin_{STEERED_BY}": lines.put("sin_angle", FUNCTIONS["sine"](angle)),
+        f"cos_{RUDDER}": lines.put("cos_angle", FUNCTIONS["cosine"](angle)),
+        f"sin_{RUDDER}": lines.put("sin_angle", FUNCTIONS["sine"](angle)),
     }
     rates = system.rates.written(lines, "", at)
     unit = {drift: [sympy.Integer(1), sympy.Integer(0)], angle: [sympy.Integer(0), sympy.Integer(1)]}

@@ -6,6 +6,7 @@ import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.self_propulsion import self_propulsion
+from narrows.control.settings import LEAST_DECAY_OF_PILOT, OFF_HEADING, OFF_RUDDER
 from narrows.control.steady_course import check_inside, check_rudder, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -13,11 +14,6 @@ from narrows.simulation.controllers import Autopilot
 from narrows.simulation.ship import SimulatedShip
 
 FELT = ("y", "psi", "v", "r")
-# A heading off [rad] that weighs as much as half a beam off the line, or as ``HARD`` of rudder.
-OFF_COURSE = math.radians(5)
-HARD = math.radians(10)
-# Least decay of the slowest motion over the fastest that counts; rounding moves a double pole at zero by some 1e-8.
-SETTLES = 1e-6
 IN_VAIN = "no autopilot holds this ship on the centreline: its rudder turns nothing"
 
 
@@ -57,10 +53,7 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
 
 def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
     """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s]."""
-    # speed [m/s]; **values [SI]
-    # Linear-quadratic, by Bryson's rule: half a beam off the line, 5 degrees off the course and 10 degrees of rudder
-    # weigh alike. It is told the sway velocity, as a track pilot with a good fix is.
-    # Bryson and Ho (1975), Applied optimal control, section 5.2.
+    # Linear-quadratic, by Bryson's rule. Bryson and Ho (1975), Applied optimal control, section 5.2.
     from scipy.linalg import LinAlgError, solve_continuous_are
 
     inputs = {**ship.values(), **values}
@@ -70,14 +63,14 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     motion = linear.state(at)[np.ix_(indices, indices)]
     push = linear.controls(at)[indices][:, [linear.controlled.index("rudder")]]
     half_beam = ship.model.configuration.ship.beam / 2
-    weights = np.diag([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0])
+    weights = np.diag([half_beam**-2, OFF_HEADING**-2, 0.0, 0.0])
     try:
-        cost = solve_continuous_are(motion, push, weights, np.array([[HARD**-2]]))
+        cost = solve_continuous_are(motion, push, weights, np.array([[OFF_RUDDER**-2]]))
     except (LinAlgError, ValueError):
         raise InputError(IN_VAIN) from None
-    gains = np.asarray(HARD**2 * (push.T @ cost)[0])
+    gains = np.asarray(OFF_RUDDER**2 * (push.T @ cost)[0])
     # Where nothing stabilises it, SciPy gives an error or a matrix of rounding, by its release.
     poles = np.linalg.eigvals(motion - push * gains)
-    if not poles.real.max() < -SETTLES * np.abs(poles).max():
+    if not poles.real.max() < -LEAST_DECAY_OF_PILOT * np.abs(poles).max():
         raise InputError(IN_VAIN)
     return gains

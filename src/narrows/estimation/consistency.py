@@ -14,7 +14,8 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_count
-from narrows.estimation.estimator import MEMORY, Estimator
+from narrows.estimation.estimator import Estimator
+from narrows.estimation.settings import COEFFICIENT_MEMORY, CONFIDENCE, REFERENCE_LENGTH, SETTLING_TIME
 from narrows.estimation.ship_filter import Coefficients
 from narrows.estimation.states import STATES, Prior, ProcessNoise
 from narrows.estimation.twins import Twins, check_law, sail_twins
@@ -31,9 +32,6 @@ if TYPE_CHECKING:
 Readings = dict[str, Any]
 # Takes the time and the readings, and returns what is told instead.
 Fault = Callable[[float, Readings], Readings]
-CHANCE = 0.95
-# Of a ship of 230 m [s], which are left out at the start.
-SETTLING = 60.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -107,7 +105,7 @@ class Consistency(Shown):
         from scipy.stats import chi2
 
         freedom = len(self.nees) * (count or len(self.states))
-        tail = (1 - CHANCE) / 2
+        tail = (1 - CONFIDENCE) / 2
         return float(chi2.ppf(tail, freedom) / freedom), float(chi2.isf(tail, freedom) / freedom)
 
     @property
@@ -188,7 +186,7 @@ def consistency(
     drawn: bool = False, seed: int = 0, x: float = 0.0, controller: "ControlLaw | None" = None,
     excitation: float = math.radians(3.0), fault: Fault | None = None, waterway: "Waterway | None" = None,
     noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
-    memory: float = MEMORY, refusing: float = 1e-5, step: float | None = None, surge: Surge = "held",
+    memory: float = COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None, surge: Surge = "held",
     surge_inertia: float | None = None, coriolis: bool = False,
 ) -> Consistency:  # fmt: skip
     """Try an estimator on twins: ships that sail by the model, whose truth is known.
@@ -256,7 +254,7 @@ def consistency(
     afloat = np.flatnonzero(~truth.aground)
     if not len(afloat):
         raise InputError("every twin ran aground; choose an offset and a speed at which the controller holds the ship")
-    settled = min(SETTLING * math.sqrt(model.configuration.ship.length / 230.0), duration / 2)
+    settled = min(SETTLING_TIME * math.sqrt(model.configuration.ship.length / REFERENCE_LENGTH), duration / 2)
     return _told(first, truth, afloat, fault, settled)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.estimation.states import STATES, StateNames
-from narrows.estimation.unscented import Normal
+from narrows.estimation.unscented import Gaussian
 from narrows.results import Described, Tabulated
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class Estimate(Described):
         When.
     states : StateNames
         What is estimated.
-    normal : Normal, optional
+    normal : Gaussian, optional
         Mean and root of the covariance; none before there was anything to start from.
     ready : bool
         Whether it follows the readings: not before the start, nor from a reset to the next start.
@@ -37,19 +37,19 @@ class Estimate(Described):
         Sensors whose readings lean to one side.
     notes : tuple of str
         What to know of it, each a sentence.
-    joint : Normal, optional
+    joint : Gaussian, optional
         The state and what is estimated beside it, the directions of the coefficients' covariance, as one.
     """
 
     t: float
     states: StateNames
-    normal: Normal | None
+    normal: Gaussian | None
     ready: bool
     nis: dict[str, float]
     refused: tuple[str, ...] = ()
     suspects: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    joint: Normal | None = None
+    joint: Gaussian | None = None
 
     @property
     def values(self) -> dict[str, float]:

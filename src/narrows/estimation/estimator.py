@@ -12,25 +12,17 @@ from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate, EstimatedTrack
 from narrows.estimation.records import Moment, Reading, checked_readings, records_of
-from narrows.estimation.recursion import Believed
-from narrows.estimation.ship_filter import Coefficients, ShipFilter, parted, usual_step
+from narrows.estimation.recursion import UpdateResult
+from narrows.estimation.settings import COEFFICIENT_MEMORY, LONGEST_GAP, SAME_TIME, SILENT_PERIODS
+from narrows.estimation.ship_filter import Coefficients, ShipFilter, default_step, split_sensors
 from narrows.estimation.smoothing import smooth
 from narrows.estimation.states import Prior, ProcessNoise
-from narrows.estimation.unscented import Normal
+from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.results import Described
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-# Without any call [s], after which an estimate is begun anew.
-LONGEST_GAP = 600.0
-# Of what readings tell of the coefficients [s]: half an hour, in which a canal changes.
-MEMORY = 1800.0
-# Periods without a reading, after which that is told.
-SILENT = 5.0
-# Times [s] that are one.
-SAME = 1e-9
 
 
 class Estimator(Described):
@@ -83,28 +75,24 @@ class Estimator(Described):
     def __init__(
         self, model: Model, sensors: Sequence[Any], *, waterway: "Waterway | None" = None,
         noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
-        memory: float = MEMORY, refusing: float = 1e-5, step: float | None = None,
+        memory: float = COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None,
         surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     ) -> None:  # fmt: skip
         check_choice("coefficients", coefficients, get_args(Coefficients))
         length = model.configuration.ship.length
-        by_name, indicator = parted(sensors)
+        by_name, indicator = split_sensors(sensors)
         self.filter = ShipFilter(
             model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
             prior or Prior.of_length(length), coefficients, refusing,
-            usual_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
+            default_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
         )  # fmt: skip
         self._horizon = max(sensor.late for sensor in by_name.values())
-        self._last: Normal | None = None
-        self._at_rest = self._positions_at_rest()
+        self._last: Gaussian | None = None
+        values = self.filter.ship.values()
+        self._at_rest = np.array([float(values.get(name) or 0.0) for name in self.filter.actuators])
         self._begin_anew()
 
-    def _positions_at_rest(self) -> np.ndarray:
-        values = self.filter.ship.values()
-        return np.array([float(values.get(name) or 0.0) for name in self.filter.actuators])
-
     def _begin_anew(self) -> None:
-        """From here on nothing is known but the last state."""
         self._start = self.filter.start()
         self._history: list[Moment] = []
         self._heard: dict[str, float] = {}
@@ -255,7 +243,7 @@ class Estimator(Described):
         at = self._at_rest.copy()
         for number, name in enumerate(self.filter.actuators):
             at[number] = positions.get(name, at[number])
-        first = self.filter.begun(start)
+        first = self.filter.begin(start)
         self._history = [Moment(t - late, first, at, {}, self.filter.monitor())]
         return self._went_on(t, {}, positions, notes)
 
@@ -263,26 +251,28 @@ class Estimator(Described):
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         last = self._history[-1]
-        if t < last.t - SAME:
+        if t < last.t - SAME_TIME:
             notes.append(f"The time went back from {last.t:g} to {t:g} s: what came is taken for late.")
         now = max(t, last.t)
         at = last.positions.copy()
         for number, name in enumerate(self.filter.actuators):
-            at[number] = positions.get(name, at[number]) if t >= last.t - SAME else at[number]
-        heard: list[Believed] = []
+            at[number] = positions.get(name, at[number]) if t >= last.t - SAME_TIME else at[number]
+        heard: list[UpdateResult] = []
         self._heard.update(dict.fromkeys(measured, now))
-        if t > last.t + SAME and not self._horizon:
+        if t > last.t + SAME_TIME and not self._horizon:
             afloat = self._advanced(t, at, measured, heard)
             del self._history[:-1]
         else:
             afloat = self._put(t, now, measured, at, heard, notes)
         if not afloat:
-            return self._reset(t, measured, positions, notes)
+            notes.append(f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew.")
+            self._begin_anew()
+            return self._waited(t, measured, positions, notes)
         self._last = self._history[-1].normal
         return self._estimate(now, self._last, True, [*notes, *self._silences(now)], heard)
 
     def _put(
-        self, t: float, now: float, measured: dict[str, tuple[float, ...]], at: np.ndarray, heard: list[Believed],
+        self, t: float, now: float, measured: dict[str, tuple[float, ...]], at: np.ndarray, heard: list[UpdateResult],
         notes: list[str],
     ) -> bool:  # fmt: skip
         """Take readings in the order in which they were measured; False where the mean of the state met a bank."""
@@ -293,16 +283,18 @@ class Estimator(Described):
         for time in sorted(groups):
             if not self._taken(time, groups[time], at, now, heard, notes):
                 return False
-        self._forget_before(now - self._horizon)
+        # No reading can be older than the horizon.
+        while len(self._history) > 1 and self._history[1].t <= now - self._horizon + SAME_TIME:
+            del self._history[0]
         return True
 
     def _taken(
-        self, time: float, readings: dict[str, tuple[float, ...]], at: np.ndarray, now: float, heard: list[Believed],
-        notes: list[str],
+        self, time: float, readings: dict[str, tuple[float, ...]], at: np.ndarray, now: float,
+        heard: list[UpdateResult], notes: list[str],
     ) -> bool:  # fmt: skip
         """Take readings of one time where they belong; False where the mean of the state met a bank."""
         history = self._history
-        place = bisect_right(history, time + SAME, key=lambda moment: moment.t)
+        place = bisect_right(history, time + SAME_TIME, key=lambda moment: moment.t)
         if place == 0:
             late = ", ".join(readings)
             notes.append(f"What {late} told is from t = {time:g} s, before anything that is kept: it is passed over.")
@@ -310,23 +302,20 @@ class Estimator(Described):
         later, base = history[place:], history[place - 1]
         del history[place:]
         ahead_t, ahead = (later[0].t, later[0].positions) if later else (now, at)
-        share = 1.0 if ahead_t - base.t <= SAME else min(1.0, (time - base.t) / (ahead_t - base.t))
+        share = 1.0 if ahead_t - base.t <= SAME_TIME else min(1.0, (time - base.t) / (ahead_t - base.t))
         positions = base.positions + share * (ahead - base.positions)
         if not self._advanced(time, positions, readings, heard):
             return False
         return all(self._advanced(moment.t, moment.positions, moment.readings) for moment in later)
 
     def _advanced(
-        self,
-        time: float,
-        positions: np.ndarray,
-        readings: dict[str, tuple[float, ...]],
-        heard: list[Believed] | None = None,
-    ) -> bool:
+        self, time: float, positions: np.ndarray, readings: dict[str, tuple[float, ...]],
+        heard: list[UpdateResult] | None = None,
+    ) -> bool:  # fmt: skip
         """Go on from the last moment to a time and take readings there; False where the mean met a bank."""
         last = self._history[-1]
         normal, monitor, known = last.normal, last.monitor, last.readings
-        if time - last.t > SAME:
+        if time - last.t > SAME_TIME:
             taken = self.filter.steps(normal, time - last.t, last.positions, positions)
             if taken[-1].aground:
                 return False
@@ -336,28 +325,14 @@ class Estimator(Described):
             time = last.t
         if readings:
             monitor = monitor.copy() if self._horizon else monitor
-            believed = self.filter.believed(normal, readings, monitor)
+            believed = self.filter.recursion.update(normal, readings, monitor)
             normal = believed.normal
             if heard is not None:
                 heard.append(believed)
         self._history.append(Moment(time, normal, positions, {**known, **readings}, monitor))
         return True
 
-    def _reset(
-        self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
-    ) -> Estimate:
-        notes.append(f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew.")
-        self._begin_anew()
-        return self._waited(t, measured, positions, notes)
-
-    def _forget_before(self, time: float) -> None:
-        """Drop moments that no reading can be older than."""
-        history = self._history
-        while len(history) > 1 and history[1].t <= time + SAME:
-            del history[0]
-
     def _silences(self, now: float) -> list[str]:
-        """Say which sensors have told nothing for long."""
         silent = []
         for name in self.filter.sensors:
             quiet = now - self._heard.setdefault(name, now)
@@ -366,10 +341,10 @@ class Estimator(Described):
         return silent
 
     def _quiet(self, name: str, time: float) -> bool:
-        return not 0.0 <= time <= SILENT * self.filter.sensors[name].period
+        return not 0.0 <= time <= SILENT_PERIODS * self.filter.sensors[name].period
 
     def _estimate(
-        self, t: float, normal: Normal | None, ready: bool, notes: list[str], heard: Sequence[Believed] = ()
+        self, t: float, normal: Gaussian | None, ready: bool, notes: list[str], heard: Sequence[UpdateResult] = ()
     ) -> Estimate:
         nis: dict[str, float] = {}
         for believed in heard:
@@ -384,5 +359,5 @@ class Estimator(Described):
         if suspects:
             notes.append(f"What {' and '.join(suspects)} tells leans to one side: it drifts, or is led astray.")
         joint, size = normal, len(self.filter.states)
-        state = None if joint is None else Normal(joint.mean[:size], joint.root[:size])
+        state = None if joint is None else Gaussian(joint.mean[:size], joint.root[:size])
         return Estimate(t, self.filter.states, state, ready, nis, refused, suspects, tuple(notes), joint)

@@ -10,15 +10,13 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.estimation.recursion import DriftMonitor
 from narrows.estimation.sensor import Sensor
-from narrows.estimation.unscented import Normal
+from narrows.estimation.unscented import Gaussian
 
 TIME = "t"
 
 
 @dataclass(frozen=True)
 class Records:
-    """What came in, by columns; NaN where nothing did."""
-
     t: np.ndarray  # (rows,) When, rising [s]
     readings: dict[str, np.ndarray]  # (rows, numbers) By sensor
     positions: dict[str, np.ndarray]  # (rows,) Of actuators, by name
@@ -32,8 +30,6 @@ class Records:
 
 
 def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Records:
-    """Read a table of records."""
-    # table [s]
     columns = _columns(table)
     fields = {field for sensor in sensors.values() for field in sensor.fields}
     if TIME not in columns:
@@ -55,7 +51,6 @@ def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[st
 
 
 def _columns(table: Any) -> dict[str, np.ndarray]:
-    """A table as arrays of one length, by name."""
     if hasattr(table, "coords") and hasattr(table, "data_vars"):
         table = {str(name): table[name].to_numpy() for name in (*table.coords, *table.data_vars)}
     elif hasattr(table, "reset_index"):
@@ -77,7 +72,7 @@ def _columns(table: Any) -> dict[str, np.ndarray]:
 Reading = float | Sequence[float]
 
 
-class Told(NamedTuple):
+class Measurements(NamedTuple):
     """What came in."""
 
     measured: dict[str, tuple[float, ...]]  # By sensor
@@ -85,7 +80,9 @@ class Told(NamedTuple):
     notes: tuple[str, ...]  # What was no number
 
 
-def checked_readings(readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Told:
+def checked_readings(
+    readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]
+) -> Measurements:
     """Part readings into those of sensors and of actuators, and leave out what is no number."""
     measured: dict[str, tuple[float, ...]] = {}
     positions: dict[str, float] = {}
@@ -103,31 +100,26 @@ def checked_readings(readings: Mapping[str, Any], sensors: Mapping[str, Sensor],
         else:
             positions[name] = numbers[0]
     notes = (f"What {' and '.join(lost)} told is no number: it counts as not told.",) if lost else ()
-    return Told(measured, positions, notes)
+    return Measurements(measured, positions, notes)
 
 
 def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:
+    if count == 1 and isinstance(reading, float):  # What comes most often costs least.
+        return (reading,)
     try:
-        if isinstance(reading, float):
-            return (reading,) if count == 1 else _refused(name, 1, count)
         numbers = tuple(map(float, reading if isinstance(reading, tuple) else np.ravel(reading)))
     except (TypeError, ValueError):
         raise InputError(f"a reading of {name} is {count} number(s), and this one is {reading!r}") from None
     if len(numbers) != count:
-        return _refused(name, len(numbers), count)
+        raise InputError(f"a reading of {name} is {count} number(s), and this one has {len(numbers)}; give as many")
     return numbers
 
 
-def _refused(name: str, told: int, count: int) -> tuple[float, ...]:
-    raise InputError(f"a reading of {name} is {count} number(s), and this one has {told}; give as many")
-
-
-# What is known of a ship at a time, to go on from or to go back to.
 class Moment(NamedTuple):
     """What is known at a time, to go on from or to go back to."""
 
     t: float  # When [s]
-    normal: Normal  # The state
+    normal: Gaussian  # The state
     positions: np.ndarray  # (actuators,) Indicated positions
     readings: dict[str, tuple[float, ...]]  # What was measured then
     monitor: DriftMonitor  # After them

@@ -9,32 +9,28 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.estimation.sensor import Sensor
+from narrows.estimation.settings import DRIFT_MEMORIES, DRIFT_MOST_INNOVATION, DRIFT_THRESHOLD, GROSS_ERROR_NIS
 from narrows.estimation.ship_lanes import ShipLanes
 from narrows.estimation.states import Columns, StateNames
 from narrows.estimation.unscented import (
-    Normal,
-    Spread,
+    Gaussian,
+    SigmaPointWeights,
     Transformed,
-    corrected,
     innovation_covariance,
-    linear,
-    predicted,
+    linear_transform,
+    predict,
     sigma_points,
-    transformed,
+    unscented_transform,
+    update,
 )
-
-TURN = 2.0 * math.pi
 
 RUDDER = "rudder"
 
-# Normalised innovation squared beyond which a reading is an error, whatever else is told [1].
-GROSS = 1e4
 
-
-class Believed(NamedTuple):
+class UpdateResult(NamedTuple):
     """What became of readings."""
 
-    normal: Normal  # The state after them
+    normal: Gaussian  # The state after them
     nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
     refused: tuple[str, ...]  # Sensors whose reading the gate refused
     suspects: tuple[str, ...]  # Sensors whose innovations lean to one side
@@ -42,8 +38,6 @@ class Believed(NamedTuple):
 
 
 class NumberLayout(NamedTuple):
-    """Numbers of some sensors side by side."""
-
     names: tuple[str, ...]  # Of the sensors
     parts: tuple[slice, ...]  # Of the numbers, those of each sensor
     places: np.ndarray | slice  # Of the numbers among those of all sensors
@@ -53,9 +47,14 @@ class NumberLayout(NamedTuple):
     straight: bool  # Whether all are linear in the state
 
 
+# Share of a sum that is left after each reading, (memories, 1).
+FADING = 1.0 - 1.0 / np.array(DRIFT_MEMORIES)[:, None]
+SQUARED = FADING * FADING
+
+
 @dataclass
 class DriftMonitor:
-    """Fading sums of the innovations of sensors."""
+    """Fading sums of innovations: those of a drifting sensor lean to one side, each too small for the gate."""
 
     size: int  # Numbers that the sensors measure, all together
     considered: int = 0  # Errors of coefficients that the filter carries
@@ -64,14 +63,15 @@ class DriftMonitor:
     common: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
-        self.sums, self.variances = np.zeros((2, len(MEMORIES), self.size))
-        self.common = np.zeros((len(MEMORIES), self.considered, self.size))
+        self.sums, self.variances = np.zeros((2, len(DRIFT_MEMORIES), self.size))
+        self.common = np.zeros((len(DRIFT_MEMORIES), self.considered, self.size))
 
     def lean(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
-        """Take innovations, and return how far the sums lean to one side, in standard deviations, (numbers,)."""
-        # whitened (numbers,); places (numbers,); shared (considered, numbers)
-        told = np.minimum(np.maximum(whitened, -LARGEST), LARGEST)
-        sums = FADING * self.sums[:, places] + told
+        """Take whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
+        # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up as a bias
+        # does and are no sign of a drift.
+        sums = FADING * self.sums[:, places]
+        sums += np.minimum(np.maximum(whitened, -DRIFT_MOST_INNOVATION), DRIFT_MOST_INNOVATION)
         variances = SQUARED * self.variances[:, places] + 1.0
         if self.considered:
             variances -= np.minimum((shared * shared).sum(axis=0), 1.0)
@@ -83,19 +83,16 @@ class DriftMonitor:
         return np.asarray((np.abs(sums) / np.sqrt(variances)).max(axis=0))
 
     def copy(self) -> "DriftMonitor":
-        """Return the same, to go on from."""
         other = DriftMonitor(self.size, self.considered)
         other.sums, other.variances, other.common = self.sums.copy(), self.variances.copy(), self.common.copy()
         return other
 
 
 class Recursion:
-    """Motion and measurement of one ship."""
-
     def __init__(
-        self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], walks: np.ndarray, moving: Spread,
-        measuring: Spread, rudder_noise: float, refusing: float, coefficients: np.ndarray, root: np.ndarray,
-        memory: float = math.inf,
+        self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], walks: np.ndarray,
+        moving: SigmaPointWeights, measuring: SigmaPointWeights, rudder_noise: float, refusing: float,
+        coefficients: np.ndarray, root: np.ndarray, memory: float = math.inf,
     ) -> None:  # fmt: skip
         self.lanes, self.states, self.sensors, self.refusing = lanes, states, sensors, refusing
         self.moving, self.measuring, self.coefficients, self.root = moving, measuring, coefficients, root
@@ -108,40 +105,46 @@ class Recursion:
         self._places = dict(zip(sensors, np.split(np.arange(self.size), ends[:-1]), strict=True))
         self._layouts: dict[tuple[str, ...], NumberLayout] = {}
 
-    def moved(
-        self, now: Normal, duration: float, start: np.ndarray, end: np.ndarray
-    ) -> tuple[Normal, Transformed, bool]:
+    def predict(
+        self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray
+    ) -> tuple[Gaussian, Transformed, bool]:
         """Return the state a step later, how its root was moved, and whether the mean met a bank."""
-        # duration [s]; start, end (actuators,)
         lanes, pairs = self.lanes, len(self.moving.distance)
         if self._displaced:
             rudder = lanes.actuators.index(RUDDER)
             ends = np.repeat(end[None], lanes.lanes, axis=0)
             ends[pairs, rudder] += self._displaced
             ends[2 * pairs, rudder] -= self._displaced
-            now, end = Normal(now.mean, np.concatenate([now.root, self._no_disturbance], axis=1)), ends
-        after, how = predicted(
-            now, lambda points: self._lanes_moved(points, duration, start, end), math.sqrt(duration) * self._walk,
+            now, end = Gaussian(now.mean, np.concatenate([now.root, self._no_disturbance], axis=1)), ends
+        after, how = predict(
+            now, lambda points: self._advance_lanes(points, duration, start, end), math.sqrt(duration) * self._walk,
             self.moving,
         )  # fmt: skip
         return after, how, bool(lanes.prepared.codes[0, 0])
 
-    def _lanes_moved(self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    def _advance_lanes(self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         size = len(self.states)
         if not self.root.shape[1]:
-            return self.lanes.moved(points, duration, start, end)
+            return self.lanes.advance(points, duration, start, end)
         bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
         columns = self.lanes.columns_of(self.coefficients + points[:, size:] @ self.root.T, bank)
-        states = self.lanes.moved(points[:, :size], duration, start, end, columns)
+        states = self.lanes.advance(points[:, :size], duration, start, end, columns)
         return np.concatenate([states, math.exp(-duration / self.memory) * points[:, size:]], axis=1)
 
-    def believed(self, now: Normal, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor) -> Believed:
+    def update(self, now: Gaussian, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor) -> UpdateResult:
         """Return the state by readings of one moment, those that no gate refuses."""
         layout = self._layout(tuple(readings))
         expected = self._expected(now, layout)
         covariance = innovation_covariance(expected, layout.sigma, self.measuring)
         innovation = self._innovation(layout, readings, expected.mean)
-        nis = self._squares(layout, innovation, covariance)
+        # Normalised innovations squared by sensor: those of one number all at once.
+        single = (innovation * innovation / covariance.diagonal()).tolist()
+        nis = {
+            name: single[part.start]
+            if part.stop - part.start == 1
+            else normalised_innovation_squared(innovation[part], covariance[part, part])
+            for name, part in zip(layout.names, layout.parts, strict=True)
+        }
         odd = tuple(name for name, most in zip(layout.names, layout.gates, strict=True) if not nis[name] <= most)
         surprising = odd if self._agree(odd, nis) else ()
         refused = () if surprising else odd
@@ -150,27 +153,17 @@ class Recursion:
         for name, part in zip(layout.names, layout.parts, strict=True) if odd else ():
             whitened[part] *= name not in odd  # The gate has dealt with it.
         leans = monitor.lean(whitened, layout.places, shared)
-        after = self._corrected(now, layout, expected, innovation, covariance, refused)
+        after = self._update(now, layout, expected, innovation, covariance, refused)
         suspects: tuple[str, ...] = ()
-        if leans.max() > THRESHOLD:
+        if leans.max() > DRIFT_THRESHOLD:
             parts = zip(layout.names, layout.parts, strict=True)
-            suspects = tuple(name for name, part in parts if leans[part].max() > THRESHOLD)
-        return Believed(after, nis, refused, suspects, surprising)
+            suspects = tuple(name for name, part in parts if leans[part].max() > DRIFT_THRESHOLD)
+        return UpdateResult(after, nis, refused, suspects, surprising)
 
     def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
         """Whether sensors of several kinds tell what was not expected: then it is the model that is wrong."""
         kinds = {getattr(self.sensors[name], "source", name) for name in odd}
-        return len(kinds) > 1 and all(nis[name] <= GROSS for name in odd)
-
-    def _squares(self, layout: NumberLayout, innovation: np.ndarray, covariance: np.ndarray) -> dict[str, float]:
-        """Normalised innovations squared, by sensor; those of one number all at once."""
-        single = (innovation * innovation / covariance.diagonal()).tolist()
-        return {
-            name: single[part.start]
-            if part.stop - part.start == 1
-            else normalised_square(innovation[part], covariance[part, part])
-            for name, part in zip(layout.names, layout.parts, strict=True)
-        }
+        return len(kinds) > 1 and all(nis[name] <= GROSS_ERROR_NIS for name in odd)
 
     def _layout(self, names: tuple[str, ...]) -> NumberLayout:
         if names not in self._layouts:
@@ -186,7 +179,7 @@ class Recursion:
             self._layouts[names] = NumberLayout(names, parts, places, gates, sigma, np.flatnonzero(angles), straight)
         return self._layouts[names]
 
-    def _expected(self, now: Normal, layout: NumberLayout) -> Transformed:
+    def _expected(self, now: Gaussian, layout: NumberLayout) -> Transformed:
         """What is measured by the sigma points; by the root itself where that is the same."""
         if layout.straight:
             points = np.concatenate([now.mean[None], now.root.T])
@@ -197,12 +190,12 @@ class Recursion:
         columns = (column for name in layout.names for column in self.sensors[name].measured(at))
         for number, column in enumerate(columns):
             values[:, number] = column
-        return linear(values) if layout.straight else transformed(values, self.measuring)
+        return linear_transform(values) if layout.straight else unscented_transform(values, self.measuring)
 
-    def _corrected(
-        self, now: Normal, layout: NumberLayout, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray,
-        refused: tuple[str, ...],
-    ) -> Normal:  # fmt: skip
+    def _update(
+        self, now: Gaussian, layout: NumberLayout, expected: Transformed, innovation: np.ndarray,
+        covariance: np.ndarray, refused: tuple[str, ...],
+    ) -> Gaussian:  # fmt: skip
         sigma = layout.sigma
         if refused:
             kept = np.ones(len(sigma), bool)
@@ -212,7 +205,7 @@ class Recursion:
                 return now
             expected = Transformed(*(part[..., kept] for part in expected))
             innovation, sigma, covariance = innovation[kept], sigma[kept], covariance[np.ix_(kept, kept)]
-        return corrected(now, expected, innovation, covariance, sigma, self.measuring)
+        return update(now, expected, innovation, covariance, sigma, self.measuring)
 
     def _innovation(
         self, layout: NumberLayout, readings: Mapping[str, Sequence[float]], expected: np.ndarray
@@ -220,11 +213,10 @@ class Recursion:
         numbers = [number for name in layout.names for number in self.sensors[name].numbers(readings[name])]
         innovation = np.array(numbers, float) - expected
         for angle in layout.angles:
-            innovation[angle] = math.remainder(innovation[angle], TURN)
+            innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
         return np.asarray(innovation)
 
 
-# Gates: which measurements are too far from what was expected to be believed.
 @lru_cache(maxsize=64)
 def gate(probability: float, size: int) -> float:
     """Return the normalised innovation squared that a sound measurement exceeds with a probability [1]."""
@@ -233,27 +225,11 @@ def gate(probability: float, size: int) -> float:
     return float(chi2.isf(probability, size)) if probability > 0.0 else float("inf")
 
 
-def normalised_square(innovation: np.ndarray, covariance: np.ndarray) -> float:
+def normalised_innovation_squared(innovation: np.ndarray, covariance: np.ndarray) -> float:
     """Return the innovation squared over its covariance [1]: chi-squared where the filter is consistent."""
-    # innovation (m,); covariance (m, m)
     if len(innovation) == 1:
         return float(innovation[0] * innovation[0] / covariance[0, 0])
     if len(innovation) == 2:
         ((a, b), (_, d)), (e, f) = covariance.tolist(), innovation.tolist()
         return float((d * e * e - 2.0 * b * e * f + a * f * f) / (a * d - b * b))
     return float(innovation @ np.linalg.solve(covariance, innovation))
-
-
-# Drifts: a sensor whose innovations lean to one side for long, each small enough to pass the gate, is under suspicion.
-# Readings that a sum remembers.
-MEMORIES = (6.0, 12.0, 24.0)
-
-# Standard deviations at which a lean is told: by chance once in 1.7 million sums that have nothing in common.
-THRESHOLD = 5.0
-
-# Beyond it a reading is the gate's matter, and counts no more than this.
-LARGEST = 5.0
-
-FADING = 1.0 - 1.0 / np.array(MEMORIES)[:, None]
-
-SQUARED = FADING * FADING

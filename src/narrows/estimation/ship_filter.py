@@ -10,12 +10,13 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.recursion import Believed, DriftMonitor, Recursion
+from narrows.estimation.recursion import DriftMonitor, Recursion
 from narrows.estimation.sensor import Sensor
 from narrows.estimation.sensors import Gyro, RudderIndicator
+from narrows.estimation.settings import STEPS_A_PERIOD
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes, directions, lanes_of_directions
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
-from narrows.estimation.unscented import Normal, Transformed, spread_of
+from narrows.estimation.unscented import Gaussian, Transformed, sigma_point_weights
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.simulation.inputs import Contact
@@ -24,18 +25,17 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# Of the root of length over gravity, the time that a ship's motion takes.
-STEPS_A_PERIOD = 4.0
-
 Coefficients = Literal["considered", "certain", "estimated"]
 
 
 class MotionStep(NamedTuple):
-    """A step of the motion."""
-
-    normal: Normal  # After it
+    normal: Gaussian  # After it
     how: Transformed  # How the root was moved
     aground: bool  # Whether the mean met a bank, or is no number
+
+
+# What there must be to start from, and what it is called; the other states begin at their priors.
+NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
 
 
 @dataclass
@@ -64,9 +64,8 @@ class Start:
         told = self.told()
         return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in told))
 
-    def normal(self, considered: int, bend: float) -> Normal:
-        """Return the state by the readings and what is believed."""
-        # bend [1/m]
+    def normal(self, considered: int, bend: float) -> Gaussian:
+        """Return the state by the readings and the priors; bend is the curvature of the line [1/m]."""
         told, prior = self.told(), self.prior
         believed = {
             "v": (0.0, prior.sway), "r": (0.0, prior.yaw_rate), "bank": (1.0, prior.bank),
@@ -78,7 +77,7 @@ class Start:
         places = self.states.places
         if "heading_bias" in places:  # What the compass indicates is the heading and its bias together.
             root[places["psi"], places["heading_bias"]] = -root[places["heading_bias"], places["heading_bias"]]
-        return Normal(self._at_midship(mean, root, bend), np.hstack([np.zeros((len(mean), considered)), root]))
+        return Gaussian(self._at_midship(mean, root, bend), np.hstack([np.zeros((len(mean), considered)), root]))
 
     def _at_midship(self, mean: np.ndarray, root: np.ndarray, bend: float) -> np.ndarray:
         """Bring the place of an antenna to midship, in the mean and, as far as the heading is unsure, in the root."""
@@ -89,12 +88,13 @@ class Start:
             found = sensor.measured(Columns(state[None], self.states, bend))
             return np.array([float(np.ravel(number)[0]) for number in found])
 
-        for _ in range(ROUNDS):
+        for _ in range(6):  # Along a bend each round leaves a small share of the error.
             mean = mean.copy()
             mean[:2] += told - measured(mean)
+        small = 1e-4  # [rad]
         turned = mean.copy()
-        turned[2] += SMALL_TURN
-        root[:2] -= np.outer((measured(turned) - measured(mean)) / SMALL_TURN, root[2])
+        turned[2] += small
+        root[:2] -= np.outer((measured(turned) - measured(mean)) / small, root[2])
         return mean
 
 
@@ -126,19 +126,16 @@ class ShipFilter:
 
     @cached_property
     def ship(self) -> SimulatedShip:
-        """The model as it is simulated."""
         open_water = self.waterway is None and not self.model.terms.feels_bank
         contact: Contact = "none" if open_water else "corners"
         return SimulatedShip(self.model, self.surge, self.surge_inertia, self.coriolis, contact)
 
     @cached_property
     def actuators(self) -> tuple[str, ...]:
-        """What is moved on the ship, by name."""
         return tuple(actuator.name for actuator in self.ship.actuators)
 
     @cached_property
     def biases(self) -> dict[str, float]:
-        """Standard deviations of the biases, by the names of states."""
         compasses = [sensor.bias for sensor in self.sensors.values() if isinstance(sensor, Gyro)]
         rudder = self.indicator.bias if RUDDER in self.actuators else 0.0
         return {"rudder_bias": rudder, "heading_bias": max(compasses, default=0.0)}
@@ -175,13 +172,12 @@ class ShipFilter:
 
     @cached_property
     def recursion(self) -> Recursion:
-        """Motion and measurement."""
         noise = self.indicator.noise if RUDDER in self.actuators else 0.0
         fresh = math.sqrt(2.0 / self.memory)  # as much as fades: the fit's spread is where a coefficient comes to rest
         walks = [*(self.noise.by_state()[name] for name in self.states.names), *(fresh,) * self.estimated]
         size = len(self.states) + self.estimated
-        moving = spread_of(size + (noise > 0.0), self.considered)
-        measuring = spread_of(size, self.considered)
+        moving = sigma_point_weights(size + (noise > 0.0), self.considered)
+        measuring = sigma_point_weights(size, self.considered)
         return Recursion(
             self._lanes(moving.distance), self.states, self.sensors, np.array(walks), moving, measuring, noise,
             self.refusing, self._middle, self.root[:, : self.estimated], self.memory,
@@ -197,12 +193,10 @@ class ShipFilter:
         return ShipLanes(self.ship, self.states, len(coefficients), self.waterway, coefficients)
 
     def start(self) -> Start:
-        """Return what gathers the first readings."""
         current = self.waterway.current if self.waterway else 0.0
         return Start(self.states, self.sensors, self.prior, self.biases, current)
 
-    def begun(self, start: Start) -> Normal:
-        """Return the first state."""
+    def begin(self, start: Start) -> Gaussian:
         bend = self.recursion.lanes.bend(start.told()["x"][0])
         first = start.normal(self.considered, bend)
         if not self.estimated:
@@ -210,18 +204,17 @@ class ShipFilter:
         size, more = len(self.states), self.estimated
         root = np.zeros((size + more, size + more))
         root[:size, :size], root[size:, size:] = first.root, np.eye(more)
-        return Normal(np.concatenate([first.mean, np.zeros(more)]), root)
+        return Gaussian(np.concatenate([first.mean, np.zeros(more)]), root)
 
-    def steps(self, now: Normal, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
-        """Move a state on, and return every step until the last or until it is aground."""
-        # duration [s]; start, end (actuators,)
+    def steps(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
+        """Move a state on, and return every step until the last or until it is aground; start and end (actuators,)."""
         count = max(1, math.ceil(duration / self.step - 1e-9))
         taken: list[MotionStep] = []
         for number in range(count):
             here, there = start, end
             if count > 1:
                 here, there = (start + share * (end - start) for share in (number / count, (number + 1) / count))
-            after, how, met = self.recursion.moved(now, duration / count, here, there)
+            after, how, met = self.recursion.predict(now, duration / count, here, there)
             aground = met or not math.isfinite(after.mean.sum())
             taken.append(MotionStep(after, how, aground))
             if aground:
@@ -229,22 +222,16 @@ class ShipFilter:
             now = after
         return taken
 
-    def believed(self, now: Normal, readings: Mapping[str, Any], monitor: DriftMonitor) -> Believed:
-        """Return the state by readings of one moment."""
-        return self.recursion.believed(now, readings, monitor)
-
     def monitor(self) -> DriftMonitor:
-        """Return a monitor that has heard nothing."""
         return DriftMonitor(self.recursion.size, self.considered)
 
 
-def usual_step(model: Model) -> float:
+def default_step(model: Model) -> float:
     """Return the longest step of a motion that is followed [s]."""
     return math.sqrt(model.configuration.ship.length / GRAVITY) / STEPS_A_PERIOD
 
 
-def parted(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
-    """Return sensors by the names of their readings, and what is known of the rudder."""
+def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
     if isinstance(sensors, str) or not isinstance(sensors, Sequence):
         raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
     indicators = [sensor for sensor in sensors if isinstance(sensor, RudderIndicator)]
@@ -264,14 +251,3 @@ def parted(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
     if not names:
         raise InputError("an estimator without a sensor knows nothing; give Gnss, Gyro and Log at least")
     return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)
-
-
-# From the first readings to a state: place, heading and speed are read, the rest is believed.
-# What there must be to start from, and what it is called.
-NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
-
-# Of finding midship from an antenna.
-ROUNDS = 6
-
-# A difference of heading [rad] for a derivative.
-SMALL_TURN = 1e-4

@@ -18,28 +18,22 @@ from narrows.simulation.steering import PARAMETER, steering_of
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# Of an actuator whose position is known: it is where it was indicated to be.
-NO_LIMIT = 1e9
 RUDDER = "rudder"
-AFFINE = 1e-9
 
 
 @dataclass(frozen=True)
-class Follower:
+class PrescribedActuators:
     """The law of actuators whose positions are told."""
 
     names: tuple[str, ...]  # Of the actuators
 
     def parameters(self) -> dict[str, float]:
-        """Return where each is at the end of a step."""
         return {f"next_{name}": 0.0 for name in self.names}
 
     def memory(self, start: Any) -> dict[str, Number]:
-        """Return nothing."""
         return {}
 
     def orders(self, at: Any) -> tuple[dict[str, Number], dict[str, Number]]:
-        """Return where each is told to be."""
         return {name: getattr(at, f"next_{name}") for name in self.names}, {}
 
 
@@ -58,7 +52,7 @@ class ShipLanes:
         terms = self.ship.model.terms
         self.actuators = tuple(actuator.name for actuator in self.ship.actuators)
         self.silent = {term.name: 0.0 for term in terms.terms if term.from_bank}
-        steering = steering_of(Follower(self.actuators), self.ship.actuators) if self.actuators else None
+        steering = steering_of(PrescribedActuators(self.actuators), self.ship.actuators) if self.actuators else None
         self._run = KernelRun(self.ship, 1.0, 1.0, steering=steering, waterway=self.waterway)
         self.prepared = self._laid_out(1.0)
         kernel = self.prepared.kernel
@@ -77,7 +71,8 @@ class ShipLanes:
         if self.coefficients is not None:
             numbers = dict(zip(model.terms.names, self.coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
-        limits = {f"{name}_{of}": NO_LIMIT for name in self.actuators for of in ("limit", "rate")}
+        # An actuator whose position is indicated is there: no limit and no rate hold it back.
+        limits = {f"{name}_{of}": 1e9 for name in self.actuators for of in ("limit", "rate")}
         law = {PARAMETER(f"next_{name}"): np.zeros(self.lanes) for name in self.actuators}
         start: dict[str, Any] = dict.fromkeys((*START, *INPUTS), 0.0)
         return {**start, "u": 1.0, **numbers, **limits, **law}
@@ -91,14 +86,13 @@ class ShipLanes:
         if not self.silent:
             return full, np.zeros_like(full)
         none, double = self._laid_out(0.0).vessel_inputs, self._laid_out(2.0).vessel_inputs
-        size = np.abs(full) + np.abs(none)
-        if not (np.abs(double - 2 * full + none) <= AFFINE * size).all():
+        # A lane's inputs are a sum of both, whatever its strength, if they are affine in it.
+        if not (np.abs(double - 2 * full + none) <= 1e-9 * (np.abs(full) + np.abs(none))).all():
             raise InputError("the bank's terms of this model hold accelerations, so its strength cannot be estimated")
         return none, full - none
 
     def bend(self, x: float) -> float:
         """Return the curvature of the line at a place [1/m]."""
-        # x [m]
         if self._water is None or self.waterway is None:
             return 0.0
         cells = len(self._water)
@@ -106,11 +100,10 @@ class ShipLanes:
         first, rise = self._water[int(place), 2 * COLUMNS.index("curvature") :][:2]
         return float(first + (place - int(place)) * rise)
 
-    def moved(
+    def advance(
         self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray, columns: np.ndarray | None = None
     ) -> np.ndarray:
-        """Return the states a while later, (lanes, states)."""
-        # points (lanes, states); duration [s]; start, end (actuators,); columns (lanes, inputs)
+        """Move states (lanes, states) on, with actuators from start to end (actuators,) and inputs (lanes, inputs)."""
         # A current that differs from the waterway's carries the ship half before and half after the water's motion.
         after = points.copy()
         self._drift(after, duration / 2)
@@ -168,7 +161,6 @@ class ShipLanes:
 
     def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
         """Return the inputs of lanes of other coefficients, (lanes, inputs)."""
-        # coefficients (lanes, coefficients); bank (lanes,)
         model = self.ship.model
         numbers = dict(zip(model.terms.names, coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
@@ -182,7 +174,6 @@ class ShipLanes:
 
 def directions(covariance: np.ndarray | None) -> np.ndarray:
     """Return a root of the coefficients' covariance, (coefficients, k), without what is certain."""
-    # covariance (n, n)
     if covariance is None:
         return np.zeros((0, 0))
     size = np.sqrt(np.diag(covariance))
@@ -194,6 +185,5 @@ def directions(covariance: np.ndarray | None) -> np.ndarray:
 
 def lanes_of_directions(middle: np.ndarray, root: np.ndarray, distance: np.ndarray, others: int) -> np.ndarray:
     """Return coefficients of the lanes of sigma points, (1 + 2 (k + others), coefficients)."""
-    # middle (coefficients,); root (coefficients, k); distance (k,)
     steps = np.concatenate([root.T * distance[:, None], np.zeros((others, len(middle)))])
     return np.concatenate([middle[None], middle + steps, middle - steps])

@@ -10,28 +10,23 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.estimation.records import Records
 from narrows.estimation.recursion import DriftMonitor
+from narrows.estimation.settings import SAME_TIME
 from narrows.estimation.ship_filter import ShipFilter
-from narrows.estimation.unscented import Normal, Transformed
-
-SAME = 1e-9
+from narrows.estimation.unscented import Gaussian, Transformed
 
 
 class Smoothed(NamedTuple):
-    """States by everything that was measured."""
-
     mean: np.ndarray  # (times, states) Estimates; NaN before there was anything to start from
     covariance: np.ndarray  # (times, states, states) Of their errors
-    # (times,) Where a sensor's reading was refused, and where its readings leaned to one side
-    refused: dict[str, np.ndarray]
-    # (times,) Where a sensor's reading was refused, and where its readings leaned to one side
-    suspected: dict[str, np.ndarray]
+    refused: dict[str, np.ndarray]  # (times,) Where a sensor's reading was refused
+    suspected: dict[str, np.ndarray]  # (times,) Where a sensor's innovations had a bias
     resets: tuple[float, ...]  # Where the estimate lay in a bank and began anew [s]
 
 
 class _Chain:
     """A run of the filter without a break: its stages, and which of their starts are times of the records."""
 
-    def __init__(self, first: Normal) -> None:
+    def __init__(self, first: Gaussian) -> None:
         self.stages: list[Stage] = []
         self.now = first
         self.asked: list[tuple[int, int]] = []
@@ -71,8 +66,7 @@ class _Pass:
 
     def position(self, t: float) -> np.ndarray:
         """Indicated positions at a time, straight between the rows."""
-        columns = [np.interp(t, self.records.t, column) for column in self.positions.T]
-        return np.array(columns)
+        return np.array([np.interp(t, self.records.t, column) for column in self.positions.T])
 
     def events(self) -> list[tuple[float, dict[str, tuple[int, np.ndarray]], int]]:
         """Times in order, what was measured at each (with its row), and the row that asks for the state there or -1."""
@@ -90,14 +84,14 @@ class _Pass:
         chain: _Chain | None = None
         last = math.nan
         for t, told, row in self.events():
-            if chain is not None and t - last > SAME and not self._moved(chain, last, t):
+            if chain is not None and t - last > SAME_TIME and not self._moved(chain, last, t):
                 self.resets.append(t)
                 chain, self.start, self.monitor = None, self.filter.start(), self.filter.monitor()
             if chain is None:
                 self.start.readings.update({name: tuple(reading) for name, (_, reading) in told.items()})
                 if self.start.lacking:
                     continue
-                chain = _Chain(self.filter.begun(self.start))
+                chain = _Chain(self.filter.begin(self.start))
                 chains.append(chain)
             elif told:
                 self._corrected(chain, told, self.monitor)
@@ -118,7 +112,7 @@ class _Pass:
 
     def _corrected(self, chain: _Chain, told: dict[str, tuple[int, np.ndarray]], monitor: DriftMonitor) -> None:
         readings = {name: tuple(reading.tolist()) for name, (_, reading) in told.items()}
-        believed = self.filter.believed(chain.now, readings, monitor)
+        believed = self.filter.recursion.update(chain.now, readings, monitor)
         chain.now = believed.normal
         for flags, names in ((self.refused, believed.refused), (self.suspected, believed.suspects)):
             for name in names:
@@ -134,18 +128,17 @@ def _held(column: np.ndarray | None, rest: float, count: int) -> np.ndarray:
     return np.where(latest >= 0, column[latest], rest)
 
 
-# The fixed-interval smoother: each state by all that was measured before and after it. References ---------- Rauch,
-# Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems. Sarkka (2008), Unscented Rauch-
-# Tung-Striebel smoother.
+# Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems. Sarkka (2008), Unscented
+# Rauch-Tung-Striebel smoother.
 class Stage(NamedTuple):
     """A step of the filter, as the smoother asks for it."""
 
-    before: Normal  # The state by what was measured until then
+    before: Gaussian  # The state by what was measured until then
     moved: Transformed  # What the motion made of it
-    after: Normal  # The state after the motion, before what was measured there
+    after: Gaussian  # The state after the motion, before what was measured there
 
 
-def smoothed(stages: Sequence[Stage], last: Normal) -> list[tuple[np.ndarray, np.ndarray]]:
+def smoothed(stages: Sequence[Stage], last: Gaussian) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return means and covariances at the start of each stage and at the end of the last."""
     mean, covariance = last.mean, last.covariance
     found = [(mean, covariance)]

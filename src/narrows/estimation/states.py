@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.errors import InputError
+from narrows.estimation.settings import REFERENCE_LENGTH
 
 MOTION_STATES = ("x", "y", "psi", "u", "v", "r")
 
@@ -36,16 +37,13 @@ class StateNames:
     names: tuple[str, ...]  # Some of ``STATES``, those of the motion first
 
     def __len__(self) -> int:
-        """How many."""
         return len(self.names)
 
     def __contains__(self, name: str) -> bool:
-        """Whether a state is estimated."""
         return name in self.names
 
     @cached_property
     def places(self) -> dict[str, int]:
-        """Where each stands."""
         return {name: place for place, name in enumerate(self.names)}
 
     def vector(self, values: dict[str, float]) -> np.ndarray:
@@ -73,13 +71,7 @@ class Columns:
         self.curvature = curvature
 
 
-# What the model does not tell: how fast the motion wanders from it, and what is believed before any measurement.
-# Of the ship [m] whose numbers stand below; other ships' follow by Froude's law.
-REFERENCE_LENGTH = 230.0
-
-
 def _check(numbers: object) -> None:
-    """Raise InputError where a standard deviation is none."""
     for field in fields(numbers):  # type: ignore[arg-type]
         value = getattr(numbers, field.name)
         if not (math.isfinite(value) and value >= 0.0):
@@ -140,7 +132,6 @@ class ProcessNoise:
         )  # fmt: skip
 
     def by_state(self) -> dict[str, float]:
-        """Return it by the names of states."""
         walks = {"u": self.surge, "v": self.sway, "r": self.yaw, "bank": self.bank, "current": self.current}
         walks |= {"current_across": self.current_across, "rudder_bias": self.rudder_bias}
         return {**walks, "heading_bias": self.heading_bias, "x": 0.0, "y": 0.0, "psi": 0.0}

@@ -11,20 +11,13 @@ from narrows.codegen.choices import WATER
 from narrows.control.predictive.line_frame import water_ahead
 from narrows.errors import InputError
 from narrows.estimation.sensor import Sensor
-from narrows.estimation.ship_filter import STEPS_A_PERIOD, ShipFilter, usual_step
+from narrows.estimation.settings import REFERENCE_LENGTH, STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
+from narrows.estimation.ship_filter import ShipFilter, default_step
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
 from narrows.simulation.steering import SEEN
-
-# Standard deviations of the start's place [m of a ship of 230 m] and heading [rad].
-SPREAD_OF_START = (3.0, math.radians(1.0))
-# Of the root of length over gravity, for which the rudder is put over to one side.
-SIDE_TIME = 8.0
-
-# That lanes have inputs of their own.
-LEAST_LANES = 2
 
 
 @dataclass(frozen=True)
@@ -40,8 +33,6 @@ class Twins:
 
 @dataclass
 class _Fleet:
-    """Twins on their way."""
-
     filter: ShipFilter
     law: ControlLaw | None
     count: int
@@ -55,7 +46,7 @@ class _Fleet:
         self.walks = np.array([filter.noise.by_state()[name] for name in filter.states.names])
         gear = filter.model.configuration.gear
         self.limit, self.rate = gear.limit, gear.rate
-        self.side = SIDE_TIME * STEPS_A_PERIOD * usual_step(filter.model)
+        self.side = TWIN_SIDE_TIME * STEPS_A_PERIOD * default_step(filter.model)
         self.ahead = water_ahead(filter.model, filter.waterway)
 
     def water(self, name: str, x: np.ndarray) -> np.ndarray:
@@ -65,22 +56,16 @@ class _Fleet:
     def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
         """Draw where the twins begin."""
         filter, draw = self.filter, self.random.standard_normal
-        prior, scale = filter.prior, math.sqrt(filter.model.configuration.ship.length / 230.0)
+        prior, scale = filter.prior, math.sqrt(filter.model.configuration.ship.length / REFERENCE_LENGTH)
         means = {"x": x, "y": y, "psi": psi, "u": u, "bank": 1.0}
         means |= {"current": filter.waterway.current if filter.waterway else 0.0}
-        spreads = {"y": SPREAD_OF_START[0] * scale**2, "psi": SPREAD_OF_START[1], "v": prior.sway, "r": prior.yaw_rate}
-        spreads |= {
-            "bank": prior.bank,
-            "current": prior.current,
-            "current_across": prior.current_across,
-            **filter.biases,
-        }
-        names = filter.states.names
-        middle = filter.states.vector(means)
-        return np.array(middle + np.array([spreads.get(name, 0.0) for name in names]) * draw((self.count, len(names))))
+        spreads = {"y": TWIN_START_STD[0] * scale**2, "psi": TWIN_START_STD[1], "v": prior.sway, "r": prior.yaw_rate}
+        spreads |= {"bank": prior.bank, "current": prior.current, "current_across": prior.current_across}
+        spreads |= filter.biases
+        size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
+        return np.array(filter.states.vector(means) + size * draw((self.count, len(size))))
 
     def steered(self, states: np.ndarray, positions: np.ndarray, t: float, dt: float, memory: Any) -> tuple[Any, Any]:
-        """Return where the actuators are a step later."""
         after, names = positions.copy(), self.filter.actuators
         if self.law is None or RUDDER not in names:
             return after, memory
@@ -110,8 +95,7 @@ def sail_twins(
     drawn: bool, excitation: float, seed: int,
 ) -> Twins:  # fmt: skip
     """Sail ships by the model with the noise that the estimate expects."""
-    # start [m]; duration [s]; excitation [rad]
-    many = max(count, LEAST_LANES)
+    many = max(count, 2)  # One lane alone would share its inputs.
     random = np.random.default_rng(seed)
     fleet = _Fleet(filter, law, many, excitation, random, _coefficients(filter, many, drawn, seed))
     dt = min(sensor.period for sensor in filter.sensors.values())
@@ -146,7 +130,7 @@ def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray, dt: floa
         after, memory = fleet.steered(now, positions, float(t), dt, memory)
         for part in range(parts):
             here, there = (positions + share * (after - positions) for share in (part / parts, (part + 1) / parts))
-            now = lanes.moved(now, dt / parts, here, there)
+            now = lanes.advance(now, dt / parts, here, there)
             aground |= lanes.aground
             now = now + math.sqrt(dt / parts) * fleet.walks * fleet.random.standard_normal(now.shape)
         positions = after
@@ -175,6 +159,5 @@ def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) 
 
 
 def check_law(law: Any) -> None:
-    """Raise where what steers twins is no law."""
     if law is not None and not isinstance(law, ControlLaw):
         raise InputError(f"a {type(law).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot")

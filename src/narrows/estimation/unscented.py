@@ -16,16 +16,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
+from narrows.estimation.settings import CONSIDERED_DISTANCE, SQUARED_DISTANCE
 
-class Normal(NamedTuple):
-    """A normal distribution."""
 
+class Gaussian(NamedTuple):
     mean: np.ndarray  # (n,) Its mean
     root: np.ndarray  # (n, k) Root of its covariance
 
     @property
     def covariance(self) -> np.ndarray:
-        """The covariance, (n, n)."""
         return np.asarray(self.root @ self.root.T)
 
 
@@ -38,7 +37,7 @@ class Transformed(NamedTuple):
     centre: np.ndarray  # (m,) Of the central point, off the mean
 
 
-class Spread(NamedTuple):
+class SigmaPointWeights(NamedTuple):
     """How far the points lie from the mean and how they weigh."""
 
     distance: np.ndarray  # (k,) Of each pair, in standard deviations
@@ -49,7 +48,7 @@ class Spread(NamedTuple):
     considered: int
 
 
-def transformed(values: np.ndarray, spread: Spread) -> Transformed:
+def unscented_transform(values: np.ndarray, spread: SigmaPointWeights) -> Transformed:
     """Return mean and deviations of the values at sigma points."""
     # values (1 + 2 k, m)
     k = len(spread.distance)
@@ -60,19 +59,19 @@ def transformed(values: np.ndarray, spread: Spread) -> Transformed:
     return Transformed(first + shift, (ahead - behind) * spread.slope, bends, -shift)
 
 
-def linear(values: np.ndarray) -> Transformed:
+def linear_transform(values: np.ndarray) -> Transformed:
     """Return the same of a function without bends and offset, which needs no points on both sides."""
     # values (1 + k, m)
     none = np.zeros((0, values.shape[1]))
     return Transformed(values[0], values[1:], none, np.zeros(values.shape[1]))
 
 
-def predicted(
-    now: Normal, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: Spread
-) -> tuple[Normal, Transformed]:
+def predict(
+    now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: SigmaPointWeights
+) -> tuple[Gaussian, Transformed]:
     """Return the distribution after a motion, and how each column of the root was moved."""
     # noise (j, n)
-    after = transformed(move(sigma_points(now.mean, now.root, spread)), spread)
+    after = unscented_transform(move(sigma_points(now.mean, now.root, spread)), spread)
     p, centre = spread.considered, spread.centre
     parts = [after.slopes[p:], after.bends, noise]
     if centre > 0.0:
@@ -81,12 +80,11 @@ def predicted(
     if centre < 0.0:
         root = downdated_root(root, np.sqrt(-centre) * after.centre)
     root = np.concatenate([after.slopes[:p].T, root], axis=1) if p else root
-    return Normal(after.mean, root), after
+    return Gaussian(after.mean, root), after
 
 
-def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: Spread) -> np.ndarray:
+def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
     """Return the covariance of what is measured about what is expected, (m, m)."""
-    # sigma (m,)
     s, b, c = expected.slopes, expected.bends, expected.centre
     covariance = s.T @ s
     if len(b):
@@ -95,10 +93,10 @@ def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: Spre
     return np.asarray(covariance)
 
 
-def corrected(
-    now: Normal, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray, sigma: np.ndarray,
-    spread: Spread,
-) -> Normal:  # fmt: skip
+def update(
+    now: Gaussian, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray, sigma: np.ndarray,
+    spread: SigmaPointWeights,
+) -> Gaussian:  # fmt: skip
     """Return the distribution after a measurement; columns that are carried only are not corrected."""
     # innovation (m,); covariance (m, m); sigma (m,)
     # In Joseph's form, of which every part is a square: it stays a covariance whatever the gain.
@@ -116,35 +114,24 @@ def corrected(
     if curved and spread.centre < 0.0:
         root = downdated_root(root, np.sqrt(-spread.centre) * (gain @ expected.centre))
     root = np.concatenate([rest[:, :p], root], axis=1) if p else root
-    return Normal(now.mean + gain @ innovation, root)
+    return Gaussian(now.mean + gain @ innovation, root)
 
 
-# Sigma points: a few states that stand for a normal distribution, and how each weighs. References ---------- Julier
-# and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004), Sigma-point
-# Kalman filters for probabilistic inference in dynamic state-space models, chapter 3.
-ALPHA, BETA = 0.5, 2.0
-
-# Of the points from the mean, in variances: the fourth moment of a normal distribution is met.
-SQUARED_DISTANCE = 3.0
-
-# Standard deviations by which a coefficient is moved: so near that the difference is the derivative.
-CONSIDERED_DISTANCE = 0.1
-
-
-def spread_of(
-    size: int, considered: int = 0, alpha: float = ALPHA, beta: float = BETA, kappa: float | None = None
-) -> Spread:
-    """Return the spread of van der Merwe's scaled points."""
+# Julier and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004),
+# Sigma-point Kalman filters for probabilistic inference in dynamic state-space models, chapter 3.
+def sigma_point_weights(
+    size: int, considered: int = 0, alpha: float = 0.5, beta: float = 2.0, kappa: float | None = None
+) -> SigmaPointWeights:
+    """Return the weights of van der Merwe's scaled points."""
     squared = SQUARED_DISTANCE if kappa is None else alpha * alpha * (size + kappa)
     distance = np.concatenate([np.full(considered, CONSIDERED_DISTANCE), np.full(size, np.sqrt(squared))])
     mean = np.concatenate([np.zeros(considered), np.full(size, 0.5 / squared)])
     centre = 1.0 - size / squared + 1.0 - alpha * alpha + beta
-    return Spread(distance, mean, 0.5 / distance[:, None], centre, considered)
+    return SigmaPointWeights(distance, mean, 0.5 / distance[:, None], centre, considered)
 
 
-def sigma_points(mean: np.ndarray, root: np.ndarray, spread: Spread) -> np.ndarray:
+def sigma_points(mean: np.ndarray, root: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
     """Return the points, (1 + 2 k, n): the mean, then what lies ahead of it and behind it along each column."""
-    # mean (n,); root (n, k)
     pairs = len(spread.distance)
     points = np.empty((1 + 2 * pairs, len(mean)))
     steps = root.T * spread.distance[:, None]
@@ -154,9 +141,8 @@ def sigma_points(mean: np.ndarray, root: np.ndarray, spread: Spread) -> np.ndarr
     return points
 
 
-# Square roots of covariances: a covariance that is kept as its root stays symmetric and positive. A root L of a
-# covariance P is any matrix with L L^T = P. References ---------- van der Merwe and Wan (2001), The square-root
-# unscented Kalman filter for state and parameter estimation.
+# A covariance P that is kept as a root L, with L L^T = P, stays symmetric and positive.
+# van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
 @lru_cache(maxsize=64)
 def _upper(size: int) -> np.ndarray:
     return np.triu(np.ones((size, size)))
@@ -164,7 +150,6 @@ def _upper(size: int) -> np.ndarray:
 
 def triangular_root(rows: np.ndarray) -> np.ndarray:
     """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR."""
-    # rows (k, n)
     count, size = rows.shape
     if count < size:
         rows = np.vstack([rows, np.zeros((size - count, size))])
@@ -174,7 +159,6 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
 
 def downdated_root(root: np.ndarray, column: np.ndarray) -> np.ndarray:
     """Return the lower triangular root of L L^T - c c^T; where that is no covariance, L itself, which is too wide."""
-    # root (n, n); column (n,)
     inside, failed = lapack.dtrtrs(root, column, lower=1)
     left = 1.0 - float(inside @ inside)
     if failed or not left > 0.0:

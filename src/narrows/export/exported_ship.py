@@ -19,7 +19,7 @@ from narrows.errors import InputError
 from narrows.files import is_stream
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
-from narrows.simulation.march import NEAR_THE_BANK
+from narrows.simulation.settings import NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
 

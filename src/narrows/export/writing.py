@@ -191,14 +191,14 @@ def write_fmu(
     """
     from narrows.export.exported_ship import ExportedShip
     from narrows.export.fmu import builds_here, fmu_bytes
-    from narrows.simulation.departure import usual_voyage
+    from narrows.simulation.departure import voyage_defaults
 
     form_of(path, (".fmu",))
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
     if contact == OPEN:
         raise InputError("an FMU tells the clearance from the banks, and contact 'none' has none; choose 'corners'")
-    ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), usual_voyage(model, u)
+    ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), voyage_defaults(model, u)
     speed, step = usual.speed if u is None else u, usual.dt if dt is None else dt
     finite_numbers(u=speed, dt=step)
     if not step > 0:

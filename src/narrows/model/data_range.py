@@ -16,14 +16,11 @@ SLACK = 0.01
 
 
 class Measure(NamedTuple):
-    """How a range is spoken of."""
-
     words: str  # What it is
     unit: str  # To print it in; nothing where it has none
     scale: float = 1.0  # How many of that unit one of its own is [1]
 
     def shown(self, low: float, high: float) -> str:
-        """Return a range in words."""
         ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
         return " ".join([" to ".join(ends), self.unit]).rstrip()
 

@@ -180,14 +180,11 @@ def scale_model(
 
 @dataclass(frozen=True)
 class Units:
-    """A unit of mass, of length and of time."""
-
     mass: float  # One unit of mass [kg]
     length: float  # One unit of length [m]
     time: float  # One unit of time [s]
 
     def factor(self, dimension: Dimension) -> float:
-        """Return one unit of a quantity of some dimension, in SI."""
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
 
 
@@ -297,7 +294,6 @@ SYSTEMS = get_args(System)
 
 def units_of(configuration: Configuration, system: System, speed: float | None = None) -> Units:
     """Return the units of a nondimensional system."""
-    # speed [m/s]
     # SNAME (1950), Nomenclature for treating the motion of a submerged body through a fluid; Norrbin (1970) for bis.
     ship, density = configuration.ship, configuration.water.density
     if system not in SYSTEMS:
@@ -372,7 +368,6 @@ def name_at_scale(name: str, ratio: float) -> str:
 
 
 def _scale(known: re.Match[str]) -> float:
-    """How many times smaller than the ship."""
     return float(known["smaller"] or 1.0) / float(known["larger"] or 1.0)
 
 

@@ -130,5 +130,4 @@ def published(name: str | None = None) -> "Model | list[str]":
 
 
 def model_named(name: str) -> Model:
-    """Return a model by its file, or by the name of a paper's model."""
     return load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)

@@ -65,7 +65,6 @@ def _without_none(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, Any]:
-    """Return the fields of a ``Model``, by name, of the sections of its file."""
     actuators = terms.actuators if terms else ()
     parts = (*PARTS, *actuator_sections(actuators))
     _check_sections(tables, parts)

@@ -70,7 +70,6 @@ class DepthCorrected(Shown):
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
     """Return the factor of a coefficient over deep water at a depth [1]."""
-    # depth [m]
     values = {**configuration.values(), "depth": depth}
     return float(law.factor(*[values[word] for word in asked_by(law.factor)]))
 

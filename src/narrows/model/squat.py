@@ -138,7 +138,6 @@ class Squat(Shown):
 
 def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
     """Return what validity is stated in: froude, blockage, depth_to_draft, block_coefficient [1]."""
-    # speed [m/s]
     ship, canal = configuration.ship, configuration.canal
     if canal.depth is None:
         raise InputError("[canal] depth is not given, and squat needs it; add it in metres")

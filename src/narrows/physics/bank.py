@@ -11,7 +11,7 @@ def suction(
     pressure: Number, u: Number, heave: Number, length: Number, draft: Number, block_coefficient: Number,
     density: Number,
 ) -> Number:  # fmt: skip
-    """Sway force of the bank [N] per unit coefficient, 1/2 C_B rho L (T0 + z) u_w^2 times a pressure parameter.
+    """Sway force of the bank [N] per unit coefficient and pressure parameter.
 
     The paper leaves u_w open: here it is the surge velocity through the water.
 

@@ -6,7 +6,7 @@ from narrows.quantities.names import GRAVITY, Number
 
 
 def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
-    """Midship hull clearance to the starboard bank [m], y_s = (W/2 - y) sec|psi| - B/2; to port, y_p, that of -y.
+    """Midship clearance to starboard [m], y_s. To port: y_p(y) = y_s(-y).
 
     Source: Mikkelsen et al. (2025), eq. (clearance_w_heading).
     """
@@ -41,10 +41,7 @@ def taper(y: Number, width: Number) -> Number:
 
 
 def tapered_delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
-    """Pressure difference delta [1], fading in the boundary layer of a wall.
-
-    Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
-    """
+    """Delta [1], fading in the boundary layer. Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun)."""
     return taper(y, width) * delta(y, cos_psi, width, beam)
 
 
@@ -62,10 +59,7 @@ def bank_distance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Nu
 def shallow_bank_distance(
     y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number
 ) -> Number:
-    """Bank parameter y_B times T/(h - T), draft over under-keel clearance [1].
-
-    Source: form of Vantorre et al. (2003).
-    """
+    """Parameter y_B times draft over under-keel clearance [1]. Source: form of Vantorre et al. (2003)."""
     return bank_distance(y, cos_psi, width, beam) * draft / (depth - draft)
 
 
@@ -91,8 +85,5 @@ def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draf
 
 
 def shallow_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number) -> Number:
-    """Pressure difference delta times T/(h - T), draft over under-keel clearance [1].
-
-    Source: ours, after the depth factor of Vantorre et al. (2003).
-    """
+    """Delta times draft over under-keel clearance [1]. Source: the depth factor of Vantorre et al. (2003)."""
     return delta(y, cos_psi, width, beam) * draft / (depth - draft)

@@ -6,28 +6,19 @@ from narrows.quantities.names import Number
 
 
 def speed(u: Number, v: Number) -> Number:
-    """Whole speed through the water [m/s], (u^2 + v^2)^(1/2).
-
-    Source: definition.
-    """
+    """Whole speed through the water [m/s], (u^2 + v^2)^(1/2). Source: definition."""
     return (u * u + v * v) ** 0.5
 
 
 def drift(u: Number, v: Number) -> Number:
-    """Angle of drift [rad], arctan(-v/u), by a fraction of arithmetic: to 4e-6 at 30 degrees, 2e-4 at 45.
-
-    Source: definition; the fraction is Pade's.
-    """
+    """Drift angle [rad], arctan(-v/u) to 4e-6 at 30 degrees and 2e-4 at 45. Source: Pade approximant."""
     slope = -v / u
     square = slope * slope
     return slope * (945 + square * (735 + 64 * square)) / (945 + square * (1050 + 225 * square))
 
 
 def scale_force(length: Number, draft: Number, density: Number) -> Number:
-    """What makes the method's forces numbers [kg/m], 1/2 rho L d.
-
-    Source: Yasukawa and Yoshimura (2015).
-    """
+    """What makes the method's forces numbers [kg/m], 1/2 rho L d. Source: Yasukawa and Yoshimura (2015)."""
     return 0.5 * density * length * draft
 
 
@@ -45,11 +36,9 @@ class HullPower:
 
     @property
     def name(self) -> str:
-        """What it is called in print."""
         return f"hull_v{self.sway}_r{self.yaw}"
 
     def __call__(self, u: Number, v: Number, r: Number, length: Number, draft: Number, density: Number) -> Number:
-        """Evaluate it."""
         force = self.sign * scale_force(length, draft, density) * length ** (self.yaw + self.lever)
         for factor, power in ((v, self.sway), (r, self.yaw)):
             force = force * factor**power if power else force
@@ -58,64 +47,40 @@ class HullPower:
 
 
 def rigid_surge(udot: Number, v: Number, r: Number, mass: Number, x_g: Number) -> Number:
-    """Surge force on the rig of the ship's own mass [N], -m (udot - v r - x_G r^2).
-
-    Source: Newton, about midship.
-    """
+    """Surge force on the rig of the ship's own mass [N], -m (udot - v r - x_G r^2). Source: Newton, about midship."""
     return -mass * (udot - v * r - x_g * r * r)
 
 
 def rigid_sway(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x_g: Number) -> Number:
-    """Sway force on the rig of the ship's own mass [N], -m (vdot + u r + x_G rdot).
-
-    Source: Newton, about midship.
-    """
+    """Sway force on the rig of the ship's own mass [N], -m (vdot + u r + x_G rdot). Source: Newton, about midship."""
     return -mass * (vdot + u * r + x_g * rdot)
 
 
 def rigid_yaw(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x_g: Number, inertia: Number) -> Number:
-    """Yaw moment on the rig of the ship's own mass [N m], -I_z rdot - m x_G (vdot + u r).
-
-    Source: Newton, about midship.
-    """
+    """Yaw moment on the rig of the ship's own mass [N m]. Source: Newton, about midship."""
     return -inertia * rdot - mass * x_g * (vdot + u * r)
 
 
 def added_surge(udot: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Surge force of the added mass in surge per unit m_x' [N], -1/2 rho L^2 d udot.
-
-    Source: Yasukawa and Yoshimura (2015), eq. (4).
-    """
+    """Surge force of the added mass in surge per unit m_x' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
     return -scale_force(length, draft, density) * length * udot
 
 
 def added_surge_turning(u: Number, r: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Sway force of the added mass in surge per unit m_x' [N], -1/2 rho L^2 d u r.
-
-    Source: Yasukawa and Yoshimura (2015), eq. (4).
-    """
+    """Sway force of the added mass in surge per unit m_x' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
     return -scale_force(length, draft, density) * length * u * r
 
 
 def added_sway(vdot: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Sway force of the added mass in sway per unit m_y' [N], -1/2 rho L^2 d vdot.
-
-    Source: Yasukawa and Yoshimura (2015), eq. (4).
-    """
+    """Sway force of the added mass in sway per unit m_y' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
     return -scale_force(length, draft, density) * length * vdot
 
 
 def added_sway_turning(v: Number, r: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Surge force of the added mass in sway per unit m_y' [N], 1/2 rho L^2 d v r.
-
-    Source: Yasukawa and Yoshimura (2015), eq. (4).
-    """
+    """Surge force of the added mass in sway per unit m_y' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
     return scale_force(length, draft, density) * length * v * r
 
 
 def added_yaw(rdot: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Yaw moment of the added inertia per unit J_z' [N m], -1/2 rho L^4 d rdot.
-
-    Source: Yasukawa and Yoshimura (2015), eq. (4).
-    """
+    """Yaw moment of the added inertia per unit J_z' [N m]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
     return -scale_force(length, draft, density) * length**3 * rdot

@@ -4,18 +4,12 @@ from narrows.quantities.names import Number
 
 
 def surge_inertia(udot: Number) -> Number:
-    """Regressor of the mass in surge [m/s2], X = -a_udot udot.
-
-    Source: Mikkelsen et al. (2025), eq. (mass_inertia_x).
-    """
+    """Regressor of the mass in surge [m/s2]. Source: Mikkelsen et al. (2025), eq. (mass_inertia_x)."""
     return -udot
 
 
 def sway_inertia(vdot: Number) -> Number:
-    """Regressor of the mass in sway [m/s2], Y = -b_vdot vdot and N = -c_vdot vdot.
-
-    Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y) and (mass_inertia_z).
-    """
+    """Regressor [m/s2] of the mass in sway. Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y, mass_inertia_z)."""
     return -vdot
 
 
@@ -24,6 +18,6 @@ def yaw_inertia(rdot: Number) -> Number:
 
     The paper once prints + for the latter; its regression matrix and the physics have -.
 
-    Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y) and (mass_inertia_z).
+    Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y, mass_inertia_z).
     """
     return -rdot

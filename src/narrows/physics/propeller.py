@@ -36,7 +36,7 @@ def inflow(at: PropellerQuantities) -> Number:
 
     ``(1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1)``, C_2 by the side of beta_P = beta - x_P' r'.
 
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    Source: Yasukawa and Yoshimura (2015).
     """
     angle = drift(at.u, at.v) - at.propeller_position * at.r * at.length / speed(at.u, at.v)
     turned = 1 - math.e ** (-at.propeller_wake_rate * abs(angle))
@@ -49,17 +49,13 @@ def inflow(at: PropellerQuantities) -> Number:
 def loading(at: PropellerQuantities) -> Number:
     """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2 with K_T = k_0 + k_1 J + k_2 J^2.
 
-    Written without J, which has no end where the propeller stands.
-
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    Source: Yasukawa and Yoshimura (2015).
     """
+    # Written without J, which is infinite where the propeller stands still.
     tip, coming = at.revolutions * at.propeller_diameter, inflow(at)
     return at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
 
 
 def thrust(at: PropellerQuantities) -> Number:
-    """Surge force of the propeller per unit of 1 - t_P [N], rho n^2 D^4 K_T.
-
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-    """
+    """Surge force of the propeller per unit of 1 - t_P [N], rho n^2 D^4 K_T. Source: Yasukawa and Yoshimura (2015)."""
     return at.density * at.propeller_diameter * at.propeller_diameter * loading(at)

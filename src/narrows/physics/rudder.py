@@ -34,10 +34,7 @@ def helm_surge(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Surge force [N] of the rudder per unit coefficient, -1/2 rho A U_R (u sin delta - v_R cos delta) sin delta.
-
-    Source: form of Yasukawa and Yoshimura (2015), the MMG standard method.
-    """
+    """Surge force [N] of the rudder per unit coefficient. Source: form of Yasukawa and Yoshimura (2015)."""
     across = _across(v, r, length, flow_straightening)
     return -_pressure(length, draft, density) * _normal(u, across, cos_rudder, sin_rudder) * sin_rudder
 
@@ -46,9 +43,9 @@ def helm_sway(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Sway force [N] that turning the rudder adds per unit coefficient: to port for a turn to starboard.
+    """Sway force [N] that turning the rudder adds, per unit.
 
-    Source: form of Yasukawa and Yoshimura (2015), the MMG standard method, less its value with the rudder amidships.
+    Source: form of Yasukawa and Yoshimura (2015), less its value amidships.
     """
     across = _across(v, r, length, flow_straightening)
     turned = _normal(u, across, cos_rudder, sin_rudder) * cos_rudder
@@ -59,9 +56,9 @@ def helm_yaw(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Yaw moment [N m] that turning the rudder adds per unit coefficient, -L times the sway force.
+    """Yaw moment [N m] that turning the rudder adds, per unit.
 
-    Source: form of Yasukawa and Yoshimura (2015), the MMG standard method, less its value with the rudder amidships.
+    Source: form of Yasukawa and Yoshimura (2015), less its value amidships.
     """
     return -length * helm_sway(u, v, r, cos_rudder, sin_rudder, length, draft, flow_straightening, density)
 
@@ -87,7 +84,7 @@ def along(at: RudderQuantities) -> Number:
 
     u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2).
 
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    Source: Yasukawa and Yoshimura (2015).
     """
     coming = inflow(at)
     # A propeller that drags slows its slipstream down, to nothing at most.
@@ -103,7 +100,7 @@ def across(at: RudderQuantities) -> Number:
 
     beta_R = beta - l_R' r'.
 
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
+    Source: Yasukawa and Yoshimura (2015).
     """
     whole = speed(at.u, at.v)
     angle = drift(at.u, at.v) - at.rudder_position * at.r * at.length / whole
@@ -113,34 +110,22 @@ def across(at: RudderQuantities) -> Number:
 
 
 def normal_force(at: RudderQuantities) -> Number:
-    """Normal force of the rudder [N], 1/2 rho A_R f_alpha U_R (u_R sin delta - v_R cos delta).
-
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-    """
+    """Normal force of the rudder [N], F_N. Source: Yasukawa and Yoshimura (2015)."""
     forward, sideways = along(at), across(at)
     lift = 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
     return lift * (forward * at.sin_rudder - sideways * at.cos_rudder)
 
 
 def rudder_surge(at: RudderQuantities) -> Number:
-    """Surge force of the rudder per unit of 1 - t_R [N], -F_N sin delta.
-
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-    """
+    """Surge force of the rudder per unit of 1 - t_R [N], -F_N sin delta. Source: Yasukawa and Yoshimura (2015)."""
     return -normal_force(at) * at.sin_rudder
 
 
 def rudder_sway(at: RudderQuantities) -> Number:
-    """Sway force of the rudder per unit of 1 + a_H [N], -F_N cos delta.
-
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-    """
+    """Sway force of the rudder per unit of 1 + a_H [N], -F_N cos delta. Source: Yasukawa and Yoshimura (2015)."""
     return -normal_force(at) * at.cos_rudder
 
 
 def rudder_yaw(at: RudderQuantities) -> Number:
-    """Yaw moment of the rudder per unit of -(x_R' + a_H x_H') [N m], L F_N cos delta.
-
-    Source: Yasukawa and Yoshimura (2015), the MMG standard method.
-    """
+    """Yaw moment of the rudder per unit of -(x_R' + a_H x_H') [N m]. Source: Yasukawa and Yoshimura (2015)."""
     return at.length * normal_force(at) * at.cos_rudder

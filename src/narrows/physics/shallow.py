@@ -9,25 +9,18 @@ def _factor(share: Number, power: Number) -> Number:
 
 
 def kijima_drift_force(beam: Number, draft: Number, block_coefficient: Number, depth: Number) -> Number:
-    """Factor on the sway force of drift [1], 1/(1 - T/h)^n - T/h with n = 0.40 C_B B/T.
-
-    Source: Kijima et al. (1990).
-    """
+    """Factor on the sway force of drift [1]. Source: Kijima et al. (1990)."""
     return _factor(draft / depth, 0.40 * block_coefficient * beam / draft)
 
 
 def kijima_drift_moment(beam: Number, draft: Number, block_coefficient: Number, depth: Number) -> Number:
-    """Factor on the yaw moment of drift [1], 1/(1 - T/h)^n - T/h with n = 0.425 C_B B/T.
-
-    The exponent is from memory and not verified against the text.
-
-    Source: form of Kijima et al. (1990).
-    """
+    """Factor on the yaw moment of drift [1]. Source: form of Kijima et al. (1990)."""
+    # The exponent is not verified against the text.
     return _factor(draft / depth, 0.425 * block_coefficient * beam / draft)
 
 
 def kijima_yaw_moment(length: Number, draft: Number, depth: Number) -> Number:
-    """Factor on the yaw moment of turning [1], 1/(1 - T/h)^n - T/h with n = 1.5 - 14.28 T/L.
+    """Factor on the yaw moment of turning [1].
 
     Source: Kijima et al. (1990), as printed: the exponent falls as the draft grows.
     """

@@ -9,15 +9,12 @@ MIDSHIP_SECTION = 0.98
 
 
 def depth_froude(u: Number, depth: Number) -> Number:
-    """Depth Froude number [1], u/(g h)^(1/2).
-
-    Source: definition.
-    """
+    """Depth Froude number [1], u/(g h)^(1/2). Source: definition."""
     return u / (GRAVITY * depth) ** 0.5
 
 
 def blockage(beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Share of the canal's section that the ship takes [1], S = 0.98 B T/(W h).
+    """Share of the canal's section that the ship takes [1], S.
 
     Source: definition; 0.98 for the midship section as PIANC uses it.
     """
@@ -36,10 +33,7 @@ def _tuck(u: Number, depth: Number) -> Number:
 
 
 def icorels(u: Number, length: Number, beam: Number, draft: Number, block_coefficient: Number, depth: Number) -> Number:
-    """Bow sinkage [m] in water without banks, C_S V/L^2 F^2/(1 - F^2)^(1/2); C_S is 1.7, 2.0 or 2.4 by C_B.
-
-    Source: ICORELS (1980), as reviewed by PIANC.
-    """
+    """Bow sinkage [m] in water without banks. Source: ICORELS (1980), as reviewed by PIANC."""
     fullness = 1.7 if block_coefficient < 0.7 else 2.0 if block_coefficient < 0.8 else 2.4
     return fullness * _slender(length, beam, draft, block_coefficient) * _tuck(u, depth)
 
@@ -47,20 +41,14 @@ def icorels(u: Number, length: Number, beam: Number, draft: Number, block_coeffi
 def huuska(
     u: Number, length: Number, beam: Number, draft: Number, block_coefficient: Number, width: Number, depth: Number
 ) -> Number:
-    """Bow sinkage [m] in a canal, 2.4 V/L^2 F^2/(1 - F^2)^(1/2) K_s, K_s = 7.45 S + 0.76, and 1 where S <= 0.03.
-
-    Source: Huuska (1976) with Guliev's factor for a canal, as reviewed by PIANC.
-    """
+    """Bow sinkage [m] in a canal. Source: Huuska (1976) with Guliev's factor for a canal, as reviewed by PIANC."""
     share = blockage(beam, draft, width, depth)
     narrow = 7.45 * share + 0.76 if share > 0.03 else 1.0
     return 2.4 * _slender(length, beam, draft, block_coefficient) * _tuck(u, depth) * narrow
 
 
 def barrass(u: Number, beam: Number, draft: Number, block_coefficient: Number, width: Number, depth: Number) -> Number:
-    """Largest sinkage [m] in a canal, K C_B V^2/100 with V in knots, K = 5.74 S^0.76, and 1 where S < 0.10.
-
-    Source: Barrass (2004), Ship design and performance for masters and mates.
-    """
+    """Largest sinkage [m] in a canal. Source: Barrass (2004), Ship design and performance for masters and mates."""
     share = blockage(beam, draft, width, depth)
     narrow = 5.74 * share**0.76 if share >= 0.10 else 1.0
     return narrow * block_coefficient * (u / KNOT) ** 2 / 100
@@ -69,20 +57,14 @@ def barrass(u: Number, beam: Number, draft: Number, block_coefficient: Number, w
 def tuck_midship(
     u: Number, length: Number, beam: Number, draft: Number, block_coefficient: Number, depth: Number
 ) -> Number:
-    """Midship sinkage [m] in water without banks, 1.4 V/L^2 F^2/(1 - F^2)^(1/2).
-
-    Source: Tuck (1966) with Hooft's (1974) coefficient.
-    """
+    """Midship sinkage [m] in water without banks. Source: Tuck (1966) with Hooft's (1974) coefficient."""
     return 1.4 * _slender(length, beam, draft, block_coefficient) * _tuck(u, depth)
 
 
 def tuck_bow(
     u: Number, length: Number, beam: Number, draft: Number, block_coefficient: Number, depth: Number
 ) -> Number:
-    """Bow sinkage [m] in water without banks, 1.46 V/L^2 q + L/2 sin(V/L^3 q), q = F^2/(1 - F^2)^(1/2).
-
-    Source: Tuck (1966) with Hooft's (1974) coefficients.
-    """
+    """Bow sinkage [m] in water without banks. Source: Tuck (1966) with Hooft's (1974) coefficients."""
     q, slender = _tuck(u, depth), _slender(length, beam, draft, block_coefficient)
     return 1.46 * slender * q + length / 2 * _small_sine(slender / length * q)
 

@@ -19,12 +19,10 @@ COLUMNS: dict[str, Callable[..., Any]] = {
 
 
 def minimum(one: Number, other: Number) -> Number:
-    """Return the lesser of two numbers."""
     return _evaluated("minimum", one, other)
 
 
 def maximum(one: Number, other: Number) -> Number:
-    """Return the greater of two numbers."""
     return _evaluated("maximum", one, other)
 
 

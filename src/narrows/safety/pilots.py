@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from narrows.control.regulator import LEAD, UNWINDING
 from narrows.control.regulator_law import FELT, HeldLine, Regulator
+from narrows.control.settings import LEAD_TIME, UNWINDING_TIME
 from narrows.control.stacked_regulators import Tightness, stacked_gains
 from narrows.control.track_pilot import FELT as TRACKED
 from narrows.control.track_pilot import track_gains
@@ -118,7 +118,7 @@ def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any],
     time = ship.model.configuration.ship.length / np.asarray(made_for)
     one, two, three, four, five, six = gains
     line = HeldLine(held["y"], (one, two, three, four, five, six), held["rudder"], held["psi"], held["v"])
-    return Regulator((line,), made_for, LEAD * time, UNWINDING * time)
+    return Regulator((line,), made_for, LEAD_TIME * time, UNWINDING_TIME * time)
 
 
 # Degrees, of which whole ones are made up.

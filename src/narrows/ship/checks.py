@@ -22,8 +22,6 @@ POSITIVE = (
 
 
 class Rule(NamedTuple):
-    """What some particulars must be."""
-
     asks: tuple[str, ...]  # Their names
     # Whether it is so, of numbers or of columns in the order of the names; false of what is no number
     right: Callable[..., Any]
@@ -74,7 +72,6 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
 
 
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
-    """Raise where numbers or columns break a rule."""
     asked = {name: values[name] for name in rule.asks}
     _check(rule.right(*asked.values()), rule.sentence, asked, places)
 

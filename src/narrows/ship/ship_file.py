@@ -64,7 +64,6 @@ def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part
 
 
 def load_toml(path: str | Path) -> dict[str, Any]:
-    """Load a TOML file, or say in one sentence why it cannot be."""
     with reading(path, "valid TOML"):
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 

@@ -15,47 +15,35 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.ship.particulars import Ship
+from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
 
 if TYPE_CHECKING:
     from narrows.waterway.centreline import Centreline
     from narrows.waterway.table import WaterwayTable
     from narrows.waterway.waterway import Waterway
 
-# Beyond this size of heading [rad] a ship lies across the canal and the model says nothing.
-HEADING_LIMIT = math.radians(85)
-# Surge or sway velocity [m/s] and yaw rate [rad/s] that no ship has.
-SPEED_LIMIT, RATE_LIMIT = 100.0, 10.0
-# Cosine that no heading has: in open water none lies across.
-NO_LIMIT = -2.0
-
 
 @dataclass(frozen=True)
 class Channel:
-    """What the equations ask for of where a ship sails."""
-
     inputs: Mapping[str, Number]  # By the names of the lines
     water: WaterTable  # The table of a waterway, its nodes, and the hull that meets its banks
-    start: float = -math.inf  # Along the line: where it begins, and how far it goes; infinite in a straight canal [m]
-    length: float = math.inf  # Along the line: where it begins, and how far it goes; infinite in a straight canal [m]
+    start: float = -math.inf  # Where the line begins; infinite in a straight canal [m]
+    length: float = math.inf  # How far the line goes; infinite in a straight canal [m]
 
 
 def limits_of(contact: str | Outline | int) -> dict[str, float]:
-    """Return what ends a voyage beside a bank and time."""
-    least = NO_LIMIT if contact == OPEN else math.cos(HEADING_LIMIT)
+    # In open water no heading lies across: no cosine is below -2.
+    least = -2.0 if contact == OPEN else math.cos(HEADING_LIMIT)
     return {"least_cos": least, "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT}
 
 
 def straight_channel(values: Mapping[str, Number], contact: str | Outline) -> Channel:
-    """Return the model's own canal, without end."""
-    # values [m]; contact [m]
     half = values["width"] / 2
     walls = {name: values.get(name, half) for name in ("wall_starboard", "wall_port")}
     return Channel({**hull_inputs(values, contact), **walls, **limits_of(contact)}, NOWHERE)
 
 
 def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -> Channel:
-    """Return a waterway as a table."""
-    # contact [m]
     from narrows.waterway.table import STEPS_A_BEAM
 
     ship = model.configuration.ship
@@ -101,8 +89,6 @@ def _tabulated(
 
 
 def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:
-    """Return the hull as the rule of contact asks for it."""
-    # values [m]; contact [m]
     inputs = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
     if isinstance(contact, str):
         return inputs
@@ -112,7 +98,6 @@ def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[st
 
 def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
     """Return the hull's outline, convex and in order [m]."""
-    # contact [m]
     a, b = ship.length / 2, ship.beam / 2
     if isinstance(contact, str):
         return [(a, b), (-a, b), (-a, -b), (a, -b)]
@@ -124,7 +109,6 @@ def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
 
 def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
     """Raise where an outline lies inside the beam, so that the suction would end infinite before the hull touches."""
-    # contact [m]
     if isinstance(contact, str):
         return
     from scipy.spatial import QhullError

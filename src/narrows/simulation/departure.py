@@ -17,6 +17,13 @@ from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
 from narrows.simulation.march import March, near_the_bank
+from narrows.simulation.settings import (
+    DEFAULT_FROUDE,
+    DEFAULT_LENGTHS,
+    DEFAULT_OFFSET,
+    DEFAULT_SHARE_OF_CHOKING,
+    DEFAULT_STEPS_A_LENGTH,
+)
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
 
@@ -25,18 +32,18 @@ if TYPE_CHECKING:
 
 POSE = ("x", "y", "psi", "u", "v", "r")
 
-# The shortest step [s], to see whether one can be taken: in none at all what moves without a limit would go 0 times
-# infinity.
-INSTANT = math.ulp(0.0)
-
 
 def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None:
-    """Raise where a position is of no actuator of the model."""
     known = [actuator.name for actuator in ship.actuators]
     for name in positions:
         if name not in known:
-            if meant := _meant(name, known):
-                raise InputError(f"a voyage knows no {name!r}; write {meant}")
+            stem = name.removesuffix("_deg")
+            in_degrees = stem != name and stem in {*POSE, *known, "rudder"}
+            meant = next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), "")
+            if in_degrees or meant:
+                raise InputError(
+                    f"a voyage knows no {name!r}; write {f'{stem}=np.radians(...)' if in_degrees else meant}"
+                )
             hint = did_you_mean(name, known) if known else "; it has none"
             raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
 
@@ -48,14 +55,6 @@ ELSEWHERE = {
     "r": ("r0",), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta", "rudder_angle"),
     "y=..., u=..., psi=...": ("initial", "state", "start", "initial_state"),
 }  # fmt: skip
-
-
-def _meant(name: str, known: list[str]) -> str:
-    """What to write for a name that other libraries use, or for an angle in degrees; nothing where none is meant."""
-    stem = name.removesuffix("_deg")
-    if stem != name and stem in {*POSE, *known, "rudder"}:
-        return f"{stem}=np.radians(...)"
-    return next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), "")
 
 
 def departure(
@@ -103,69 +102,45 @@ def _check_afloat(march: March, start: tuple[float, ...]) -> None:
     room, _ = march.room(start)
     if room < 0 or (room == 0 and start[0] != march.channel.start):
         raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
-    if not all(map(math.isfinite, march.stepped(start, INSTANT)[0])):
+    # The shortest step: in none at all, what moves without a limit would go 0 times infinity.
+    if not all(map(math.isfinite, march.stepped(start, math.ulp(0.0))[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
 
 
-# What plays a part in a voyage: what would change nothing is refused, for whoever gives it means something by it.
-OF_THE_HULL = ("length", "beam", "width")
-
-# What a Coriolis force asks for.
-OF_THE_BODY = ("mass", "inertia", "x_g")
-
-# What changes nothing where it is 0, whatever the model.
-NOTHING_AT_REST = ("X", "rudder", "heave")
-
-
-def check_felt(ship: SimulatedShip, asked: Mapping[str, Any]) -> None:
-    """Raise where something is given that changes nothing."""
+def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
+    """Raise where an argument changes nothing: whoever gives it means something by it."""
     terms = ship.model.terms
-    felt = {*START, *PUSHED, *terms.inputs, *terms.names, *OF_THE_HULL, *places_of(terms.actuators)}
-    felt |= {actuator.name for actuator in terms.actuators} | (set(OF_THE_BODY) if ship.coriolis else set())
-    felt -= {"X"} if ship.surge == "held" else set()
-    for name, value in asked.items():
-        if name not in felt and not (name in NOTHING_AT_REST and not np.any(value)):
+    relevant = {*START, *PUSHED, *terms.inputs, *terms.names, "length", "beam", "width", *places_of(terms.actuators)}
+    relevant |= {actuator.name for actuator in terms.actuators}
+    relevant |= {"mass", "inertia", "x_g"} if ship.coriolis else set()
+    relevant -= {"X"} if ship.surge == "held" else set()
+    for name, value in given.items():
+        is_zero = name in ("X", "rudder", "heave") and not np.any(value)
+        if name not in relevant and not is_zero:
             remedy = "give surge='free', or leave it out" if name == "X" else "leave it out"
             why = "the speed is held" if name == "X" else "no term of this model feels it"
             raise InputError(f"{name} changes nothing here: {why}; {remedy}")
 
 
-# What a voyage takes where nothing is said: a speed, a time, a step and offsets that suit the size of the ship.
-# Of the speed, over the ship's length.
-FROUDE = 0.16
-
-# Of the speed that chokes the canal, which is not passed.
-OF_CHOKING = 0.7
-
-# Ship lengths of a voyage, and steps in each.
-LENGTHS, STEPS_A_LENGTH = 15.0, 200.0
-
-# Of the way from the middle to where the side of the hull meets a bank.
-ASIDE = 0.78
-
-
-class UsualVoyage(NamedTuple):
-    """What suits a ship."""
-
+class VoyageDefaults(NamedTuple):
     speed: float  # Within what the tests covered, and below choking [m/s]
-    duration: float  # Of fifteen ship lengths [s]
-    dt: float  # Of a two hundredth of a ship length [s]
-    offset: float  # Farthest off the middle where a map starts [m]
+    duration: float  # Longest time [s]
+    dt: float  # Time step [s]
+    offset: float  # Farthest off the centreline where a map starts [m]
 
 
-def usual_voyage(model: Model, speed: float | None = None) -> UsualVoyage:
+def voyage_defaults(model: Model, speed: float | None = None) -> VoyageDefaults:
     """Return what suits the ship of a model in its canal, each to two digits."""
-    # speed [m/s]
     ship, canal = model.configuration.ship, model.configuration.canal
-    u = _speed(model) if speed is None else abs(speed) or _speed(model)
-    pace = ship.length / u
-    offset = max(canal.width - ship.beam, 0.0) / 2 * ASIDE
-    return UsualVoyage(*(float(f"{value:.2g}") for value in (u, LENGTHS * pace, pace / STEPS_A_LENGTH, offset)))
+    u = abs(speed or 0.0) or _default_speed(model)
+    passing = ship.length / u
+    offset = max(canal.width - ship.beam, 0.0) / 2 * DEFAULT_OFFSET
+    values = (u, DEFAULT_LENGTHS * passing, passing / DEFAULT_STEPS_A_LENGTH, offset)
+    return VoyageDefaults(*(float(f"{value:.2g}") for value in values))
 
 
-def _speed(model: Model) -> float:
-    ship, known = model.configuration.ship, model.data_range.speed
-    low, high = known or (0.0, math.inf)
-    most = OF_CHOKING * choke_speed(model.configuration) if model.configuration.canal.depth else math.inf
-    return min(max(FROUDE * math.sqrt(GRAVITY * ship.length), low), high, most)
+def _default_speed(model: Model) -> float:
+    low, high = model.data_range.speed or (0.0, math.inf)
+    most = DEFAULT_SHARE_OF_CHOKING * choke_speed(model.configuration) if model.configuration.canal.depth else math.inf
+    return min(max(DEFAULT_FROUDE * math.sqrt(GRAVITY * model.configuration.ship.length), low), high, most)

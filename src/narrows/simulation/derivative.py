@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.free_motion import INPUTS, STATE, Surge
-from narrows.codegen.free_motion import INPUTS as PUSHES
 from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
@@ -20,8 +19,6 @@ from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     import pandas as pd
-
-OF_SHIP = ("surge", "surge_inertia", "coriolis")
 
 
 def derivative(
@@ -97,7 +94,7 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
         Where the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
     """
     numbers = state_of(state)
-    options = {name: given.pop(name) for name in OF_SHIP if name in given}
+    options = {name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
     pushes = {INPUTS[force]: given.pop(force, 0.0) for force in FORCES}
     ship = SimulatedShip(model, **options)
     check_positions(given, ship)
@@ -112,8 +109,6 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
 
 
 def state_of(state: Any) -> dict[str, Number]:
-    """Return a state by names, in their order."""
-    # state [m]
     if isinstance(state, Mapping):
         for name in state:
             if name not in POSE:
@@ -124,7 +119,6 @@ def state_of(state: Any) -> dict[str, Number]:
     return dict(zip(POSE, state, strict=True))
 
 
-# The motion about a state as matrices with names: what control and stability start from.
 @dataclass(frozen=True, repr=False, eq=False)
 class Jacobian(Shown):
     """Derivatives of the rates of x, y, psi, u, v, r at a state, exact.
@@ -230,7 +224,7 @@ def jacobian(
     check_positions(positions, ship)
     state = state_of((x, y, psi, u, v, r))
     numbers = finite_numbers(**state, X=X, Y=Y, N=N, **positions)
-    pushes = {PUSHES[force]: numbers[force] for force in FORCES}
+    pushes = {INPUTS[force]: numbers[force] for force in FORCES}
     values = {**ship.values(**positions), **pushes}
     linear = ship.linearisation(values)
     at = {**state, **pushes, **{own.name: values.get(own.name, 0.0) for own in ship.actuators}}

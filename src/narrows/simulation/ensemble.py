@@ -4,23 +4,21 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import xarray as xr
 
 from narrows.codegen.free_motion import OPEN, Surge
-from narrows.errors import InputError, path_of
+from narrows.errors import InputError, check_choice, path_of
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.progress import bar
-from narrows.simulation.departure import check_felt
+from narrows.simulation.departure import check_irrelevant
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.inputs import (
-    MOST_STEPS,
     Contact,
     Precision,
-    check_precision,
     check_steps,
     check_vessels,
     check_waterway,
@@ -28,6 +26,7 @@ from narrows.simulation.inputs import (
 )
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.outcome import Code
+from narrows.simulation.settings import BLOCK_VESSELS, MOST_STEPS, STEP_CHECK_VOYAGES, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
 from narrows.simulation.store import attributes_of, empty_of
@@ -35,13 +34,6 @@ from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-# Voyages at a time: a fraction of a second's work, so that bars move and Ctrl-C is heard.
-BLOCK_VESSELS = 65_536
-
-OF_THE_WATERWAY = ("width", "depth")
-
-OF_THE_TABLE = ("length", "beam", "draft")
 
 
 def ensemble(
@@ -107,11 +99,11 @@ def ensemble(
     duration, dt = check_steps(duration, dt, MOST_STEPS)
     check_workers(workers)
     check_waterway(waterway)
-    check_precision(precision)
+    check_choice("precision", precision, get_args(Precision))
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     steering = steering_of(controller, ship.actuators)
     plain = grid_of(model, vary, samples, seed)
-    check_felt(ship, vary)
+    check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})
     check_vessels(grid.vessels, stored=store is not None)
     run = KernelRun(ship, duration, dt, precision, steering, waterway)
@@ -123,7 +115,9 @@ def ensemble(
     elif client is not None:  # One that is none is refused here too.
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
     else:
-        voyages = _labelled(grid, *_run_here(run, grid, workers, progress))
+        kept, complete = _run_here(run, grid, workers, progress)
+        data = {name: (list(grid.sizes), column, attributes_of(name)) for name, column in kept.items()}
+        voyages = xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})
     grounded = (voyages["outcome"] == Code.GROUNDED).assign_attrs(long_name="whether it grounded")
     return voyages.assign(grounded=grounded).assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
 
@@ -131,9 +125,9 @@ def ensemble(
 def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:
     if run.waterway is None:
         return
-    for name in (*OF_THE_WATERWAY, *OF_THE_TABLE):
+    for name in ("width", "depth", "length", "beam", "draft"):
         if name in vary:
-            where = "comes from the waterway" if name in OF_THE_WATERWAY else "is built into the waterway's table"
+            where = "comes from the waterway" if name in ("width", "depth") else "is built into the waterway's table"
             raise InputError(f"{name} {where}, so it cannot vary in one; leave it out")
     length, x = run.waterway.line.length, grid.values["x"]
     if not ((x >= 0) & (x < length)).all():
@@ -155,35 +149,23 @@ def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -
     return kept, True
 
 
-def _labelled(grid: Grid, kept: Result, complete: bool) -> xr.Dataset:
-    data = {name: (list(grid.sizes), column, attributes_of(name)) for name, column in kept.items()}
-    return xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})
-
-
-# What an ensemble says of itself, as single voyages do: a step too long, data left, time that ran out.
-# Voyages that are sailed again at half the step.
-TAKEN_AGAIN = 64
-
-# Of the beam, by which the place of an end may move without a word.
-COARSE = 0.02
-
-
 def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
-    """Say what voyages rest on that their numbers do not show."""
     model = run.ship.model
     varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
     bank = () if run.ship.shape == OPEN or (varied and not model.feels_bank) else model.bank_notes
     coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # Who interrupts wants no more sailed.
-    return (*bank, *coarse, *_diverged(voyages), *_beyond(model.data_range, grid, voyages))
+    share = float((voyages["outcome"] == Code.DIVERGED).mean())
+    lost = f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients."
+    return (*bank, *coarse, *((lost,) if share else ()), *_beyond(model.data_range, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     """A sample retaken at half the step, and the share of it that changed."""
-    places = np.unique(np.linspace(0, grid.vessels - 1, TAKEN_AGAIN).round().astype(int))
+    places = np.unique(np.linspace(0, grid.vessels - 1, STEP_CHECK_VOYAGES).round().astype(int))
     first = {name: _picked(voyages[name], grid, places) for name in ("outcome", "side", "distance", "y_end")}
     values = {name: _picked(value, grid, places) for name, value in grid.values.items()}
     again = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1)
-    far = COARSE * run.ship.model.configuration.ship.beam
+    far = STEP_ERROR_LIMIT * run.ship.model.configuration.ship.beam
     same_end = (again["outcome"] == first["outcome"]) & (again["side"] == first["side"])
     moved = np.hypot(again["distance"] - first["distance"], again["y_end"] - first["y_end"])
     changed = ~same_end | (moved > far)
@@ -191,7 +173,7 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
         return ()
     return (
         f"A time step of {float(np.max(run.dt)):g} s is too long for {changed.mean():.0%} of these voyages: at half of "
-        f"it they end otherwise, or more than {COARSE:.0%} of the beam off; shorten it.",
+        f"it they end otherwise, or more than {STEP_ERROR_LIMIT:.0%} of the beam off; shorten it.",
     )
 
 
@@ -204,15 +186,7 @@ def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
     return np.broadcast_to(cut.to_numpy(), len(places))
 
 
-def _diverged(voyages: xr.Dataset) -> tuple[str, ...]:
-    share = float((voyages["outcome"] == Code.DIVERGED).mean())
-    if not share:
-        return ()
-    return (f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients.",)
-
-
 def _beyond(known: DataRange, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
-    """In what some voyages begin or end outside the data of the model."""
     values: Mapping[str, xr.DataArray] = grid.values
     asked = {
         "speed": (values["u"], voyages["u_end"], "m/s", "a surge velocity"),
@@ -227,9 +201,6 @@ def _beyond(known: DataRange, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...
         out = known.outside(name, first) | known.outside(name, last)
         share = float(out.broadcast_like(voyages["outcome"]).mean())
         if share and math.isfinite(share):
-            low, high = covered
-            notes.append(
-                f"{share:.1%} of these voyages begin or end with {word} outside the data ({low:.3g} to "
-                f"{high:.3g} {unit})."
-            )
+            data = f"({covered[0]:.3g} to {covered[1]:.3g} {unit})"
+            notes.append(f"{share:.1%} of these voyages begin or end with {word} outside the data {data}.")
     return tuple(notes)

@@ -14,7 +14,8 @@ from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.checks import Rule, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import INPUTS, START, STEADY
-from narrows.terms.term import Term, TermTable
+from narrows.simulation.settings import MOST_SAMPLES
+from narrows.terms.term import TermTable
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,6 @@ class Grid:
 
     @property
     def vessels(self) -> int:
-        """How many voyages."""
         return math.prod(self.sizes.values())
 
     @property
@@ -55,7 +55,6 @@ class Grid:
         return {name: self._flat(value, block, shape) for name, value in self.values.items()}, shape
 
     def coordinates(self) -> dict[str, xr.DataArray]:
-        """The labels of the dimensions."""
         return {
             str(name): coordinate
             for value in self.values.values()
@@ -74,7 +73,6 @@ class Grid:
 
 
 def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> Grid:
-    """Lay out an ensemble."""
     movers, machinery = model.terms.actuators, particulars_with(model.terms.actuators)
     names = {*machinery, *(actuator.name for actuator in (*STANDARD, *movers))}
     particulars = {name: value for name, value in model.configuration.values().items() if name in names}
@@ -83,12 +81,16 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
     for name in vary:
         if name not in words:
             raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
-    check_samples(samples, seed)
+    check_count("samples", samples, most=MOST_SAMPLES)
+    check_count("seed", seed)
     places = file_places(movers)
-    columns = tied(model.terms, {name: labelled(name, value, places) for name, value in vary.items()})
+    columns = constrained(model.terms, {name: labelled(name, value, places) for name, value in vary.items()})
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
     values |= sampled(model, samples, seed) if samples else {}
-    return _grid(model, {**values, **columns}, columns)
+    values |= columns
+    sizes = sizes_of(values)
+    check_columns(model, values, columns)
+    return Grid(values, sizes or {"vessel": 1})
 
 
 def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
@@ -97,19 +99,10 @@ def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
     return Grid(values, sizes_of(values) or grid.sizes)
 
 
-def _grid(model: Model, values: Mapping[str, xr.DataArray], varied: Mapping[str, xr.DataArray]) -> Grid:
-    sizes = sizes_of(values)
-    check_columns(model, values, varied)
-    return Grid(values, sizes or {"vessel": 1})
-
-
-# What varies over an ensemble: read with its dimensions, tied where coefficients are one, held to every rule.
 Columns = Mapping[str, xr.DataArray]
 
 # Names of what comes out.
 TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
-
-NOWHERE: Mapping[str, str] = {}
 
 
 def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
@@ -117,7 +110,7 @@ def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
     return {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *actuators))
 
 
-def labelled(name: str, value: Any, places: Mapping[str, str] = NOWHERE) -> xr.DataArray:
+def labelled(name: str, value: Any, places: Mapping[str, str] | None = None) -> xr.DataArray:
     """Return a number, a sequence or a DataArray as a column of finite numbers with named dimensions."""
     array = value if isinstance(value, xr.DataArray) else _from_plain(name, value)
     if not array.size:
@@ -128,7 +121,7 @@ def labelled(name: str, value: Any, places: Mapping[str, str] = NOWHERE) -> xr.D
         if not isinstance(dimension, str) or dimension in TAKEN or array.dims.count(dimension) > 1:
             raise InputError(f"{name} has a dimension {shown(dimension)}, which cannot be one; name it otherwise")
     array = array.astype(float)
-    check_number(places.get(name, name), array)
+    check_number((places or {}).get(name, name), array)
     return array
 
 
@@ -154,7 +147,6 @@ def _floats(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def sizes_of(values: Columns) -> dict[str, int]:
-    """Return the length of each dimension."""
     try:
         aligned = xr.align(*(value for value in values.values() if value.dims), join="exact", copy=False)
     except (TypeError, ValueError) as error:
@@ -162,12 +154,12 @@ def sizes_of(values: Columns) -> dict[str, int]:
     return {str(name): size for value in aligned for name, size in value.sizes.items()}
 
 
-def tied(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
-    """Return what is given with each tied coefficient's partners, which are the same number."""
+def constrained(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
+    """Return what varies with the partners of each tied coefficient, which are the same number."""
     complete = dict(varied)
     for _ in terms.ties:  # A tie may lead to the next.
         for one, other in terms.ties:
-            if one in complete and other in complete and not _are_one(complete[one], complete[other]):
+            if one in complete and other in complete and not complete[one].variable.equals(complete[other].variable):
                 raise InputError(f"{one} and {other} are one coefficient of these terms; give one of them, not both")
             either = complete.get(one, complete.get(other))
             if either is not None:
@@ -175,42 +167,20 @@ def tied(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
     return complete
 
 
-def _are_one(one: xr.DataArray, other: xr.DataArray) -> bool:
-    return one.dims == other.dims and one.shape == other.shape and bool((one.to_numpy() == other.to_numpy()).all())
-
-
 def check_columns(model: Model, values: Columns, varied: Columns) -> None:
-    """Raise where particulars break a rule that a ship file must keep, or a coefficient leaves its bounds."""
     places = file_places(model.terms.actuators)
     check_particulars({name: value for name, value in values.items() if name in places}, places)
     for term in model.terms.terms:
-        if term.name in varied:
-            _check_bound(term, varied[term.name])
-
-
-def _check_bound(term: Term, value: xr.DataArray) -> None:
-    name, (low, high) = term.name, term.bound
-    sides = ((value >= low, f"below the {low:g}"), (value <= high, f"above the {high:g}"))
-    for right, side in sides:
-        rule = Rule((name,), lambda _, right=right: right, f"{{{name}}} is {side} that its term allows; keep to it")
-        check_rule(rule, {name: value}, {name: f"coefficient {name}"})
-
-
-# Samples of a model's coefficients from their covariance: tied ones together, correlated ones together, in bounds.
-# Over the coefficients, to bring samples back to their bounds.
-PASSES = 3
-
-MOST_SAMPLES = 10_000_000
-
-
-def check_samples(samples: object, seed: object) -> None:
-    """Raise where a number of samples or a seed is none."""
-    check_count("samples", samples, most=MOST_SAMPLES)
-    check_count("seed", seed)
+        name, (low, high) = term.name, term.bound
+        if name not in varied:
+            continue
+        value = varied[name]
+        for right, side in ((value >= low, f"below the {low:g}"), (value <= high, f"above the {high:g}")):
+            rule = Rule((name,), lambda _, right=right: right, f"{{{name}}} is {side} that its term allows; keep to it")
+            check_rule(rule, {name: value}, {name: f"coefficient {name}"})
 
 
 def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
-    """Draw coefficients from their covariance."""
     if model.covariance is None:
         raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or samples=0")
     names = model.terms.names
@@ -234,7 +204,7 @@ def correlated(covariance: np.ndarray, samples: int, seed: int | Sequence[int]) 
 
 def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Bring samples back to their bounds; what is correlated with a coefficient that moves, moves along."""
-    for _ in range(PASSES):
+    for _ in range(3):  # What moves along may leave its own bounds in turn.
         for k in np.flatnonzero(np.diag(covariance) > 0):
             shift = np.clip(sample[:, k], low[k], high[k]) - sample[:, k]
             if shift.any():

@@ -10,6 +10,7 @@ from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.quantities.names import Number
 from narrows.ship.checks import LARGEST
+from narrows.simulation.settings import MOST_EXTENT, MOST_IN_MEMORY, MOST_POINTS, MOST_STORED, MOST_WORKERS
 
 # State at the start, and what it is unless said otherwise.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
@@ -29,39 +30,19 @@ Precision = Literal["float64", "float32"]
 # A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first.
 Schedule = float | Sequence[Sequence[float]]
 
-# Steps of a voyage, which keeps each of them.
-MOST_ROWS = 5_000_000
 
-# Steps of each voyage of an ensemble, which keeps only its end.
-MOST_STEPS = 1_000_000_000
-
-# What a step takes at best [s].
-STEP_TIME = 1e-8
-
-MOST_WORKERS = 4096
-
-# Of an outline, which is a part of the program.
-MOST_POINTS = 1000
-
-# Voyages of an ensemble, some 60 bytes each.
-MOST_IN_MEMORY, MOST_STORED = 100_000_000, 100_000_000_000
-
-
-class Stretch(NamedTuple):
-    """A time over which the inputs are constant."""
-
-    start: float  # From when until when [s]
-    stop: float  # From when until when [s]
+class Segment(NamedTuple):
+    start: float  # [s]
+    stop: float  # [s]
     forces: tuple[float, float, float]  # Surge force, sway force, yaw moment [N, N, N m]
 
 
-def stretches(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Stretch]:
+def segments_of(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Segment]:
     """Cut a voyage where its inputs jump, so that no step reaches over a jump."""
-    # X, Y [N]; N [N m]; stop [s]
     tables = [_table(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
     jumps = sorted({0.0, *(t for times, _ in tables for t in times.tolist() if 0 < t < stop)})
     return [
-        Stretch(begin, end, (_value(tables[0], begin), _value(tables[1], begin), _value(tables[2], begin)))
+        Segment(begin, end, (_value(tables[0], begin), _value(tables[1], begin), _value(tables[2], begin)))
         for begin, end in zip(jumps, [*jumps[1:], stop], strict=True)
     ]
 
@@ -88,7 +69,6 @@ def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
 
 
 def finite_numbers(**values: object) -> dict[str, float]:
-    """Return arguments as finite floats."""
     return {name: _finite(name, value) for name, value in values.items()}
 
 
@@ -106,14 +86,13 @@ def _finite(name: str, value: Any) -> float:
 
 
 def check_steps(duration: object, dt: object, most: float) -> tuple[float, float]:
-    """Return a duration and a time step that can be taken [s]."""
     for name, value in (("duration", duration), ("dt", dt)):
         if _finite(name, value) <= 0:
             raise InputError(f"{name} = {shown(value)} must be a positive, finite number")
     longest, step = _finite("duration", duration), _finite("dt", dt)
     steps = longest / step
     if steps > most:
-        took = f"{steps * STEP_TIME:.2g} s" if steps < math.inf else "for ever"
+        took = f"{steps * 1e-8:.2g} s" if steps < math.inf else "for ever"  # A step takes 10 ns at best.
         raise InputError(
             f"duration = {longest:g} s in steps of dt = {step:g} s is {steps:.3g} steps, {took} at best, and more than "
             f"{most:.0g} are refused; lengthen dt or shorten the duration"
@@ -122,8 +101,6 @@ def check_steps(duration: object, dt: object, most: float) -> tuple[float, float
 
 
 def check_times(at: object, duration: object = None) -> list[float]:
-    """Return output times after the start [s]."""
-    # duration [s]
     try:
         times = list(at)  # type: ignore[call-overload]
     except (TypeError, ValueError):
@@ -137,18 +114,11 @@ def check_times(at: object, duration: object = None) -> list[float]:
 
 
 def check_workers(workers: object) -> None:
-    """Raise where a number of threads is none."""
     if workers is not None:
         check_count("workers", workers, 1, MOST_WORKERS)
 
 
-def check_precision(precision: object) -> None:
-    """Raise where a precision of ensembles is unknown."""
-    check_choice("precision", precision, get_args(Precision))
-
-
 def check_options(surge: object, surge_inertia: object, coriolis: object, contact: object) -> None:
-    """Raise where a choice of simulation is none."""
     check_choice("surge", surge, get_args(Surge))
     if surge_inertia is not None:
         finite_numbers(surge_inertia=surge_inertia)
@@ -160,20 +130,10 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
         raise InputError(f"coriolis = {shown(coriolis)}: give True or False")
     if isinstance(contact, str):
         check_choice("contact", contact, get_args(Contact))
-    else:
-        _check_outline(contact)
-
-
-def check_waterway(waterway: object) -> None:
-    """Raise where what should be a waterway is none."""
-    if waterway is not None and not hasattr(waterway, "line"):
-        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
-
-
-def _check_outline(contact: Any) -> None:
+        return
     try:
         points = np.asarray(contact)
-        finite = points.dtype.kind in "iufO" and bool((np.abs(points.astype(float)) < LARGEST).all())
+        finite = points.dtype.kind in "iufO" and bool((np.abs(points.astype(float)) < MOST_EXTENT).all())
     except (TypeError, ValueError, OverflowError):
         points, finite = np.empty(0), False
     if points.ndim != 2 or points.shape[1] != 2 or not 3 <= len(points) <= MOST_POINTS or not finite:
@@ -183,8 +143,12 @@ def _check_outline(contact: Any) -> None:
         )
 
 
+def check_waterway(waterway: object) -> None:
+    if waterway is not None and not hasattr(waterway, "line"):
+        raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
+
+
 def check_vessels(vessels: int, stored: bool) -> None:
-    """Raise where an ensemble holds more voyages than can be kept."""
     if not stored and vessels > MOST_IN_MEMORY:
         raise InputError(
             f"{vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"
@@ -193,9 +157,7 @@ def check_vessels(vessels: int, stored: bool) -> None:
         raise InputError(f"{vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
 
 
-# A heading from its cosine and sine, whole turns counted.
 def counted_heading(cosine: Number, sine: Number, near: Number) -> np.ndarray:
-    """Return the angle of a cosine and a sine that is nearest to another [rad]."""
-    # near [rad]
+    """Return the angle of a cosine and a sine that is nearest to another, which counts whole turns [rad]."""
     angle = np.arctan2(sine, cosine)
     return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

@@ -19,8 +19,9 @@ from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
-from narrows.simulation.march import CONTACT_TOLERANCE, NEAR_THE_BANK, March, Row, near_the_bank
+from narrows.simulation.march import March, Row, near_the_bank
 from narrows.simulation.outcome import Code
+from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
 
@@ -29,12 +30,10 @@ if TYPE_CHECKING:
 
 PUSH_END = "push_end"
 
-STATE_AT_END = ("y", "psi", "u", "v", "r")
-
 # What is kept of each voyage, and as what.
 OUTPUTS: dict[str, type] = {
     "outcome": np.int8, "side": np.int8, "time": np.float64, "distance": np.float64,
-    **{f"{name}_end": np.float64 for name in STATE_AT_END},
+    **{f"{name}_end": np.float64 for name in ("y", "psi", "u", "v", "r")},
 }  # fmt: skip
 
 Result = dict[str, np.ndarray]
@@ -47,10 +46,10 @@ COSINE = 2  # its place among what is kept of the state
 class ColumnRun:
     """Vessels laid out in columns; calling it sails them all, from ``start`` as it then stands."""
 
-    # Every vessel takes its step at once; whichever met something or ran out of sane numbers in it has that step
-    # judged alone, as in a single voyage.
+    # Without a compiler, as in a browser, all vessels take a step at once. A vessel that met something or whose numbers
+    # are no longer sane takes that step again alone, as in a single voyage.
 
-    system: System  # Whose lines
+    system: System  # Gives the lines
     inputs: Mapping[str, Any]  # (n,) Everything that its step asks for, by name
     start: np.ndarray  # (n, kept) What is kept from step to step, at the start
     times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
@@ -83,7 +82,6 @@ class ColumnRun:
         return taken
 
     def _stepped(self, vessels: np.ndarray, length: np.ndarray) -> np.ndarray:
-        """Take a step of some vessels, and return those that sail on."""
         functions, before = self.system.columns, self.end[vessels].T
         asked = {**self.inputs, LENGTH: length, SHARE: 1.0}
         inputs = [self._own(name, asked[name], vessels) for name in functions.STEP_INPUTS]
@@ -148,7 +146,7 @@ class ColumnRun:
         if fate == event.LOST:
             return Code.DIVERGED
         near = 10 * CONTACT_TOLERANCE
-        if state[COSINE] - march.inputs["least_cos"] <= near:
+        if state[2] - march.inputs["least_cos"] <= near:
             return Code.OUTSIDE
         if self.channel.length - state[0] <= near:
             return Code.PASSED
@@ -157,8 +155,6 @@ class ColumnRun:
 
 @dataclass(frozen=True)
 class KernelRun:
-    """How to run voyages."""
-
     ship: SimulatedShip  # The model and the choices of simulation
     duration: Any  # Longest time [s]
     dt: Any  # Step [s]
@@ -167,8 +163,6 @@ class KernelRun:
     waterway: "Waterway | None" = None  # Where the ships sail instead of the model's own canal
 
     def __post_init__(self) -> None:
-        if self.precision not in ("float64", "float32"):
-            raise InputError(f"precision {self.precision!r} is unknown; it is 'float64' or 'float32'")
         if self.precision == "float32" and self.waterway is not None:
             raise InputError("single precision cannot tell places along a waterway apart; leave precision at float64")
         if self.steering and self.steering.asked:
@@ -199,7 +193,6 @@ class KernelRun:
         return {**kept, **{f"{name}_end": ends[name] for name in ends if name not in ("x", "cos_psi", "sin_psi")}}
 
     def prepared(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> PreparedRun:
-        """Lay out voyages, to be sailed by a call."""
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
         start, times = self._start(system, values), self._times(vessels)
@@ -239,8 +232,8 @@ class KernelRun:
             channel = straight_channel(ship, self.ship.shape)
         else:
             channel = along_waterway(self.waterway, self.ship.model, self.ship.shape)
-        steering = self.steering.parameters if self.steering else {}
-        law = {name: ship.get(name, value) for name, value in steering.items()}
+        law = self.steering.parameters if self.steering else {}
+        law = {name: ship.get(name, value) for name, value in law.items()}
         return {**ship, **system.constants(ship), **channel.inputs, **law}, channel
 
     def _start(self, system: System, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -255,20 +248,15 @@ class KernelRun:
 
     @property
     def text(self) -> str:
-        """What tells this run from others, beside the values that vary."""
+        """What distinguishes this run from others, apart from the values that vary."""
         law = self.steering.law.tape.text if self.steering else ""
         options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact)
-        where = self._where()
-        return (
-            f"{self.ship.system().tape.text} {options!r} {law} {where} {sorted(self.ship.values().items(), key=str)!r}"
-        )
-
-    def _where(self) -> str:
-        """The waterway in as many letters as tell it from others."""
-        if self.waterway is None:
-            return ""
-        channel = along_waterway(self.waterway, self.ship.model, self.ship.shape)
-        return hashlib.sha256(channel.water.table.tobytes() + channel.water.track.tobytes()).hexdigest()
+        where = ""
+        if self.waterway is not None:
+            water = along_waterway(self.waterway, self.ship.model, self.ship.shape).water
+            where = hashlib.sha256(water.table.tobytes() + water.track.tobytes()).hexdigest()
+        values = sorted(self.ship.values().items(), key=str)
+        return f"{self.ship.system().tape.text} {options!r} {law} {where} {values!r}"
 
 
 def _vessel_inputs(system: System, inputs: Mapping[str, Any], steering: Steering | None) -> tuple[str, ...]:

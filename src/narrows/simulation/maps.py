@@ -52,7 +52,6 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
 
 
 def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
-    """Say in numbers and one sentence what a map holds."""
     outcome, side = voyages["outcome"].to_numpy(), voyages["side"].to_numpy()
     distance = grounding_distance(voyages).to_numpy()
     count = {code.name.lower(): int((outcome == code).sum()) for code in Code}

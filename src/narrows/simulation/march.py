@@ -11,24 +11,14 @@ from narrows.codegen.free_motion import MIDSHIP, OPEN
 from narrows.codegen.kernels import event
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
+from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK, STEP_CHECK_STEPS
 from narrows.simulation.steering import PARAMETER
 
 # What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
 
-# How near to contact the end is placed [m].
-CONTACT_TOLERANCE = 1e-9
-
-# Of the width: a hull that runs away so near a bank has met it, for at midship the suction ends infinite.
-NEAR_THE_BANK = 1e-3
-
-# What arithmetic of floats raises where a compiled one gives infinity or no number.
-WRONG = (ZeroDivisionError, OverflowError, ValueError)
-
 
 class Row(NamedTuple):
-    """A moment of a voyage."""
-
     t: float  # When [s]
     state: State  # What is kept from step to step
     ahead: float = 0.0  # Length of the step that begins here [s]
@@ -37,15 +27,11 @@ class Row(NamedTuple):
 
 
 class End(NamedTuple):
-    """How a march ended."""
-
     fate: int  # As ``event`` says
     lean: float  # How much more room there is to port than to starboard [m]
 
 
-class Try(NamedTuple):
-    """A step that is to be judged."""
-
+class StepAttempt(NamedTuple):
     row: Row  # Where it began
     after: State  # The state where it ended
     room: float  # There [m]
@@ -81,19 +67,17 @@ class March:
         self._track, self._outline = self.channel.water.track.tolist(), self.channel.water.outline.tolist()
 
     def set(self, **values: float) -> None:
-        """Change numbers that the step asks for."""
         for name, value in values.items():
             if name in self._names:
                 self._step_inputs[self._names.index(name)] = value
 
     def stepped(self, state: State, length: float, share: float = 1.0) -> tuple[State, float, float]:
         """Return the state after a step or a share of it, its room and its lean [m]."""
-        # length [s]
         inputs = self._step_inputs
         inputs[self._length], inputs[self._share] = length, share
         try:
             *after, room, lean = self.functions.step(self._table, *state, *inputs)
-        except WRONG:
+        except (ZeroDivisionError, OverflowError, ValueError):  # Compiled arithmetic gives infinity or NaN here.
             return (math.nan,) * self._count, math.nan, 0.0
         return tuple(after), room, lean
 
@@ -113,7 +97,6 @@ class March:
 
     def sane(self, state: State, room: float) -> bool:
         """Whether the numbers of a state are those of a ship; drawn to a bank that ends its voyage any speed is."""
-        # room [m]
         if self.choices.leaves and room <= self.near:
             return True
         u, v, r = state[4:7]
@@ -122,7 +105,6 @@ class March:
 
     def sail(self, rows: list[Row], stop: float, dt: float) -> End | None:
         """March from the last row to a time, or to what ends the voyage before; None where the time was reached."""
-        # stop [s]; dt [s]
         begun, state, *_ = rows.pop()
         book, within = planned(stop - begun, dt), False
         while book[event.COUNT] > 0:
@@ -146,7 +128,7 @@ class March:
         rows.append(Row(stop, state))
         return None
 
-    def _tried(self, rows: list[Row], row: Row, book: event.Book) -> "Try":
+    def _tried(self, rows: list[Row], row: Row, book: event.Book) -> StepAttempt:
         """Sail equal steps for as long as they are clear, and return the one that is to be judged."""
         trying, length, left = book[event.TRIES] > 0, book[event.NEXT], book[event.COUNT] - 1
         begun, state, leaves, done = row.t, row.state, self.choices.leaves, 0
@@ -162,12 +144,11 @@ class March:
             clear = sane and event.cleared(room, before, leaves) > 0
             if not clear or left <= 0 or trying:
                 before = self._from_banks(state)[0] if self._exact and (trying or not clear) else before
-                return Try(passed, after, room, lean, sane, before, left)
+                return StepAttempt(passed, after, room, lean, sane, before, left)
             rows.append(passed)
             state, before, left, done = after, room, left - 1, done + 1
 
     def _ask(self, t: float, state: State) -> None:
-        """Ask a controller of Python for its order, once at each time."""
         if self.order is None or t == self._asked:
             return
         self._asked = t
@@ -177,7 +158,6 @@ class March:
 
     def dense(self, rows: Sequence[Row], times: Sequence[float]) -> list[Row]:
         """Return the voyage at times of one's own, each by a share of the step that it lies in."""
-        # times [s]
         interpolated, index = [], 0
         for time in times:
             while index < len(rows) - 1 and rows[index + 1].t <= time:
@@ -193,7 +173,6 @@ class March:
 
 def planned(duration: float, dt: float) -> event.Book:
     """Return the book of a voyage of whole steps and a last, shorter one."""
-    # duration [s]; dt [s]
     count = math.floor(duration / dt + 1e-9)
     rest = duration - count * dt
     book = [0.0] * event.PLACES
@@ -203,30 +182,21 @@ def planned(duration: float, dt: float) -> event.Book:
 
 def near_the_bank(values: Mapping[str, Any]) -> float:
     """Return how near a bank a motion that runs away has met it [m]."""
-    # values [m]
     return NEAR_THE_BANK * float(values["width"])
-
-
-# Whether a time step was short enough: what one step errs by, told by two halves of it.
-# Steps of a voyage that are taken again.
-SAMPLES = 16
-
-# What a step of order 4 errs by, over its difference from two halves.
-ORDER_4 = 16 / 15
 
 
 def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
     """Estimate how far off a voyage's track is at its end for the length of its time step [m]."""
-    # dt [s]
-    # The error of a step is that of a few, taken again in two halves with the rudder held; steps add up, and what the
-    # motion itself makes of an error is left out.
+    # Richardson: some steps are taken again in two halves with the rudder held. Their errors add up over the voyage;
+    # what the motion itself makes of an error is left out.
     march.set(rudder_rate=0.0, revolutions_rate=0.0)
     whole = [row.state for row in rows[:-1] if row.ahead == dt]
-    errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // SAMPLES)]]
+    errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // STEP_CHECK_STEPS)]]
     return (rows[-1].t - rows[0].t) / dt * sum(errors) / max(len(errors), 1)
 
 
 def _step_error(march: March, state: tuple[float, ...], dt: float) -> float:
     whole = march.stepped(state, dt)[0]
     halves = march.stepped(march.stepped(state, dt / 2)[0], dt / 2)[0]
-    return ORDER_4 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])
+    # A step of order 4 errs by 16/15 of its difference from two halves.
+    return 16 / 15 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])

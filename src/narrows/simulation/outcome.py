@@ -106,8 +106,6 @@ KML = "http://www.opengis.net/kml/2.2"
 
 @dataclass(frozen=True)
 class Track:
-    """Where a ship was on earth."""
-
     t: np.ndarray  # (times,) Time [s]
     longitude: np.ndarray  # (times,) WGS84 [deg]
     latitude: np.ndarray  # (times,) WGS84 [deg]

@@ -4,11 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from narrows.codegen.free_motion import ACCELERATIONS
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.ship.motion import Motion
-
-ACCELERATIONS = ("udot", "vdot", "rdot")
 
 
 def accelerations(
@@ -38,7 +37,7 @@ def accelerations(
     """
     still = _forces(model, motion)
     shape = np.broadcast(*still, *forces).shape
-    columns = [_forces(model, motion, **{name: 1.0}) for name in ACCELERATIONS]
+    columns = [_forces(model, motion, **{name: 1.0}) for name in ACCELERATIONS.values()]
     matrix = np.empty((*shape, 3, 3))
     right = np.empty((*shape, 3))
     for i in range(3):
@@ -53,6 +52,6 @@ def accelerations(
 
 
 def _forces(model: Model, motion: Motion, **unit: float) -> list[Any]:
-    moving = {**motion.values(), **dict.fromkeys(ACCELERATIONS, 0.0), **unit}
+    moving = {**motion.values(), **dict.fromkeys(ACCELERATIONS.values(), 0.0), **unit}
     forces = model.forces(Motion(**moving))
     return [forces[force] for force in FORCES]

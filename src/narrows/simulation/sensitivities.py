@@ -19,7 +19,7 @@ from narrows.model.model import Model
 from narrows.results import Shown
 from narrows.simulation.departure import departure
 from narrows.simulation.inputs import INPUTS as PUSHED
-from narrows.simulation.inputs import START, finite_numbers, stretches
+from narrows.simulation.inputs import START, finite_numbers, segments_of
 from narrows.simulation.march import March
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, Steering, steering_of
@@ -179,12 +179,6 @@ def sensitivities(
     return Sensitivities(sailed, names, march.slopes(sailed.t), march.values, model)
 
 
-# A voyage sailed again with its tangent: which input of the lines moves with what is asked for.
-OPTIONS = ("surge", "surge_inertia", "coriolis", "contact")
-
-PUSH_MARGIN = 1e-9
-
-
 @dataclass(frozen=True)
 class TangentMarch:
     """A march, and the slopes of its start and of its inputs."""
@@ -200,9 +194,11 @@ class TangentMarch:
 
     @classmethod
     def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentMarch":
-        """Return the march of a voyage."""
         rest = dict(voyage)
-        ship = SimulatedShip(model, **{name: rest.pop(name) for name in OPTIONS if name in rest})
+        ship = SimulatedShip(
+            model,
+            **{name: rest.pop(name) for name in ("surge", "surge_inertia", "coriolis", "contact") if name in rest},
+        )
         steering, waterway = steering_of(rest.pop("controller", None), ship.actuators), rest.pop("waterway", None)
         if steering and steering.asked:
             raise InputError(
@@ -299,8 +295,9 @@ class TangentMarch:
         kept = tape.replay(symbols, sympy.Float, FUNCTIONS)
         return {MEMORY(name): moved(sympy.sympify(value)) for name, value in kept.items()}
 
+    @cached_property
     def input_slopes(self) -> dict[str, np.ndarray]:
-        """Return the slopes of the inputs of the lines that move, by name, each (by,)."""
+        """The slopes of the inputs of the lines that move, by name, each (by,)."""
         parameters = {name: self._unit(name) for name in self.by}
         for actuator in self.ship.actuators:
             if actuator.angle and actuator.name not in self.march.choices.kept:
@@ -315,18 +312,14 @@ class TangentMarch:
 
     def slopes(self, times: np.ndarray) -> np.ndarray:
         """Return the derivatives of x, y, psi, u, v, r at the times of the voyage, (times, 6, by)."""
-        # times (times,) [s]
-        kept, slopes = self._marched(np.asarray(times, float))
+        pushed = dict(zip(INPUTS.values(), self._pushes(times).T, strict=True))
+        whole, lengths = np.array([0, len(times) - 1]), np.diff(times)
+        kept, slopes = self.segments(np.array([self.start]), self.start_slopes()[None], whole, pushed, lengths)
         names = self.march.choices.kept
         column = {name: slopes[:, i] for i, name in enumerate(names)}
         state = dict(zip(names, kept.T, strict=True))
         turned = state["cos_psi"][:, None] * column["sin_psi"] - state["sin_psi"][:, None] * column["cos_psi"]
         return np.stack([column["x"], column["y"], turned, *(column[name] for name in ("u", "v", "r"))], axis=1)
-
-    def _marched(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        pushed = dict(zip(INPUTS.values(), self._pushes(times).T, strict=True))
-        whole = np.array([0, len(times) - 1])
-        return self.segments(np.array([self.start]), self.start_slopes()[None], whole, pushed, np.diff(times))
 
     def segments(
         self, starts: np.ndarray, start_slopes: np.ndarray, first: np.ndarray, orders: Mapping[str, np.ndarray],
@@ -334,7 +327,7 @@ class TangentMarch:
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Sail from several starts in one call; return what is kept, and its slopes, at each sample of each."""
         # starts (segments, kept); start_slopes (segments, kept, by); first (segments + 1,); lengths (steps,) [s]
-        moving, module = self._input_slopes, self._module
+        moving, module = self.input_slopes, self._module
         inputs = {LENGTH: 0.0, **self.march.inputs, **others}
         values = np.array([float(inputs[name]) for name in module.INPUTS])
         along = np.array([moving.get(name, np.zeros(len(self.by))) for name in module.INPUTS[: module.MOVING]])
@@ -351,23 +344,16 @@ class TangentMarch:
         return states, slopes
 
     @cached_property
-    def _input_slopes(self) -> dict[str, np.ndarray]:
-        return self.input_slopes()
-
-    @cached_property
     def _module(self) -> ModuleType:
-        return self._system.tangent(tuple(filter(self._may_move, self._system.scalar.STEP_INPUTS)))
-
-    def _may_move(self, name: str) -> bool:
-        """Whether an input of the lines can have a slope: all that can have one, so that few modules are ever made."""
-        law = self.steering.parameters if self.steering else {}
-        constants = self._system.scalar.CONSTANTS
-        return name in (*constants, *law, *INPUTS.values(), *self._particulars, "current")
+        # All inputs that can have a slope, whatever ``by`` is, so that few modules are ever made.
+        law, scalar = self.steering.parameters if self.steering else {}, self._system.scalar
+        can = {*scalar.CONSTANTS, *law, *INPUTS.values(), *self._particulars, "current"}
+        return self._system.tangent(tuple(name for name in scalar.STEP_INPUTS if name in can))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
         """X, Y and N from elsewhere in each step, (steps, 3)."""
-        pieces = stretches(*self._schedules, float(times[-1]) or 1.0)
-        begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + PUSH_MARGIN, side="right") - 1
+        pieces = segments_of(*self._schedules, float(times[-1]) or 1.0)
+        begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + 1e-9, side="right") - 1
         return np.array([pieces[i].forces for i in begun]).reshape(-1, len(PUSHED))
 
 

@@ -1,12 +1,12 @@
 """A model as a traced system and the numbers that go in: the one place that voyages, fleets and the envelope ask."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
 from narrows.codegen.choices import Actuated, Choices, Law, Pushed
-from narrows.codegen.free_motion import OPEN, Outline, Surge, checked_shape
+from narrows.codegen.free_motion import OPEN, Outline, Surge
 from narrows.codegen.linearisation import Linearisation
 from narrows.codegen.system import System
 from narrows.errors import InputError
@@ -47,17 +47,16 @@ class SimulatedShip:
     @cached_property
     def shape(self) -> str | Outline:
         """What of the hull meets a bank."""
-        # To an outline the hull's sides at midship are added: there the suction of a bank ends infinite, so that
-        # contact must not come later.
-        shape, ship = checked_shape(self.contact), self.model.configuration.ship
-        if isinstance(shape, str):
-            return shape
-        check_outline(ship, shape, self.model.terms.feels_bank)
-        return (*shape, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if self.model.terms.feels_bank else shape
+        if isinstance(self.contact, str):
+            return self.contact
+        outline = tuple((float(forward), float(starboard)) for forward, starboard in self.contact)
+        ship, feels_bank = self.model.configuration.ship, self.model.terms.feels_bank
+        check_outline(ship, outline, feels_bank)
+        # The suction of a bank is infinite where a side meets it at midship: contact must not come later than that.
+        return (*outline, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if feels_bank else outline
 
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:
-        """What the terms ask for that can be moved."""
         return tuple(Actuated(actuator.name, actuator.angle) for actuator in self.model.terms.actuators)
 
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
@@ -67,7 +66,6 @@ class SimulatedShip:
 
     def values(self, **positions: Number) -> dict[str, Number]:
         """Return every particular and coefficient by name, with the limits of the gear."""
-        # **positions [rad]
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for actuator in self.model.terms.actuators for name, at in actuator.at_rest().items()}
@@ -78,12 +76,7 @@ class SimulatedShip:
         return {**ship, "heave": 0.0, "surge_inertia": added}
 
     def linearisation(self, values: Mapping[str, Number]) -> Linearisation:
-        """Return the exact derivatives of its motion, for whatever linearises it."""
         return self.system().linearisation(values, self.actuators)
-
-    def with_model(self, model: Model) -> "SimulatedShip":
-        """Return another model under the same choices."""
-        return replace(self, model=model)
 
     def __getstate__(self) -> Mapping[str, Any]:
         # Workers trace for themselves, or find it in the cache.

@@ -9,14 +9,10 @@ from narrows.codegen.free_motion import INPUTS as PUSHES
 from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
-from narrows.simulation.departure import check_felt
+from narrows.simulation.departure import check_irrelevant
 from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.ship import SimulatedShip
-
-# What runs away or comes back: nothing depends on x, and the speed is held.
-FELT = ("y", "psi", "v", "r")
-OPEN_WATER = ("v", "r")
 
 
 def bank_stiffness(configuration: Configuration) -> float:
@@ -76,14 +72,15 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)
-    check_felt(ship, {name: value for name, value in vary.items() if name not in INPUTS})
+    check_irrelevant(ship, {name: value for name, value in vary.items() if name not in INPUTS})
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     silent = {} if bank else {term.name: 0.0 for term in model.terms.terms if term.from_bank}
     inputs = {**ship.values(), **values, **silent}
     linear = ship.linearisation(inputs)
     at = {name: values[name] for name in START} | {mover.name: inputs.get(mover.name, 0.0) for mover in ship.actuators}
     matrix = linear.state(at | {name: values[force] for name, force in zip(PUSHES.values(), INPUTS, strict=True)})
-    indices = [LINEARISED.index(name) for name in (FELT if bank else OPEN_WATER)]
+    states = ("y", "psi", "v", "r") if bank else ("v", "r")  # Nothing depends on x, and the speed is held.
+    indices = [LINEARISED.index(name) for name in states]
     modes = np.linalg.eigvals(matrix[..., np.array(indices)[:, None], indices])
     modes = np.take_along_axis(modes, np.argsort(-modes.real, axis=-1, kind="stable"), axis=-1)
     modes = np.broadcast_to(modes, (grid.vessels, len(indices))).reshape(*shape, len(indices))

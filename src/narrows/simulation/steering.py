@@ -19,20 +19,16 @@ PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
 
 @dataclass(frozen=True)
 class Steering:
-    """What steers, with its numbers."""
-
     law: Law  # What the engine writes into its steps
     parameters: Mapping[str, Any]  # By the names of the lines
     controller: ControlLaw  # Where it is from
     asked: Controller | None = None  # The object of Python that gives the orders, where it is no law
 
     def memory(self, start: Named) -> dict[str, Number]:
-        """Return the memory at the start, by the names of the lines."""
         return {MEMORY(name): value for name, value in self.controller.memory(start).items()}
 
 
 def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | None:
-    """Write down what steers."""
     if controller is None:
         return None
     if isinstance(controller, ControlLaw):

@@ -20,9 +20,7 @@ from narrows.progress import bar
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.outcome import BEGINNING, END, KINDS, Code
-
-# Voyages a task, at least: enough that writing and scheduling do not count.
-TASK_VESSELS = 100_000
+from narrows.simulation.settings import TASK_VESSELS
 
 
 def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
@@ -36,7 +34,10 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
         for number in left:
             discard(path, group, grid, number)
         advance(sum(_vessels(grid, block) for number, block in enumerate(blocks) if number not in left))
-        tasks = _tasks(path, fleet, grid, blocks, sorted(left))
+        tasks = (
+            (str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number)
+            for number in sorted(left)
+        )
         for number in _here(tasks) if client is None else _there(client, tasks):
             left.discard(number)
             advance(_vessels(grid, blocks[number]))
@@ -57,11 +58,6 @@ def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...]
 
 
 Tasks = Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]
-
-
-def _tasks(path: Path, fleet: KernelRun, grid: Grid, blocks: list[slice], left: list[int]) -> Tasks:
-    for number in left:
-        yield str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number
 
 
 def _here(tasks: Tasks) -> Iterator[int]:
@@ -93,20 +89,14 @@ def _identity(fleet: KernelRun, grid: Grid) -> str:
     return digest.hexdigest()
 
 
-# The folder of an ensemble on disk: put in its place whole, known by what it holds, each block checked.
-# A number for each block, of all that it holds; 0 where it has not run.
+# The array with a checksum for each block of the folder; 0 where it has not run.
 DONE = "block_checksum"
-
-# How folders are called before they are whole.
-MAKING = ".narrows-store-"
-
-# Age [s] at which one of them belongs to nobody any more.
-LEFTOVER = 3600.0
+# How folders are called before they are whole, and the age [s] at which one of them belongs to nobody any more.
+MAKING, LEFTOVER = ".narrows-store-", 3600.0
 
 
 @contextmanager
 def storing(path: Path) -> Iterator[None]:
-    """Turn what a disk throws into one sentence."""
     try:
         yield
     except OSError as error:
@@ -145,7 +135,6 @@ def checksum(columns: Mapping[str, np.ndarray]) -> int:
 
 
 def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
-    """Say whether a block has run and all of it can be read as it was written."""
     try:
         marked = int(group[DONE][number])
         return marked != 0 and marked == checksum({name: group[name][region] for name in OUTPUTS})
@@ -242,14 +231,12 @@ def _write_labels(path: Path, group: Any, grid: Grid) -> None:
         raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None
 
 
-# The columns that an ensemble keeps: what stands where no voyage was run, units, the meaning of codes.
+# What stands in a column of codes where no voyage was run.
 NOT_RUN = -1
-
 UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": "m/s", "v_end": "m/s", "r_end": "rad/s"}
 
 
 def empty_of(kind: type) -> Any:
-    """What stands where no voyage was run."""
     return NOT_RUN if issubclass(kind, np.integer) else np.nan
 
 

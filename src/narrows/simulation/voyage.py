@@ -18,9 +18,8 @@ from narrows.ship.actuators import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
-from narrows.simulation.departure import check_felt, check_positions, departure
+from narrows.simulation.departure import check_irrelevant, check_positions, departure
 from narrows.simulation.inputs import (
-    MOST_ROWS,
     Contact,
     Schedule,
     check_steps,
@@ -28,10 +27,11 @@ from narrows.simulation.inputs import (
     check_waterway,
     counted_heading,
     finite_numbers,
-    stretches,
+    segments_of,
 )
 from narrows.simulation.march import March, Row, track_error
 from narrows.simulation.outcome import Outcome, Track
+from narrows.simulation.settings import CONTACT_CLOSENESS, MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
 
@@ -41,16 +41,7 @@ if TYPE_CHECKING:
 
     from narrows.waterway.waterway import Waterway
 
-# Of a voyage [s] where nothing is said of it.
-LONGEST = 60.0
-
-# Of the beam, by which a track may be off without a word.
-COARSE = 0.02
-
 COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
-
-# A room that counts as closed [m].
-CONTACT = 1e-6
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,7 +92,6 @@ class Voyage(Tabulated):
         return f"<Voyage of {self.configuration.ship.name}: {self.outcome.kind} after {self.outcome.time:.2f} s>"
 
     def __len__(self) -> int:
-        """How many rows."""
         return len(self.t)
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -143,9 +133,10 @@ class Voyage(Tabulated):
         """Return the voyage as an xarray Dataset with units."""
         import xarray
 
+        long_names = {"psi": "heading", "rudder": "rudder angle"}
         units = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad"}
         data = {
-            name: ("t", getattr(self, name), {"units": unit, "long_name": _long_name(name)})
+            name: ("t", getattr(self, name), {"units": unit, "long_name": long_names.get(name) or MOTION[name].meaning})
             for name, unit in units.items()
         }
         data |= {
@@ -188,10 +179,6 @@ class Voyage(Tabulated):
         longitude, latitude = unprojected(positions, np.array(self.waterway.origin)).T
         from_north = np.degrees(heading) % 360
         return Track(self.t, longitude, latitude, from_north, self.configuration.ship.name, self.outcome.sentence)
-
-
-def _long_name(name: str) -> str:
-    return {"psi": "heading", "rudder": "rudder angle"}.get(name) or MOTION[name].meaning
 
 
 def simulate(
@@ -265,13 +252,13 @@ def simulate(
     """
     check_waterway(waterway)
     times = None if at is None else check_times(at, duration)
-    longest = times[-1] if times else LONGEST
+    longest = times[-1] if times else 60.0
     duration, dt = check_steps(longest if duration is None else duration, dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
-    pushes = stretches(X, Y, N, duration)
+    pushes = segments_of(X, Y, N, duration)
     check_positions(positions, ship)
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
-    check_felt(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
+    check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     steering = steering_of(controller, ship.actuators)
     march, start = departure(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows, fate = [Row(0.0, start)], event.FINISHED
@@ -293,8 +280,6 @@ def simulate(
 
 @dataclass(frozen=True)
 class _Log:
-    """A march as it was sailed, to be told as the columns and the outcome of a voyage."""
-
     ship: SimulatedShip
     march: March
     rows: list[Row]
@@ -303,7 +288,6 @@ class _Log:
     rudder: float
 
     def columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
-        """Rows as the columns of a voyage."""
         kept = dict(zip(self.march.choices.kept, np.array([row.state for row in rows]).T, strict=True))
         psi = counted_heading(kept["cos_psi"], kept["sin_psi"], kept.get(COUNTED, self.psi))
         rudder = kept.get("rudder", np.full(len(rows), self.rudder))
@@ -317,7 +301,6 @@ class _Log:
         return {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
 
     def outcome(self, dt: float) -> Outcome:
-        """How it ended, and what there is to know of the way there."""
         columns = self.columns(self.rows)
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
         kind, side = self._kind_and_side(self.rows[-1].state)
@@ -332,7 +315,7 @@ class _Log:
             return end.AFLOAT, None
         if self.fate == event.LOST:
             return end.DIVERGED, None
-        inputs, near = self.march.inputs, CONTACT
+        inputs, near = self.march.inputs, CONTACT_CLOSENESS
         if state[STATE.index("cos_psi")] - inputs["least_cos"] <= near:
             return end.LEFT_VALIDITY, None
         if self.march.channel.length - state[0] <= near:
@@ -346,12 +329,11 @@ class _Log:
         if self.fate == event.LOST:
             return ()
         error = track_error(self.march, self.rows, dt)
-        if not error > COARSE * self.ship.model.configuration.ship.beam:
+        if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)
 
 
-# Where a voyage leaves what the model's data covered.
 def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
     """Say in what a voyage went beyond the data of its model."""
     seen = {
@@ -360,14 +342,12 @@ def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[s
         "abs_psi": np.abs(columns["psi"]),
         "abs_r": np.abs(columns["r"]),
     }
-    sentences = [_sentence(name, known, seen[name], columns["t"]) for name in seen]
-    return tuple(sentence for sentence in sentences if sentence)
-
-
-def _sentence(name: str, known: DataRange, values: np.ndarray, t: np.ndarray) -> str:
-    outside = known.outside(name, values)
-    if not outside.any():
-        return ""
-    measure, first = MEASURES[name], int(np.argmax(outside))
-    there, covered = measure.shown(values[first], values[first]), measure.shown(*getattr(known, name))
-    return f"From {t[first]:.2f} s its {measure.words} of {there} is outside the data ({covered})."
+    sentences = []
+    for name, values in seen.items():
+        outside = known.outside(name, values)
+        if outside.any():
+            measure, first = MEASURES[name], int(np.argmax(outside))
+            there, covered = measure.shown(values[first], values[first]), measure.shown(*getattr(known, name))
+            start = f"From {columns['t'][first]:.2f} s its {measure.words}"
+            sentences.append(f"{start} of {there} is outside the data ({covered}).")
+    return tuple(sentences)

@@ -145,7 +145,6 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
 
 def sailed(model: Model, y: float) -> Voyage:
     """Sail as the paper does: 1 m/s, a constant surge force, the speed free (the mass in surge is ours)."""
-    # y [m]
     return simulate(model, y, 1.0, DURATION, surge="free", surge_inertia=SURGE_MASS, X=SURGE_FORCE)
 
 

@@ -151,7 +151,6 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
 
 
 def without_bank(table: TermTable) -> TermTable:
-    """Return a table without terms of the bank."""
     return table.without(f"{_base(table)}+{OPEN_WATER}", lambda term: term.from_bank)
 
 

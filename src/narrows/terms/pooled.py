@@ -14,7 +14,6 @@ AT = "@"
 
 def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:
     """Return a table whose hull terms have a coefficient for each of some depths."""
-    # depths [m]
     # Between depths a coefficient is linear, beyond them it stays. Terms of the bank are left as they are: shared, or
     # as their own form changes with depth.
     knots = sorted(set(depths))

@@ -17,16 +17,13 @@ class Composed:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that it takes: the parameter's, then the law's others."""
         return tuple(dict.fromkeys((*asked_by(self.parameter), *asked_by(self.law)[1:])))
 
     @property
     def name(self) -> str:
-        """What it is called in print."""
         return f"{name_of(self.parameter)}_{name_of(self.law)}"
 
     def __call__(self, *values: Number) -> Number:
-        """Evaluate it, of values in the order of ``inputs``."""
         at = dict(zip(self.inputs, values, strict=True))
         return self.of(self.parameter(*[at[name] for name in asked_by(self.parameter)]), at)
 
@@ -44,14 +41,11 @@ class Grouped:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that it takes: the fields."""
         return tuple(entry.name for entry in fields(self.quantities))
 
     @property
     def name(self) -> str:
-        """What it is called in print."""
         return name_of(self.function)
 
     def __call__(self, *values: Number) -> Number:
-        """Evaluate it, of values in the order of ``inputs``."""
         return self.function(self.quantities(*values))

@@ -195,7 +195,6 @@ SHORT = {"tapered": "paper+tapered"}
 
 @cache
 def table_named(name: str) -> TermTable:
-    """Return a table of terms that comes with the package."""
     if AT in name:
         base, _, depths = name.partition(AT)
         return pooled(table_named(base), _depths(depths, name))

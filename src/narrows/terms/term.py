@@ -259,7 +259,6 @@ class TermTable(Described):
         return pd.DataFrame(rows, columns=columns).set_index("coefficient")
 
     def __len__(self) -> int:
-        """How many terms."""
         return len(self.names)
 
     @cached_property

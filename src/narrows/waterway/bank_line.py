@@ -31,7 +31,6 @@ class Normals:
 
     def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
         """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther."""
-        # s [m]
         position, ahead = self.line.frame(s)
         across = self.sign * np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
         start, stop = self.points[piece] - position, self.points[piece + 1] - position
@@ -100,7 +99,6 @@ class BankLine:
 
     def distance(self, s: np.ndarray | float) -> np.ndarray:
         """Return how far off the bank is [m]; beyond what is drawn it stays."""
-        # s [m]
         corners, pieces = self._pieces
         s = np.clip(s, corners[0], corners[-1])
         return self._normals.met(s, pieces[np.clip(np.searchsorted(corners, s, "right") - 1, 0, len(pieces) - 1)])

@@ -116,7 +116,6 @@ class Centreline:
 
     @property
     def stations(self) -> np.ndarray:
-        """How far along the line each of its points is [m]."""
         return self._samples[1][::SAMPLES_A_PIECE]
 
     @property

@@ -27,8 +27,6 @@ SHELF = 0.01
 
 @dataclass(frozen=True)
 class Chart:
-    """What a cell says of banks and depths, in WGS84."""
-
     banks: tuple[np.ndarray, ...]  # (n, 2) Lines, longitude and latitude [deg]
     # Areas with their holes, as Shapely has them, and the least depth in each [deg]
     areas: tuple[tuple[Any, float], ...]

@@ -109,14 +109,11 @@ def _feature(role: str, points: np.ndarray, origin: np.ndarray, more: Mapping[st
 
 
 class Feature(NamedTuple):
-    """A feature of a collection."""
-
     properties: Mapping[str, Any]  # As given
     geometry: Mapping[str, Any]  # As given
 
     @property
     def role(self) -> str | None:
-        """What it says that it is."""
         role = self.properties.get("role")
         return role if isinstance(role, str) else None
 
@@ -153,7 +150,6 @@ KNOWN_CRS = ("CRS84", "4326")
 
 
 def read_features(path: Path) -> list[Feature]:
-    """Return the features of a collection in WGS84."""
     with reading(path, "JSON"):
         document = json.loads(path.read_text(encoding="utf-8"))
         crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""

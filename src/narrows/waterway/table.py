@@ -33,7 +33,6 @@ class WaterwayTable:
 
     @property
     def step(self) -> float:
-        """From node to node [m]."""
         return float(self.s[-1]) / (len(self.s) - 1)
 
     @cached_property
@@ -135,7 +134,6 @@ STEPS_A_BEAM = 4
 
 def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
     """Return a waterway as a table of equal cells."""
-    # draft [m]; step [m]
     length = waterway.line.length
     if not (0 < step < np.inf and 0 < draft < np.inf):
         raise InputError(f"{waterway.name}: a step of {step} m and a draft of {draft} m; give lengths over 0")

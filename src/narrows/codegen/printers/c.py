@@ -29,13 +29,10 @@ TAKEN = frozenset({
 
 
 def c_name(name: str) -> str:
-    """Return what a number is called in C."""
     return f"{name}_" if name in TAKEN else name
 
 
 class CArithmetic(Arithmetic):
-    """Expressions in C."""
-
     TABLE = "waterway"
 
     def __init__(self, prefix: str) -> None:
@@ -43,7 +40,6 @@ class CArithmetic(Arithmetic):
         self.prefix = prefix
 
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function of <math.h>, or of the file."""
         return super().called(LIBRARY.get(name, f"{self.prefix}_{name}"), *arguments)
 
     def _print_Symbol(self, value: Expr) -> str:
@@ -51,7 +47,6 @@ class CArithmetic(Arithmetic):
 
 
 def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic) -> list[str]:
-    """Write a program as statements of C."""
     lines = unpacked([name for name in program.asked if name != places[name]], places)
     return lines + statements(program, targets, printer, "const double {} = {};", "{} = {};")
 
@@ -84,7 +79,6 @@ class CTranslation(Translation):
         self.prefix = prefix
 
     def head(self) -> str:
-        """The line that begins the function."""
         arguments = [text for one in self.parameters() for text in self._declared(one)]
         if self._size(self.function):
             arguments.append("double *result")
@@ -105,11 +99,9 @@ class CTranslation(Translation):
             yield constant + TYPES[kind].format(self.variable(argument.arg))
 
     def variable(self, name: str) -> str:
-        """A variable or argument by its name."""
         return name if name in STRUCTURES.values() or name in ("state", "after") else c_name(name)
 
     def _written(self) -> set[str]:
-        """Arrays that the function writes to, or has written to."""
         written = {"closeness", "end", "after"}
         stored = (node for node in ast.walk(self.function) if isinstance(node, ast.Subscript))
         return written | {
@@ -125,7 +117,6 @@ class CTranslation(Translation):
         return len(returns.slice.elts) if isinstance(returns.slice, ast.Tuple) else 1
 
     def declarations(self) -> list[str]:
-        """Every variable of the function, before its first statement."""
         names = {one.arg for one in self.parameters()}
         variables = {name: values for name, values in self.assigned().items() if name not in names}
         whole = self._whole(variables)
@@ -173,15 +164,12 @@ class CTranslation(Translation):
         return name in ("int", "len", "range") or (isinstance(returned, ast.Name) and returned.id == "int")
 
     def array(self, name: str, size: str) -> str:
-        """The line that makes an array of zeros."""
         return f"double {name}[{size}] = {{0.0}};"
 
     def held(self, name: str, value: str) -> str:
-        """The line that keeps a number for the next lines."""
         return f"const double {name} = {value};"
 
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
-        """Lines that take apart the tuple that a call returns."""
         assert isinstance(call.func, ast.Name)
         name, self.held_numbers = f"held_{self.held_numbers}", self.held_numbers + 1
         yield self.array(name, str(len(targets)))
@@ -190,13 +178,11 @@ class CTranslation(Translation):
             yield f"{self.expression(target)} = {'(int)' if whole else ''}{name}[{number}];"
 
     def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
-        """Lines that return a tuple."""
         for number, value in enumerate(values):
             yield f"result[{number}] = {self.expression(value)};"
         yield "return;"
 
     def over_tuple(self, node: ast.For) -> Iterator[str]:
-        """Lines that begin a loop over a tuple of numbers, or of tuples of them."""
         assert isinstance(node.iter, ast.Tuple)
         targets = node.target.elts if isinstance(node.target, ast.Tuple) else [node.target]
         rows = [row.elts if isinstance(row, ast.Tuple) else [row] for row in node.iter.elts]
@@ -209,7 +195,6 @@ class CTranslation(Translation):
             yield f"    {self.expression(target)} = {listed}[{name}];"
 
     def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
-        """A call of a function."""
         if name == "len":
             return self._length(arguments[0])
         texts = [self.expression(one) for one in arguments]
@@ -236,20 +221,16 @@ class CTranslation(Translation):
         return f"{self.expression(array)}_length"
 
     def attribute(self, structure: str, name: str) -> str:
-        """A field of a structure."""
         return f"{structure}->{name}"
 
     def constant(self, name: str) -> str:
-        """A constant of the modules by its name."""
         self.used.add(name)
         return f"{self.prefix.upper()}_{name}"
 
     def whole_quotient(self, left: str, right: str) -> str:
-        """How often one whole number goes into another."""
         return f"{left} / {right}"
 
     def remainder(self, left: str, right: str) -> str:
-        """What is left of one number that is not negative by another."""
         return f"fmod({left}, {right})"
 
 
@@ -271,8 +252,6 @@ CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
 def c_block(
     lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: CArithmetic, lanes: str
 ) -> list[str]:
-    """Write a program over a block as statements of C."""
-    # places [lane]
     # Calls of the library and reads of a waterway's table have loops of their own, so that the others vectorise.
     values = tuple(map(sympy.sympify, results.values()))
     parts = rounds(lines.needed_for(values), lambda value: reads_table(value) or _calls(value, printer))

@@ -56,7 +56,6 @@ class LaneFields:
 
     @property
     def size(self) -> int:
-        """Fields of a lane."""
         return max(self.fields.values(), default=-1) + 1
 
     def read(self, number: int) -> set[str]:
@@ -73,8 +72,6 @@ class LaneFields:
 
 @dataclass(frozen=True)
 class Lanes:
-    """A step laid out over a block of lanes."""
-
     step: Step  # The program
     kept: tuple[str, ...]  # What goes from step to step
     # Inputs that each vessel has of its own, if the program asks for them; all others are shared
@@ -97,33 +94,19 @@ class Lanes:
 
     @property
     def vessel_inputs(self) -> tuple[str, ...]:
-        """The inputs of each vessel's own."""
         return tuple(name for name in self.inputs if name in self.varying)
 
     @property
     def shared_inputs(self) -> tuple[str, ...]:
-        """The inputs that all vessels share."""
         return tuple(name for name in self.inputs if name not in self.varying)
 
     @cached_property
     def layout(self) -> LaneFields:
-        """Where each number of a lane lies in the block."""
         names = (*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.vessel_inputs)
         return LaneFields(self.parts, tuple(self.step.out.values()), names)
 
-    @property
-    def fields(self) -> dict[str, int]:
-        """Where each number of a lane starts in the block."""
-        return self.layout.fields
-
-    @property
-    def size(self) -> int:
-        """Fields of a lane."""
-        return self.layout.size
-
     def entry(self, name: str) -> str:
-        """Return the text of a lane's entry in a field."""
-        return f"block[{self.fields[name] * self.count} + lane]"
+        return f"block[{self.layout.fields[name] * self.count} + lane]"
 
     def text(self, printer: Arithmetic, leaves: float = 0.0) -> str:
         """Print the function ``step(block, table, shared)``, that says whether any lane wants attention."""
@@ -177,5 +160,4 @@ def _of_round(number: int, lines: Sequence[str]) -> list[str]:
 
 
 def names_in(value: Expr) -> set[str]:
-    """Return the names that an expression asks for."""
     return {str(s) for s in sympy.sympify(value).free_symbols}

@@ -54,7 +54,6 @@ def latex(
 
 
 def _term(written: str, regressor: Any, value: float | None) -> str:
-    """A sign, a coefficient and what it multiplies."""
     import sympy
 
     expression = sympy.sympify(regressor)
@@ -63,15 +62,13 @@ def _term(written: str, regressor: Any, value: float | None) -> str:
     sign = "-" if minus != (value is not None and value < 0) else "+"
     symbol_of = f"({written})" if re.search(r" [+-] ", written) else written
     factor = symbol_of if value is None else _number(abs(value))
-    names = {own: WRITTEN.get(own.name, _upright(own.name)) for own in expression.free_symbols}
+    names = {
+        own: WRITTEN.get(own.name, rf"\mathrm{{{own.name}}}".replace("_", r"\_")) for own in expression.free_symbols
+    }
     times = "" if expression == 1 else sympy.latex(expression, symbol_names=names)
     times = times.replace(r"\operatorname{maximum}", r"\max").replace(r"\operatorname{minimum}", r"\min")
     times = rf"\left({times}\right)" if expression.is_Add else times
     return f"{sign} {factor} {times}".rstrip()
-
-
-def _upright(name: str) -> str:
-    return rf"\mathrm{{{name}}}".replace("_", r"\_")
 
 
 def _number(value: float) -> str:

@@ -9,11 +9,10 @@ import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Assignment, Program
+from narrows.codegen.lines import Assignment, Constants, Program, straight_lines
 
-LONGEST_PRODUCT = 4
-
-DIGITS = 20
+# The highest power that is written as a product, and the digits that a double needs and some more.
+LONGEST_PRODUCT, DIGITS = 4, 20
 
 
 class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
@@ -27,7 +26,6 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
         self.number, self.column = number, column
 
     def called(self, name: str, *arguments: str) -> str:
-        """Write the call of a function."""
         return f"{name}({', '.join(arguments)})"
 
     def _print_Float(self, value: Expr) -> str:
@@ -85,12 +83,17 @@ def statements(
 def function_text(
     name: str, arguments: Sequence[str], assignments: Iterable[Assignment], results: Sequence[Expr], table: bool = False
 ) -> str:
-    """Print a function."""
-    # assignments (symbol, expression)
     parameters = (*(("table",) if table else ()), *arguments)
     body = [f"{target} = {plain.doprint(value)}" for target, value in assignments]
     values = ", ".join(plain.doprint(sympy.sympify(value)) for value in results)
     return "\n    ".join([f"def {name}({', '.join(parameters)}):", *body, f"return ({values},)"]) + "\n"
+
+
+def constants_text(parameters: Mapping[str, Expr], constants: Constants) -> str:
+    """Print the function ``constants`` of the parameters, with the names of what it takes and gives."""
+    assignments, results = straight_lines(list(constants.table))
+    text = function_text("constants", [str(symbol) for symbol in parameters.values()], assignments, results)
+    return f"PARAMETERS = {tuple(parameters)!r}\nCONSTANTS = {constants.names!r}\n\n\n{text}"
 
 
 # Plain functions of Python as they are read: what of them is called, what constants decide before it is translated.
@@ -132,12 +135,10 @@ class Folding(ast.NodeTransformer):
         self.constants = constants
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """A truth by its value."""
         value = self.constants.get(node.id)
         return ast.Constant(value) if isinstance(value, bool) else node
 
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
-        """``NAME > 0.0``, where that is known."""
         name, (sign,), (other,) = node.left, node.ops, node.comparators
         known = self.constants.get(name.id) if isinstance(name, ast.Name) else None
         if isinstance(known, float) and isinstance(sign, ast.Gt) and isinstance(other, ast.Constant):
@@ -145,7 +146,6 @@ class Folding(ast.NodeTransformer):
         return node
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
-        """``and`` with a part that is known."""
         self.generic_visit(node)
         if isinstance(node.op, ast.Or):
             return node
@@ -155,13 +155,11 @@ class Folding(ast.NodeTransformer):
         return node if len(node.values) > 1 else node.values[0]
 
     def visit_If(self, node: ast.If) -> ast.If | list[ast.stmt]:
-        """A branch that is never taken, or always."""
         self.generic_visit(node)
         known = _truth(node.test)
         return node if known is None else node.body if known else node.orelse
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
-        """A choice that is known."""
         self.generic_visit(node)
         known = _truth(node.test)
         return node if known is None else node.body if known else node.orelse

@@ -13,8 +13,8 @@ from narrows.codegen.printers.python import PlainSource
 LOOSE, TIGHT = 0, 1
 
 
-class PlainExpressions(ABC):
-    """Expressions, as languages with braces write them."""
+class Translation(ABC):
+    """Statements and expressions, as languages with braces write them."""
 
     INFINITE = "INFINITY"
     NO_NUMBER = "NAN"
@@ -22,6 +22,9 @@ class PlainExpressions(ABC):
 
     def __init__(self, source: PlainSource) -> None:
         self.source = source
+        self.function: ast.FunctionDef
+        self.held_numbers = 0
+        self.used: set[str] = set()
 
     @abstractmethod
     def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
@@ -31,13 +34,12 @@ class PlainExpressions(ABC):
     def attribute(self, structure: str, name: str) -> str:
         """A field of a structure."""
 
-    def variable(self, name: str) -> str:
-        """A variable or argument by its name."""
-        return name
-
     @abstractmethod
     def constant(self, name: str) -> str:
         """A constant of the modules by its name."""
+
+    def variable(self, name: str) -> str:
+        return name
 
     @abstractmethod
     def whole_quotient(self, left: str, right: str) -> str:
@@ -52,7 +54,6 @@ class PlainExpressions(ABC):
         return [one for one in call.args if not (isinstance(one, ast.Name) and one.id in self.source.absent)]
 
     def expression(self, node: ast.expr, tight: int = LOOSE) -> str:
-        """Return an expression."""
         text = str(getattr(self, f"_{type(node).__name__.lower()}")(node))
         compound = isinstance(node, ast.BinOp | ast.BoolOp | ast.Compare | ast.IfExp)
         return f"({text})" if compound and tight else text
@@ -84,7 +85,6 @@ class PlainExpressions(ABC):
         return f"{self.expression(node.left, TIGHT)} {self.comparison(sign)} {self.expression(right, TIGHT)}"
 
     def comparison(self, operator: ast.cmpop) -> str:
-        """Return the sign of a comparison."""
         if isinstance(operator, ast.Eq | ast.NotEq):
             return self.EQUAL if isinstance(operator, ast.Eq) else self.UNEQUAL
         return OPERATORS[type(operator)]
@@ -103,18 +103,7 @@ class PlainExpressions(ABC):
     def _attribute(self, node: ast.Attribute) -> str:
         return self.attribute(self.expression(node.value), node.attr)
 
-
-class Translation(PlainExpressions):
-    """Statements and expressions, as languages with braces write them."""
-
-    def __init__(self, source: PlainSource) -> None:
-        super().__init__(source)
-        self.function: ast.FunctionDef
-        self.held_numbers = 0
-        self.used: set[str] = set()
-
     def text(self, function: ast.FunctionDef) -> str:
-        """Return a function in the language."""
         self.function, self.held_numbers = function, 0
         body = [line for statement in function.body[1:] for line in self.statement(statement)]
         return "\n".join([self.head(), *(f"    {line}" for line in [*self.declarations(), *body]), "}"])
@@ -148,7 +137,6 @@ class Translation(PlainExpressions):
         """Lines that begin a loop over a tuple of numbers, or of tuples of them."""
 
     def parameters(self) -> list[ast.arg]:
-        """Those of the function that are there."""
         return [one for one in self.function.args.args if one.arg not in self.source.absent]
 
     def assigned(self) -> dict[str, list[ast.expr | None]]:
@@ -161,7 +149,6 @@ class Translation(PlainExpressions):
         return {name: values for name, values in known.items() if not any(_is_array(value) for value in values)}
 
     def _pairs(self, node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-        """Targets with what is assigned to them."""
         if isinstance(node, ast.For):
             elements = node.target.elts if isinstance(node.target, ast.Tuple) else [node.target]
             yield from ((one, node.iter) for one in elements)
@@ -184,7 +171,6 @@ class Translation(PlainExpressions):
         return [ast.unparse(one) == "int" for one in returned.slice.elts]
 
     def statement(self, node: ast.stmt) -> list[str]:
-        """Return the lines of a statement."""
         return list(getattr(self, f"_{type(node).__name__.lower()}")(node))
 
     def block(self, nodes: Sequence[ast.stmt]) -> list[str]:
@@ -269,7 +255,6 @@ def _names(node: ast.AST) -> Iterator[ast.Name]:
 
 
 def _is_array(value: ast.expr | None) -> bool:
-    """Whether it is an array of zeros: a list times its size."""
     return isinstance(value, ast.BinOp) and isinstance(value.left, ast.List)
 
 

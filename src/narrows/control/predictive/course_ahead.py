@@ -21,16 +21,11 @@ from narrows.control.predictive.line_frame import (
 )
 from narrows.control.predictive.linear_quadratic import Weights, regulator_of
 from narrows.control.predictive.push_estimate import BankSpread, Push
+from narrows.control.predictive.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
 from narrows.control.steady_course import solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
-
-# Of the way to a bank, up to which its forces are told, and places between the banks at which they are.
-FURTHEST, SHARES = 0.9, 61
-
-# Change of speed [1] from which steady courses are found anew.
-OTHER_SPEED = 0.02
 
 # Gains of the best linear helm (5,), and what a state off costs it for ever, (5, 5).
 Regulated = tuple[np.ndarray, np.ndarray]
@@ -51,8 +46,6 @@ class SteadyTrack:
     limit: float  # Of the rudder [rad]
 
     def nearest(self, x: float) -> int:
-        """Return the number of the place nearest to one along the line."""
-        # x [m]
         if len(self.places) == 1:
             return 0
         step = self.places[1] - self.places[0]
@@ -60,7 +53,6 @@ class SteadyTrack:
 
     def held(self, x: float, push: Push, most: float) -> float:
         """Return how far from the offset to the middle, 0 to 1, a rudder no further than ``most`` holds the ship."""
-        # x [m]; most [rad]
         place = self.nearest(x)
         pushed, _ = push.at(self.shares[:, place])
         asked = np.abs(self.states[:, place, RUDDER] + (self.by_push[:, place, RUDDER] * pushed).sum(axis=-1))
@@ -77,7 +69,6 @@ class SteadyTrack:
 
     def at(self, x: np.ndarray, push: Push, way: float = 0.0) -> np.ndarray:
         """Return the steady states at places under a push, (places, 5)."""
-        # x (places,) [m]
         row = min(int(way * (WAYS - 1)), WAYS - 2)
         part = way * (WAYS - 1) - row
         states = self.states[row] + part * (self.states[row + 1] - self.states[row])
@@ -119,7 +110,6 @@ class CourseAhead:
 
     def at_speed(self, u: float) -> SteadyTrack:
         """Return the course at a speed; where none is found, as it was before."""
-        # u [m/s]
         if u > 0 and abs(u - self.speed) > OTHER_SPEED * self.speed:
             with suppress(InputError):
                 self._start(u, steady_track(self.ship, self.water, self.y, u, self.margin, self.positions))
@@ -127,7 +117,6 @@ class CourseAhead:
 
     def regulated(self, x: float, way: float) -> Regulated:
         """Return the best linear helm about the course at a place; where none holds, that of the narrowest."""
-        # x [m]
         place = self.track.nearest(x), round(way * (WAYS - 1))
         if place not in self._known:
             try:
@@ -151,10 +140,8 @@ class CourseAhead:
         for _ in range(intervals):
             off = (A - np.outer(integral[:, RUDDER], gains)) @ off
             states.append(steady + off)
-        recovery = np.array(states)
-        by_coefficient = self._by_coefficient(place, recovery)
-        model = self.ship.model
-        return margins_of(model, (A, integral), by_coefficient, gains, self.margin, confidence)
+        by_coefficient = self._by_coefficient(place, np.array(states))
+        return margins_of(self.ship.model, (A, integral), by_coefficient, gains, self.margin, confidence)
 
     def _by_coefficient(self, place: int, states: np.ndarray) -> np.ndarray:
         there = self.water.at(self.track.places[place : place + 1])
@@ -182,13 +169,6 @@ class CourseAhead:
         return BankSpread(furthest, np.sqrt(np.maximum(variance, 0.0)) * np.sign(forces.sum(axis=2)))
 
 
-# The course that a plan is drawn to: the steady state that holds the offset, place by place, bends among them. With it
-# come courses nearer to the middle, for where the offset asks for more rudder than there is.
-PLACES_A_LENGTH, MOST_PLACES = 2, 4000
-
-# Courses from the offset that is asked for to the middle of the keel's room, both among them.
-WAYS = 9
-
 # What does not change on a steady course; psi, v and the rudder see to it.
 BALANCED = [LINEARISED.index(name) for name in ("y", "v", "r")]
 
@@ -196,14 +176,15 @@ BALANCED = [LINEARISED.index(name) for name in ("y", "v", "r")]
 def steady_track(
     ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float, positions: Mapping[str, float]
 ) -> SteadyTrack:
-    """Find the steady courses along a line."""
-    # y [m]; u [m/s]; margin [m]
-    # Where the keel has no room for the offset the course gives way.
+    """Find the steady courses along a line, at the offset and nearer to the middle: there less rudder holds a ship."""
     length = ship.model.configuration.ship.length
     count = 1 if water.straight else int(min(max(PLACES_A_LENGTH * water.length / length, 2), MOST_PLACES))
     places = np.linspace(0.0, water.length, count)
     there = water.at(places)
-    offset = _with_room(y, there, ship.model.configuration.ship.beam / 2 + margin)
+    # The offset, or the nearest to it that leaves clearance on both sides; the middle where there is none.
+    reach = ship.model.configuration.ship.beam / 2 + margin
+    starboard, port = there["keel_starboard"] - reach, -(there["keel_port"] - reach)
+    offset = np.where(starboard > port, np.minimum(np.maximum(y, port), starboard), (starboard + port) / 2)
     middle = (there["keel_starboard"] - there["keel_port"]) / 2
     y_held = (offset + np.linspace(0.0, 1.0, WAYS)[:, None] * (middle - offset)).ravel()
     everywhere = {name: np.tile(column, WAYS) for name, column in there.items()}
@@ -211,19 +192,16 @@ def steady_track(
     if not known.any():
         raise InputError(f"no rudder holds this ship {y:g} m off the line at {u:g} m/s; choose a place nearer to it")
     known = known.reshape(WAYS, count)
-    states = _from_the_middle(states.reshape(WAYS, count, -1), known)
+    states = states.reshape(WAYS, count, -1)
+    # Where there is no course, the drift and rudder of the next one nearer to the middle stand; none at the worst.
+    states[-1, ~known[-1], 1:] = 0.0
+    for way in range(WAYS - 2, -1, -1):
+        states[way, ~known[way], 1:] = states[way + 1, ~known[way], 1:]
     flat = states.reshape(WAYS * count, -1)
     parts = _slopes(ship, water, flat, u, everywhere, positions)
-    shaped = [part.reshape(WAYS, count, *part.shape[1:]) for part in parts]
-    by_push, force_of, slopes = shaped
+    by_push, force_of, slopes = (part.reshape(WAYS, count, *part.shape[1:]) for part in parts)
     shares = share_of(states[:, :, 0], there)
     return SteadyTrack(places, states, by_push, force_of, slopes, known, shares, ship.model.configuration.gear.limit)
-
-
-def _with_room(y: float, there: Mapping[str, np.ndarray], reach: float) -> np.ndarray:
-    """The offset, or the nearest to it that leaves room on both sides; the middle where there is none."""
-    starboard, port = there["keel_starboard"] - reach, -(there["keel_port"] - reach)
-    return np.where(starboard > port, np.minimum(np.maximum(y, port), starboard), (starboard + port) / 2)
 
 
 def _steady(
@@ -248,15 +226,6 @@ def _values(
     return {**ship.values(**positions), **section}
 
 
-def _from_the_middle(states: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Put in for what is not known the drift and rudder of the next course nearer to the middle; none at the worst."""
-    filled = states.copy()
-    filled[-1, ~known[-1], 1:] = 0.0
-    for way in range(WAYS - 2, -1, -1):
-        filled[way, ~known[way], 1:] = filled[way + 1, ~known[way], 1:]
-    return filled
-
-
 def _slopes(
     ship: SimulatedShip, water: WaterAhead, states: np.ndarray, u: float, there: Mapping[str, np.ndarray],
     positions: Mapping[str, float],
@@ -279,15 +248,13 @@ def _slopes(
     return by_push, np.linalg.inv(by_force[:, 1:]), slopes
 
 
-# How far a hull may stray from its plan because the coefficients are not known: the margin of its clearance.
 def margins_of(
     model: Model, motion: tuple[np.ndarray, np.ndarray], slopes_by_coefficient: np.ndarray, gains: np.ndarray,
     margin: float, confidence: float,
 ) -> np.ndarray:  # fmt: skip
-    """Return margins after each interval of a plan."""
-    # motion (5, 5); slopes_by_coefficient (intervals + 1, 6, coefficients); gains (5,); margin [m]
-    # While the ship comes back from half a beam off, under the best linear helm: what its forces are there is
-    # uncertain, less what the push that is estimated tells of them at the start.
+    # While the ship comes back from half a beam off, under the best linear helm, its forces are uncertain; what the
+    # estimated push explains of them at the start is subtracted. motion: two matrices (5, 5); slopes_by_coefficient
+    # (intervals + 1, 6, coefficients).
     (A, integral), count = motion, len(slopes_by_coefficient) - 1
     if model.covariance is None:
         return np.full(count, margin)

@@ -14,18 +14,17 @@ if TYPE_CHECKING:
 
 # The state of a plan; the speed is held through it, and the rudder's rate drives it.
 HELD = ("y", "psi", "v", "r", "rudder")
-
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
-
 PSI, RUDDER = HELD.index("psi"), HELD.index("rudder")
+FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # What forces accelerate
 
-# What forces accelerate.
-FORCED = slice(HELD.index("v"), HELD.index("r") + 1)
+# The section of the water as plans ask for it, and what the terms ask for of it.
+COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
+SECTION = ("width", "depth")
 
 
 def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current: float) -> np.ndarray:
     """Return the derivatives of the rates of ``HELD`` by ``HELD``, (points, 5, 5)."""
-    # linear (points, 6, columns); at [m]; current [m/s]
     slopes = np.zeros((len(linear), len(HELD), len(HELD)))
     slopes[:, :4] = linear[:, MOVED][:, :, [*MOVED, rudder]]
     curvature, psi = at["curvature"], at["psi"]
@@ -42,19 +41,11 @@ def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current:
 
 def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
     """Return how a state acts over a time, exp(A t), and how constant rates do: (points, 5, 5) each."""
-    # slopes (points, 5, 5); time [s]
-    # By the series to the fifth power: an interval is short beside what grows in it.
+    # By the series to the fifth power: an interval is short compared with the growth of the motion.
     step, unit = slopes * time, np.eye(slopes.shape[-1])
     square = step @ step
     integral = unit + step / 2 + square / 6 + square @ (step / 24 + square / 120)
     return unit + step @ integral, time * integral
-
-
-# The water ahead of a ship, place by place: the section as the terms ask for it, the room for the keel.
-COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
-
-# What the terms are told of it.
-SECTION = ("width", "depth")
 
 
 @dataclass(frozen=True)
@@ -72,8 +63,6 @@ class WaterAhead:
         return 0.0 if self.straight else self.step * (len(self.nodes) - 1)
 
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
-        """Return every column at places."""
-        # x (places,) [m]
         if self.straight:
             return dict(zip(COLUMNS, np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x))), strict=True))
         last = len(self.nodes) - 1
@@ -86,12 +75,10 @@ class WaterAhead:
 
 def share_of(y: np.ndarray, there: dict[str, np.ndarray]) -> np.ndarray:
     """Return places between the walls: -1 at the port one, 1 at the starboard one."""
-    # y [m]
     return np.asarray((y - there["middle"]) / (there["width"] / 2))
 
 
 def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
-    """Return the water of a waterway, or of the model's own canal."""
     ship, canal = model.configuration.ship, model.configuration.canal
     own_depth = np.nan if canal.depth is None else canal.depth
     if waterway is None:

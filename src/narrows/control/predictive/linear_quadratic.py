@@ -4,36 +4,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.control.predictive.settings import RUDDER_LENGTHS, RUDDER_RATE_WEIGHT
+from narrows.control.settings import OFF_HEADING, OFF_RUDDER
 from narrows.errors import InputError
 
-# A heading off, and a rudder off [rad], that weigh as much as half a beam off the line.
-OFF_COURSE, HARD = np.radians(5.0), np.radians(10.0)
-# Ship lengths sailed in which a rudder turned through ``HARD``...
-LENGTHS = 0.16
-# ... weighs so much of that.
-TURNING = 0.1
 IN_VAIN = "no helm holds this ship: its rudder turns nothing"
 
 
 @dataclass(frozen=True)
 class Weights:
-    """What is costly, by Bryson's rule."""
-
     states: np.ndarray  # (5,) Of y, psi, v, r, rudder off their reference, squared
     rate: float  # Of the rudder's rate, squared [s2/rad2]
 
 
 def weights_of(half_beam: float, passing: float) -> Weights:
-    """Return the weights of a ship."""
-    # half_beam [m]; passing [s]
     # Bryson and Ho (1975), Applied optimal control, section 5.2.
-    states = np.array([half_beam**-2, OFF_COURSE**-2, 0.0, 0.0, HARD**-2])
-    return Weights(states, TURNING * (HARD / (LENGTHS * passing)) ** -2)
+    states = np.array([half_beam**-2, OFF_HEADING**-2, 0.0, 0.0, OFF_RUDDER**-2])
+    return Weights(states, RUDDER_RATE_WEIGHT * (OFF_RUDDER / (RUDDER_LENGTHS * passing)) ** -2)
 
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
     """Return the gains of the best linear helm (5,) and what a state off costs for ever, (5, 5)."""
-    # A (5, 5); B (5,)
     from scipy.linalg import LinAlgError, solve_discrete_are
 
     column = B[:, None]

@@ -21,6 +21,19 @@ from narrows.control.predictive.line_frame import (
 from narrows.control.predictive.linear_quadratic import Weights
 from narrows.control.predictive.prediction_lanes import PredictionLanes
 from narrows.control.predictive.push_estimate import Push
+from narrows.control.predictive.settings import (
+    HORIZON_LENGTHS,
+    LEAST_CLEARANCE,
+    MOST_DRIFT,
+    MOST_HEADING,
+    MOST_INTERVALS,
+    MOST_ITERATIONS,
+    MOST_TURN,
+    PLANS_AN_INTERVAL,
+    SHORT,
+    SHORT_SQUARED,
+    SPARE,
+)
 from narrows.errors import InputError, check_count, needs
 from narrows.simulation.ship import SimulatedShip
 
@@ -30,14 +43,11 @@ if TYPE_CHECKING:
 # The steady states that a plan is drawn to, (places, 5), at places along the line.
 Reference = Callable[[np.ndarray], np.ndarray]
 
-MOST_HEADING = np.radians(25.0)
+# Corners of the hull's rectangle: half lengths forward, half beams to starboard, (4, 1) each.
+FORWARD, SIDES = np.array(((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))).T[:, :, None]
 
-# Heading off [rad], room to a bank in half beams, sway velocity over speed and yaw rate by half length over speed,
-# beyond which no plan is linearised.
-LEAST_ROOM, MOST_DRIFT, MOST_TURN = 0.2, 0.5, 1.0
-
-# Half beams of room beyond the margin from which a corner needs no row: from one plan to the next none is used up.
-SPARE = 4.0
+# What DAQP takes for no bound.
+WITHOUT_BOUND = 1e20
 
 
 @dataclass(frozen=True)
@@ -50,7 +60,6 @@ class RudderPlan:
 
     def from_here(self, x: float, state: np.ndarray, share: float = 0.0) -> "RudderPlan":
         """Return the plan a share of an interval later, its places along the line counted from where the ship is."""
-        # x [m]; state (5,)
         places, states = later(self.x, share), later(self.states, share)
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
@@ -83,14 +92,11 @@ class Horizon:
 
     @property
     def time(self) -> float:
-        """How far ahead it reaches [s]."""
         return self.intervals * self.interval
 
 
 @dataclass(frozen=True)
 class Planner:
-    """What makes plans of one ship."""
-
     horizon: Horizon  # How far ahead
     lanes: PredictionLanes  # One an interval
     jacobians: JacobianBatch  # Likewise
@@ -103,7 +109,6 @@ class Planner:
 
     def first(self, x: float, state: np.ndarray, speed: float, reference: Reference) -> RudderPlan:
         """Return a plan to begin with: on the steady course, the rudder still."""
-        # x [m]; state (5,); speed [m/s]
         horizon = self.horizon
         places = x + (speed + self.water.current) * horizon.interval * np.arange(horizon.intervals + 1)
         states = reference(places)
@@ -114,7 +119,6 @@ class Planner:
         self, plan: RudderPlan, speed: float, push: Push, reference: Reference, beyond: np.ndarray, seconds: float = 0.0
     ) -> RudderPlan | None:  # fmt: skip
         """Return the plan after a step of sequential quadratic programming; None where the program has no answer."""
-        # speed [m/s]; beyond (5, 5); seconds [s]
         interval, nodes = self.horizon.interval, plan.states.copy()
         nodes[1:] = self._within_reason(plan.x[1:], nodes[1:], speed)
         plan = RudderPlan(plan.x, nodes, plan.rates)
@@ -132,16 +136,15 @@ class Planner:
         z = solution(program, seconds)
         if z is None:
             return None
-        change = z[:-1]
         states = plan.states.copy()
-        states[1:] += e + G @ change
-        return RudderPlan(x, states, plan.rates + change)
+        states[1:] += e + G @ z[:-1]
+        return RudderPlan(x, states, plan.rates + z[:-1])
 
     def _within_reason(self, x: np.ndarray, states: np.ndarray, speed: float) -> np.ndarray:
         """States where the ship's forces mean something: clear of the banks, not across the canal, not tumbling."""
         there, (half_length, half_beam) = self.water.at(x), self.hull
         psi = np.minimum(np.maximum(states[:, 1], -MOST_HEADING), MOST_HEADING)
-        reach = half_length * np.abs(np.sin(psi)) + (1 + LEAST_ROOM) * half_beam
+        reach = half_length * np.abs(np.sin(psi)) + (1 + LEAST_CLEARANCE) * half_beam
         middle = (there["keel_starboard"] - there["keel_port"]) / 2
         room = np.maximum((there["keel_starboard"] + there["keel_port"]) / 2 - reach, 0.0)
         sway, turn = MOST_DRIFT * speed, MOST_TURN * speed / half_length
@@ -173,7 +176,9 @@ class Planner:
         cost = tracking_cost(nodes + e - reference, G, plan.rates, self.weights, beyond)
         off, by_heading, ahead = corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
         clearance = clearance_rows((off, by_heading), e, G, self._room(x + ahead), SPARE * self.hull[1])
-        return program_of(cost, plan.rates, rudder_rows(nodes, e, G), clearance, self.limits, self.hull[1])
+        # The rudder after each interval, and how changes of the rates move it.
+        rudders = nodes[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
+        return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])
 
     def _room(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far off the banks are beside each corner, less the margin."""
@@ -186,8 +191,6 @@ def planner_of(
     ship: SimulatedShip, waterway: "Waterway | None", water: WaterAhead, horizon: Horizon, margins: np.ndarray,
     weights: Weights, positions: Mapping[str, float],
 ) -> Planner:  # fmt: skip
-    """Lay out what makes plans."""
-    # margins (intervals,) [m]
     configuration = ship.model.configuration
     section = () if water.straight else SECTION
     linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)
@@ -198,18 +201,10 @@ def planner_of(
     )  # fmt: skip
 
 
-# Room between the hull's corners and the banks, as rows of a quadratic program.
-# Of the hull's rectangle: half lengths forward, half beams to starboard.
-CORNERS = ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
-
-FORWARD, SIDES = np.array(CORNERS).T[:, :, None]
-
-
 def corner_offsets(
     states: np.ndarray, half_length: float, half_beam: float, curvature: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Return where corners are off the line, what that changes by the heading, and how far ahead they are."""
-    # states (nodes, 5); half_length, half_beam [m]; curvature (nodes,) [1/m]
     # In a bend the line falls away from what is ahead and astern by half its curvature times the distance squared.
     forward, aside = half_length * FORWARD, half_beam * SIDES
     sine, cosine = np.sin(states[:, 1]), np.cos(states[:, 1])
@@ -224,7 +219,7 @@ def clearance_rows(
     spare: float,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return rows and bounds: rows @ change of the rates <= bounds keeps every corner off the banks."""
-    # corners (4, nodes) [m]; e, G (nodes, 5); room (4, nodes) [m]; spare [m]
+    # corners and room (4, nodes) [m]; e (nodes, 5); G (nodes, 5, rates)
     off, lever = corners
     y, psi = HELD.index("y"), HELD.index("psi")
     now = SIDES * (off + e[:, y] + lever * e[:, psi])
@@ -234,13 +229,11 @@ def clearance_rows(
     return rows, bounds[corner, node]
 
 
-# A plan's states as an affine function of the rudder's rates alone: what is left of the dynamics in the program.
 def condensed(
     A: np.ndarray, B: np.ndarray, defects: np.ndarray, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return e and G, by which states after each interval are off their nodes: e + G @ change of the rates."""
-    # A (intervals, n, n); B (intervals, n); defects (intervals, n); start (n,)
-    # Of off_(k+1) = A_k off_k + B_k change_k + defect_k.
+    # The recursion off_(k+1) = A_k off_k + B_k change_k + defect_k, so that the rates alone remain in the program.
     intervals, n = B.shape
     step = np.zeros((intervals, n + 1, n + 1))
     step[:, :n, :n], step[:, :n, n], step[:, n, n] = A, defects, 1.0
@@ -252,20 +245,10 @@ def condensed(
     return both[1:, :n, -1], both[1:, :n, :-1]
 
 
-# A plan as a quadratic program in the changes of the rudder's rates, and DAQP, which solves it.
-# Costs of a clearance that is short by half a beam: by the length, and by its square.
-SHORT, SHORT_SQUARED = 50.0, 10.0
-
-MOST_ITERATIONS = 500
-
-WITHOUT_BOUND = 1e20
-
-
 def tracking_cost(
     off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: Weights, beyond: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return H and f of what it costs to be off the reference and to turn the rudder."""
-    # off (intervals, 5); G (intervals, 5, intervals); rates (intervals,) [rad/s]; beyond (5, 5)
     felt = np.flatnonzero(weights.states)
     root = np.sqrt(weights.states[felt])
     moved = (G[:-1, felt] * root[:, None]).reshape(-1, len(rates))
@@ -281,7 +264,6 @@ def program_of(
     clearance: tuple[np.ndarray, np.ndarray], limits: tuple[float, float], half_beam: float,
 ) -> QuadraticProgram:  # fmt: skip
     """Put cost and constraints together; clearance may fall short, for a price."""
-    # rates (intervals,) [rad/s]; rudders (intervals,); limits [rad, rad/s]; half_beam [m]
     n = len(rates)
     H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, SHORT)
     H[:n, :n], f[:n] = cost
@@ -296,7 +278,6 @@ def program_of(
 
 def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
     """Solve by DAQP: z, or None where it finds no answer, in time."""
-    # seconds [s]
     # Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using
     # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
     with needs("control", "a predictive helm"):
@@ -310,32 +291,12 @@ def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | No
     return z if flag > 0 and np.isfinite(z).all() else None
 
 
-def rudder_rows(states: np.ndarray, e: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rudder after each interval, and how changes of the rates move it."""
-    # states (intervals, 5)
-    return states[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
-
-
-# How far a predictive helm looks ahead, in what steps, and what is left of a plan when time has passed.
-# Ship lengths ahead that a plan reaches, unless a time is given.
-LENGTHS = 2.4
-
-INTERVALS = 30
-
-MOST_INTERVALS = 60
-
-# New plans are made this often, unless a time between them is given.
-PLANS_AN_INTERVAL = 5
-
-
 def horizon_of(passing: float, horizon: float | None, intervals: int, period: float | None) -> Horizon:
-    """Return the horizon of a ship."""
-    # passing [s]; horizon [s]; period [s]
     check_count("intervals", intervals, 2, MOST_INTERVALS)
     for name, value in (("horizon", horizon), ("period", period)):
         if value is not None and not 0 < value < np.inf:
             raise InputError(f"{name} = {value} must be a positive time in seconds")
-    interval = (LENGTHS * passing if horizon is None else horizon) / intervals
+    interval = (HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals
     between = interval / PLANS_AN_INTERVAL if period is None else period
     if between > interval:
         raise InputError(
@@ -347,7 +308,6 @@ def horizon_of(passing: float, horizon: float | None, intervals: int, period: fl
 
 def later(nodes: np.ndarray, share: float) -> np.ndarray:
     """Return a plan's nodes as they are a share of an interval later, the last staying."""
-    # nodes (nodes, ...)
     whole = min(int(share), len(nodes) - 1)
     shifted = np.concatenate([nodes[whole:], *[nodes[-1:]] * whole]) if whole else nodes.copy()
     shifted[:-1] += (share - int(share)) * np.diff(shifted, axis=0)

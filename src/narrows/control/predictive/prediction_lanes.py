@@ -6,20 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.free_motion import INPUTS
+from narrows.control.predictive.settings import STEPS
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-# Of Runge and Kutta's method, an interval.
-STEPS = 2
-# Where a waterway ends; for a plan it is far off [m]: beyond its end it goes on as it ends.
-LAST, FAR = "x_last", 1e12
-# Of a waterway [m], where a lane begins at the earliest: at the very start it would be at its end.
-AFTER_THE_START = 1e-3
-TURNING = "turning"
 
 
 class RudderTurning:
@@ -29,15 +22,12 @@ class RudderTurning:
         self.turning = turning
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the rates."""
-        return {TURNING: self.turning}
+        return {"turning": self.turning}
 
     def memory(self, start: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return nothing."""
         return {}
 
     def orders(self, at: Any) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        """Return the angle at the end of the step."""
         return {"rudder": at.rudder + at.turning * at.dt}, {}
 
 
@@ -51,23 +41,22 @@ class PredictionLanes:
         pushed = {"Y": np.zeros(lanes), "N": np.zeros(lanes), PUSH_END: np.inf}
         prepared = run.prepared({**still, **pushed, "u": 1.0, **positions}, lanes, workers=1)
         kept, inputs = prepared.kernel.KEPT_NAMES, prepared.kernel.VESSEL_INPUTS
-        if LAST in prepared.kernel.SHARED:
-            prepared.shared[prepared.kernel.SHARED.index(LAST)] = FAR
+        if "x_last" in prepared.kernel.SHARED:  # For a plan a waterway goes on beyond its end as it ends.
+            prepared.shared[prepared.kernel.SHARED.index("x_last")] = 1e12
         self._prepared = prepared
         self._places = {name: kept.index(name) for name in ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder")}
-        self._turning = inputs.index(PARAMETER(TURNING))
+        self._turning = inputs.index(PARAMETER("turning"))
         self._pushes = [inputs.index(INPUTS[name]) for name in ("Y", "N")]
 
     def __call__(
         self, x: np.ndarray, states: np.ndarray, speed: float, rates: np.ndarray, push: np.ndarray, time: float
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Return where lanes are after a time: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5)."""
-        # x (lanes,) [m]; states (lanes, 5); speed [m/s]; rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]; time [s]
-        # A lane that meets a bank stays there.
+        # rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]. A lane that meets a bank stays there.
         run, at = self._prepared, self._places
         start, end = run.start, run.end
         psi = states[:, 1]
-        begin = np.maximum(x, AFTER_THE_START)
+        begin = np.maximum(x, 1e-3)  # A lane at the very start of a waterway would be at its end.
         start[:, at["x"]], start[:, at["y"]], start[:, at["u"]] = begin, states[:, 0], speed
         start[:, at["cos_psi"]], start[:, at["sin_psi"]] = np.cos(psi), np.sin(psi)
         start[:, at["v"]], start[:, at["r"]], start[:, at["rudder"]] = states[:, 2], states[:, 3], states[:, 4]

@@ -11,17 +11,10 @@ import numpy as np
 from narrows.control.predictive.course_ahead import CourseAhead
 from narrows.control.predictive.line_frame import FORCED, RUDDER, share_of, water_ahead
 from narrows.control.predictive.linear_quadratic import weights_of
-from narrows.control.predictive.planner import (
-    INTERVALS,
-    Horizon,
-    Planner,
-    Reference,
-    RudderPlan,
-    horizon_of,
-    planner_of,
-)
+from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, planner_of
 from narrows.control.predictive.prediction_lanes import PredictionLanes
-from narrows.control.predictive.push_estimate import LENGTHS, Push, no_push, updated_push
+from narrows.control.predictive.push_estimate import Push, no_push, updated_push
+from narrows.control.predictive.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING
 from narrows.control.self_propulsion import self_propulsion
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError, needs
@@ -33,9 +26,6 @@ from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-# Beams between hull and bank, at least, unless a margin is given.
-MARGIN = 0.15
 
 
 class Seen(NamedTuple):
@@ -71,7 +61,6 @@ class VoyageOrders:
 
     def __call__(self, t: float, state: VoyageState) -> float:
         """Return the rudder order [rad], a finite number within its limit whatever is seen."""
-        # t [s]
         if self._seen is None or t < self._seen.t:
             self._begin_anew()
         elif not t - self._seen.t >= self.planner.horizon.period * (1 - EARLY):
@@ -80,7 +69,6 @@ class VoyageOrders:
             return self._ordered(t if math.isfinite(t) else 0.0, state)
 
     def _ordered(self, t: float, state: VoyageState) -> float:
-        """Look, estimate, plan, and order."""
         elapsed = t - self._seen.t if self._seen else 0.0
         expected = self._expected(state, elapsed)
         seen = _made_whole(t, state, expected)
@@ -126,7 +114,10 @@ class VoyageOrders:
         self.way = max(track.held(seen.x, self.push, most), self.way - nearer)
         gains, beyond = self.course.regulated(seen.x, self.way)
         reference = partial(track.at, push=self.push, way=self.way)
-        plan, rounds = self._to_begin_with(seen, elapsed, reference)
+        if self.plan is None:
+            plan, rounds = self.planner.first(seen.x, seen.state, seen.speed, reference), FIRST_ROUNDS
+        else:
+            plan, rounds = self.plan.from_here(seen.x, seen.state, elapsed / self.planner.horizon.interval), 1
         for _ in range(rounds):
             better = self.planner.better(plan, seen.speed, self.push, reference, beyond, self.seconds)
             if better is None:
@@ -135,12 +126,6 @@ class VoyageOrders:
             plan = better
         self.plan = plan
         return float(plan.rates[0])
-
-    def _to_begin_with(self, seen: Seen, elapsed: float, reference: Reference) -> tuple[RudderPlan, int]:
-        """The last plan as it is now, or a first one; how often it is to be bettered."""
-        if self.plan is None:
-            return self.planner.first(seen.x, seen.state, seen.speed, reference), FIRST_ROUNDS
-        return self.plan.from_here(seen.x, seen.state, elapsed / self.planner.horizon.interval), 1
 
 
 @dataclass(frozen=True, repr=False)
@@ -218,18 +203,15 @@ class PredictiveHelm(Described):
             raise InputError("a margin and the seconds of a plan are numbers from 0; give such")
         if self.revolutions is not None and not self.model.terms.propelled:
             raise InputError("revolutions change nothing here: this model has no terms of a propeller; leave them out")
-        self._check_room()
-        self._horizon()
-        with needs("control", "a predictive helm"):
-            if find_spec("daqp") is None:
-                raise ImportError
-
-    def _check_room(self) -> None:
         ship, canal = self.model.configuration.ship, self.model.configuration.canal
         if self.waterway is None:
             check_inside(self.y, canal.width, ship.beam)
         else:
             self.waterway.check_fits(ship)
+        self._horizon()
+        with needs("control", "a predictive helm"):
+            if find_spec("daqp") is None:
+                raise ImportError
 
     def _horizon(self) -> Horizon:
         passing = self.model.configuration.ship.length / self.u
@@ -259,41 +241,22 @@ class PredictiveHelm(Described):
         margin = MARGIN * hull.beam if self.margin is None else self.margin
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
-        if self.waterway is None:
-            held = course.track.known[0, 0]
-            self._check_held(float(course.track.states[0, 0, RUDDER]) if held else math.inf)
+        limit, track = self.model.configuration.gear.limit, course.track
+        if self.waterway is None and not (track.known[0, 0] and abs(track.states[0, 0, RUDDER]) < limit):
+            raise InputError(
+                f"no rudder to {math.degrees(limit):g} degrees holds this ship {self.y:g} m off the middle at "
+                f"{self.u:g} m/s; choose a place nearer to it"
+            )
         margins = course.margins(horizon.intervals, self.confidence)
         planner = planner_of(ship, self.waterway, water, horizon, margins, weights, positions)
         observer = PredictionLanes(ship, self.waterway, 2, **positions)
-        return VoyageOrders(planner, course, observer, LENGTHS * passing, self.seconds)
+        return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds)
 
     def _positions(self) -> dict[str, float]:
         if not self.model.terms.propelled:
             return {}
         turns = self_propulsion(self.model, self.u) if self.revolutions is None else self.revolutions
         return {"revolutions": turns}
-
-    def _check_held(self, rudder: float) -> None:
-        limit = self.model.configuration.gear.limit
-        if not abs(rudder) < limit:
-            raise InputError(
-                f"no rudder to {math.degrees(limit):g} degrees holds this ship {self.y:g} m off the middle at "
-                f"{self.u:g} m/s; choose a place nearer to it"
-            )
-
-
-# The orders of one voyage: what is seen made whole, the push estimated, a plan, and a helm for where there is none.
-# Of sequential quadratic programming, for a first plan.
-FIRST_ROUNDS = 6
-
-# Of the period, by which a plan may come early: times of steps are sums.
-EARLY = 1e-6
-
-# Of the rudder's limit, that holding an offset may take; where it takes more, the helm comes nearer the middle...
-RESERVE = 0.7
-
-# ... and goes back no faster than all the way in so many of the times in which the push is estimated.
-RETURNING = 20.0
 
 
 def _made_whole(t: float, state: VoyageState, expected: Seen) -> Seen:

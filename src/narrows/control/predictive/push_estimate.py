@@ -11,9 +11,6 @@ import numpy as np
 
 Variances = tuple[float, float, float]
 
-# Ship lengths sailed in which the estimate of a force of any kind comes two thirds of the way.
-LENGTHS = 0.3
-
 
 @dataclass(frozen=True)
 class BankSpread:
@@ -27,7 +24,6 @@ class BankSpread:
 
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return force and moment at places between the banks, and their derivatives, (places, 2) each."""
-        # share (places,)
         last, step = len(self.forces) - 1, 2 * self.furthest / (len(self.forces) - 1)
         position = np.minimum(np.maximum((share + self.furthest) / step, 0.0), last)
         cell = np.minimum(position.astype(int), last - 1)
@@ -39,8 +35,6 @@ class BankSpread:
 
 @dataclass(frozen=True)
 class Push:
-    """What pushes the ship beside what the model knows."""
-
     steady: np.ndarray  # (2,) Sway force and yaw moment of any kind [N, N m]
     strength: np.ndarray  # (2,) Of the bank's force and moment beyond the model's, in standard deviations [1]
     spread: BankSpread  # What a standard deviation is
@@ -50,7 +44,6 @@ class Push:
 
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the push at places between the banks, and its derivative, (places, 2) each [N, N m]."""
-        # share (places,)
         forces, slopes = self.spread.at(share)
         return self.steady + self.strength * forces, self.strength * slopes
 
@@ -63,18 +56,16 @@ def no_push(spread: BankSpread) -> Push:
 
 def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, time: float) -> Push:
     """Return the push that explains better what was seen."""
-    # missing (2,) [N, N m]; elapsed [s]; time [s]
     # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
     # Process Control 12(5), 617-632.
     if not np.isfinite(missing).all():
         return push
     gain = 1.0 - math.exp(-elapsed / time)
     felt = push.spread.at(np.array([share]))[0][0]
-    parts = [
+    (force, of_force, noise), (moment, of_moment, moment_noise) = (
         _filtered(*push.uncertainty[axis], push.noise[axis], float(missing[axis]), float(felt[axis]), gain)
         for axis in (0, 1)
-    ]
-    (force, of_force, noise), (moment, of_moment, moment_noise) = parts
+    )
     steady, strength = np.array([force, moment]).T
     return Push(
         push.steady + steady, push.strength + strength, push.spread, (of_force, of_moment), (noise, moment_noise)

@@ -24,7 +24,7 @@ from narrows.export.scripts import javascript_text
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import SwitchedLaw
-from narrows.simulation.departure import usual_voyage
+from narrows.simulation.departure import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -32,7 +32,7 @@ from narrows.web import asset, without_exports
 
 
 def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[str, tuple[str, ...]]:
-    u = float(usual_voyage(ship.model).speed if speed is None else speed)
+    u = float(voyage_defaults(ship.model).speed if speed is None else speed)
     finite_numbers(u=u)
     if not u > 0:
         raise InputError(f"u = {u:g} m/s: a page shows ships that make way; give a speed over 0")
