@@ -46,8 +46,7 @@ class ExportedNumber:
 @dataclass(frozen=True)
 class ExportedShip:
     ship: SimulatedShip  # The model under its choices
-    # Whose table goes into the file; the section of the water then changes along the way
-    waterway: "Waterway | None" = None
+    waterway: "Waterway | None" = None  # Its table goes into the file: the section changes along the way
     prefix: str = USUAL_PREFIX  # Of the names in the file
     steering: Steering | None = None  # What gives the orders instead of a caller
 

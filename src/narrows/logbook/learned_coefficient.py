@@ -260,8 +260,7 @@ class Posterior:
     mean: np.ndarray  # (n,) Means, within bounds where there are any
     free_mean: np.ndarray  # (n,) Means without the bounds
     root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance, bounds left aside
-    # Of the readings under the prior, bounds left aside: sum of squares over what was to be expected [1]
-    chi_square: float
+    chi_square: float  # Of the readings under the prior, without bounds [1]
     beside: np.ndarray  # (blocks,) The same of each block beside all others and the prior [1]
 
     @property

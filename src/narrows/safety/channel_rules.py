@@ -42,10 +42,6 @@ class Lane:
     clearance: Mapping[str, float]  # From the lane to either bank, by its kind [1]
 
 
-def nothing(passage: Passage) -> float:
-    return 0.0
-
-
 def shallow_lane(passage: Passage) -> float:
     """Return what shallow water adds to a lane [1]: 0.2 B below h/T = 1.5, 0.4 B below 1.15."""
     ratio = math.inf if passage.depth is None else round(passage.depth / passage.draft, 2)
@@ -59,27 +55,15 @@ class ChannelRule:
     says: str  # What it says, in words
     source: str  # Where it is from
     standing: str = READ  # Whether its numbers were read by us, and which were not
-    # Widths that it asks for, where it is a rule of widths: of the lane, and of the water to either bank
-    lanes: tuple[Lane, ...] = ()
-    deepens: Callable[[Passage], float] = nothing  # Beams to add to a lane, by the passage
-    # The highest speed [m/s] by the passage, where it is a rule of speeds; NaN where it speaks of other ships
-    speed: Callable[[Passage], float] | None = None
+    lanes: tuple[Lane, ...] = ()  # Widths that a rule of widths asks for
+    deepens: Callable[[Passage], float] = lambda passage: 0.0  # Beams to add to a lane, by the passage
+    speed: Callable[[Passage], float] | None = None  # [m/s] limit; NaN where it is for other ships
     rudder_deg: float | None = field(default=None)  # The most rudder to be kept on, where it is a rule of rudders [deg]
 
 
 def asked_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
     """Return the width of water that a rule asks for [m]: lane and both clearances."""
     return passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
-
-
-def suez_full(passage: Passage) -> float:
-    """Return the speed [m/s] of loaded tankers and bulk carriers in the Suez Canal; NaN to 44 ft of draft."""
-    return 14 / HOUR if passage.draft > 44 * FOOT else math.nan
-
-
-def suez_others(passage: Passage) -> float:
-    """Return the speed [m/s] of other ships in the Suez Canal."""
-    return 16 / HOUR
 
 
 def kiel(passage: Passage) -> float:
@@ -150,14 +134,14 @@ CHANNEL_RULES = (
         "cargo, draft",
         "14 km/h for loaded tankers and bulk carriers of more than 44 ft, and for gas carriers",
         "Suez Canal Authority, Rules of navigation (2020), article 54, suezcanal.gov.eg",
-        speed=suez_full,
+        speed=lambda passage: 14 / HOUR if passage.draft > 44 * FOOT else math.nan,
     ),
     ChannelRule(
         "Suez, other ships",
         "cargo, draft",
         "16 km/h",
         "Suez Canal Authority, Rules of navigation (2020), article 54, suezcanal.gov.eg",
-        speed=suez_others,
+        speed=lambda passage: 16 / HOUR,
     ),
     ChannelRule(
         "Kiel",

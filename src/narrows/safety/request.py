@@ -172,10 +172,8 @@ def _check(offsets: np.ndarray, speeds: np.ndarray, room: Walls, beam: float) ->
 
 @dataclass(frozen=True)
 class Keel:
-    # (speeds,) Sinkage midship; zero where the depth is not known, or where the canal is choked [m]
-    midship: np.ndarray
-    # (speeds,) Least water under the hull; NaN where the depth is not known, or where the canal is choked [m]
-    clearance: np.ndarray
+    midship: np.ndarray  # (speeds,) Sinkage midship; 0 without a depth or in a choked canal [m]
+    clearance: np.ndarray  # (speeds,) Least water under the hull; NaN without a depth or in a choked canal [m]
     choke: float  # The speed at which the canal is choked; infinite where the depth is not known [m/s]
     notes: tuple[str, ...]  # What the formulas are used beyond
 

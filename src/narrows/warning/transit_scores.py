@@ -71,10 +71,8 @@ class TransitScores(Described):
 class ScoredTransit:
     name: str  # Of the recording
     t: np.ndarray  # (seconds,) Since the watch began [s]
-    # (seconds, predictors) Of ``PREDICTORS``, over their thresholds; NaN where there was no forecast [1]
-    urgencies: np.ndarray
-    # (seconds,) Of the hull to the nearer bank as it was estimated; NaN where it is not known [m]
-    clearance: np.ndarray
+    urgencies: np.ndarray  # (seconds, predictors) Over their thresholds; NaN without a forecast [1]
+    clearance: np.ndarray  # (seconds,) Estimated, to the nearer bank; NaN where unknown [m]
 
     @property
     def least(self) -> float:

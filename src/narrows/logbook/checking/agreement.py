@@ -17,10 +17,8 @@ class Factor(NamedTuple):
     # Frisch (1934), Statistical confluence analysis by means of complete regression systems: the slopes of either
     # regression bound that of the relation.
 
-    # Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
-    low: float
-    # Between which it lies: with all noise in the one, and with all of it in the other; widened by ``SURE`` standard
-    high: float
+    low: float  # With all noise in one of the two, widened by ``SURE`` standard errors
+    high: float  # With all noise in the other, widened likewise
     correlation: float  # Between the two [1]
     windows: float  # That tell independently
 
@@ -137,8 +135,7 @@ Windows = tuple[np.ndarray, np.ndarray]
 class EvenMotion:
     t: np.ndarray  # (n,) Rising evenly [s]
     columns: dict[str, np.ndarray]  # (n,) By signal; NaN where nothing was measured near by
-    # (n,) Direction that headings are measured from: of the waterway's line, from north; 0 in a plane [rad]
-    axis: np.ndarray
+    axis: np.ndarray  # (n,) From which headings are measured: of the line, from north; 0 in a plane [rad]
     position: np.ndarray  # (n,) On the map, north and i times east; x and i times y in a plane [m]
     pace: float  # For the way of a ship length [s]
 

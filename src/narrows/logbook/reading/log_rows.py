@@ -34,8 +34,7 @@ class LogRows(NamedTuple):
 @dataclass(frozen=True)
 class LogMapping:
     columns: ColumnMapping = field(default_factory=ColumnMapping)  # Names, units and signs
-    # By how much a column was reported later than it was measured [s]
-    late: Mapping[str, float] = field(default_factory=dict)
+    late: Mapping[str, float] = field(default_factory=dict)  # [s] lateness by column
     antenna: tuple[float, float] = (0.0, 0.0)  # Of the position: forward and to starboard of midship [m]
     condition: Mapping[str, float] = field(default_factory=dict)  # Of the loading, as in ``{"draft": 10.2}``
 

@@ -49,8 +49,7 @@ class RawSignals(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Placing:
     table: str  # The file, for sentences
-    # What is late, where the antenna stands, how the ship is loaded
-    mapping: LogMapping = field(default_factory=LogMapping)
+    mapping: LogMapping = field(default_factory=LogMapping)  # Lateness, antenna, loading
     waterway: Waterway | None = None  # Along which to tell where the ship is; a plane where there is none
 
     def record(self, raw: RawRecord) -> ShipRecord:

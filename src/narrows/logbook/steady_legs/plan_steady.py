@@ -137,10 +137,8 @@ class Candidates:
     speeds: np.ndarray  # (places,) Through the water [m/s]
     rudder: np.ndarray  # (places,) Of the most likely coefficients [rad]
     psi: np.ndarray  # (places,) Of the most likely coefficients [rad]
-    # (places, 3) Of the samples: what 5 %, half and 95 % are below, infinite where there is no course [rad]
-    rudder_told: np.ndarray
-    # (places, 3) Of the samples: what 5 %, half and 95 % are below, infinite where there is no course [rad]
-    psi_told: np.ndarray
+    rudder_told: np.ndarray  # (places, 3) 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
+    psi_told: np.ndarray  # (places, 3) The same [rad]
     within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
     clear: np.ndarray  # (places,) Whether side and keel have their clearance
 

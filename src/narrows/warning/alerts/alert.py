@@ -202,12 +202,9 @@ class AlertDesk:
 
 @dataclass(frozen=True)
 class Thresholds:
-    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
-    caution: float = 0.38
-    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
-    warning: float = 0.69
-    # Urgency of a forecast; usually such that 5, 2 and 1 % of quiet transits of 8 minutes have one [1]
-    alarm: float = 0.91
+    caution: float = 0.38  # [1] urgency; 5 % of quiet transits of 8 minutes have one
+    warning: float = 0.69  # [1] urgency; 2 % of these have one
+    alarm: float = 0.91  # [1] urgency; 1 % of these have one
     emergency: float = 30.0  # To contact, where the last chance is gone [s]
 
     def __post_init__(self) -> None:

@@ -27,8 +27,7 @@ class LikelyRun:
 
     contact: float  # When it meets a bank with the rudder as it is; infinite where it does not [s]
     side: str  # Which; empty where none
-    # Until when a pilot who takes over still keeps it clear; infinite where also later than is looked at [s]
-    last_chance: float
+    last_chance: float  # [s] latest takeover of a pilot that keeps it clear; infinite beyond what is tried
     gone: bool  # Whether not even a pilot who takes over now does
 
 
@@ -37,11 +36,9 @@ class BankForecast(Described):
     t: float  # When it was made [s]
     cases: dict[str, CaseForecast]  # By who steers
     likely: LikelyRun  # The most likely run
-    # To contact of a ship that goes on turning as fast as it does; infinite where it meets no bank in 120 s [s]
-    curved: float
+    curved: float  # [s] to contact on a track curved by the yaw rate; infinite beyond 120 s
     rudder: float  # Now [rad]
-    # That holds the ship where it is, the bank as strong as it is estimated; infinite where none does [rad]
-    rudder_needed: float
+    rudder_needed: float  # [rad] of the steady course here, by the estimated bank; infinite without one
     rudder_limit: float  # Of the gear [rad]
 
     @property
@@ -128,8 +125,7 @@ class Case:
     name: str  # What happens
     taken_over: float  # When a pilot takes over [s]
     duration: float  # How long it is looked at [s]
-    # To which side the rudder is put over: -1 to port, 1 to starboard, 0 where it stays where it is [1]
-    hard_over: float = 0.0
+    hard_over: float = 0.0  # [1] side of the rudder: -1 port, 1 starboard, 0 as it is
 
 
 def pilot_case(taken_over: float) -> Case:

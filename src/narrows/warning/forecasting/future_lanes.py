@@ -142,9 +142,7 @@ class PredictedFan(NamedTuple):
     """Tracks, each pose of them along the waterway and off its line [m] and the heading to it [rad]."""
 
     times: np.ndarray  # (times,) From now on [s]
-    # (members, times, 3) Of ships that what is known leaves possible, the rudder as it is; one that meets a bank
-    # stays there
-    members: np.ndarray
+    members: np.ndarray  # (members, times, 3) Samples, the rudder as it is; after contact a sample stays
     likely: np.ndarray  # (times, 3) Of the most likely one
     pilot: np.ndarray  # (times, 3) Of the same with a pilot who takes over now
 

@@ -24,9 +24,7 @@ class Messages(NamedTuple):
     ages: dict[str, float]  # By what was ever told: how long ago [s]
     faults: dict[str, int]  # Messages that were left out so far
     draft: float | None  # As the ship reports it [m]
-    # Of the water, as the echo sounder told it in the last second; what is under the keel and the draft, where it
-    # tells that [m]
-    depth: float | None = None
+    depth: float | None = None  # [m] of the water by the echo sounder: clearance under the keel plus draft
 
 
 class Tick(NamedTuple):
