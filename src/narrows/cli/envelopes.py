@@ -97,8 +97,6 @@ class WeatherOptions:
 
 @dataclass(frozen=True)
 class ReserveOptions:
-    """What is to be left of rudder, water and engine."""
-
     reserve: Annotated[float, typer.Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3
     keel: Annotated[float | None, typer.Option(help="Least water under the keel [m]; a twentieth of the draft.")] = None
     most_revolutions: Annotated[
@@ -108,8 +106,6 @@ class ReserveOptions:
 
 @dataclass(frozen=True)
 class CaseOptions:
-    """How many cases are tried."""
-
     samples: Annotated[
         int | None,
         typer.Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),

@@ -188,8 +188,6 @@ class Delivery:
 
 @dataclass(frozen=True)
 class ModelDelivery(Delivery):
-    """Of what is fitted."""
-
     output: ModelOutput = None
     report: Report = None
     json: AsJson = False
@@ -197,8 +195,6 @@ class ModelDelivery(Delivery):
 
 @dataclass(frozen=True)
 class ReportDelivery(Delivery):
-    """Of what is known of a model."""
-
     output: TableOutput = None
     report: Report = None
     json: AsJson = False
@@ -206,16 +202,12 @@ class ReportDelivery(Delivery):
 
 @dataclass(frozen=True)
 class TableDelivery(Delivery):
-    """Of a table."""
-
     output: TableOutput = None
     json: AsJson = False
 
 
 @dataclass(frozen=True)
 class TrackDelivery(Delivery):
-    """Of a voyage."""
-
     output: TrackOutput = None
     plot: Plot = None
     json: AsJson = False
@@ -223,8 +215,6 @@ class TrackDelivery(Delivery):
 
 @dataclass(frozen=True)
 class DatasetDelivery(Delivery):
-    """Of what has several dimensions."""
-
     output: DatasetOutput = None
     plot: Plot = None
     json: AsJson = False
