@@ -78,7 +78,6 @@ def read_captive(
 
 
 def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = None) -> Any:
-    """Return tests as they are, or read a table of them."""
     if hasattr(tests, "blocks"):
         if ship is not None:
             raise InputError("these tests have a ship already; give ship where they are a file or a table")
@@ -115,7 +114,6 @@ class StreamedTests:
 
     @cached_property
     def lengths(self) -> dict[str, int]:
-        """Rows of each test, by a first pass over their names; each must stand in one stretch of the file."""
         lengths: dict[str, int] = {}
         last = None
         for frame in self._frames():

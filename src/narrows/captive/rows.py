@@ -90,7 +90,6 @@ def _physical_sense(
     frame: pd.DataFrame, columns: dict[str, np.ndarray], test: np.ndarray, configuration: Configuration,
     by_name: dict[str, Column], table: str,
 ) -> tuple[str, ...]:  # fmt: skip
-    """Raise what cannot be of this ship, and return what is odd."""
     notes = check.check_mass(configuration, table)
     notes += check.check_heave(frame, columns, configuration, by_name.get("heave"), table)
     check.check_forces(columns, configuration, by_name, table)
@@ -158,7 +157,6 @@ def plain_columns(
 
 
 def chosen_early(frame: pd.DataFrame, where: str | None, table: str) -> np.ndarray | None:
-    """Return the rows that an expression on the headers alone takes, None where it uses other names."""
     if where is None or where == "":
         return np.ones(len(frame), bool)
     try:

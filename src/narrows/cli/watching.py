@@ -203,7 +203,6 @@ class Outlets:
 
 
 def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets, json: bool) -> "WatchedTransit":
-    """Watch until there is nothing more to hear, or until it is interrupted."""
     import time
 
     from narrows.progress import stage
@@ -302,7 +301,6 @@ HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30
 def with_keys(
     ticks: Iterable["Tick"], monitored: "BridgeMonitor", lines: Iterable[str] | None = None
 ) -> Iterator["Tick"]:
-    """Yield ticks, with a command for every alert that a key was pressed for."""
     typed: SimpleQueue[str] = SimpleQueue()
     Thread(target=_read, args=(lines or sys.stdin, typed), daemon=True).start()
     for tick in ticks:

@@ -70,7 +70,6 @@ class ExportedShip:
 
     @cached_property
     def _derived(self) -> dict[str, Expr]:
-        """What hull, banks and gear ask for, by the parameters."""
         least = limits_of(self.ship.shape)["least_cos"]
         known: dict[str, Any] = {
             "half_length": real("length") / 2, "half_beam": real("beam") / 2, "least_cos": Float(least, 17),

@@ -117,7 +117,6 @@ class FmuVariable:
 
 
 def variables_of(exported: ExportedShip, speed: float, dt: float, fmi: int) -> tuple[FmuVariable, ...]:
-    """Return the variables of an FMU, by the order of their references."""
     variables = tuple(_variables(exported, speed, dt))
     return variables if fmi < 3 else (*variables, *_indicators(len(variables)))
 

@@ -68,7 +68,6 @@ def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body
 
 
 def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation], *more: str) -> dict[str, Any]:
-    """Return the plain functions in another language, with the constants and names that stand before them."""
     source = plain_functions(exported)
     translation = language(source)
     plain = [translation.text(one) for one in last_functions(exported, source, *more)]

@@ -106,7 +106,6 @@ def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.Dat
 
 
 def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray) -> list[tuple[str, str, float]]:
-    """Return what was learned only together with another: a name, its nearest partner, their correlation."""
     names, size = list(coefficients), np.sqrt(np.maximum(np.diag(covariance), 0.0))
     scale = np.where(size > 0, size, np.inf)
     correlation = covariance / np.outer(scale, scale)
@@ -153,7 +152,6 @@ class LearnedAnswer(Shown):
 
 
 def learnable(model: Model, targets: object) -> tuple[str, ...]:
-    """Return the coefficients that matter: those that were named, or those of the bank."""
     names = (targets,) if isinstance(targets, str) else targets
     if not isinstance(names, tuple | list):
         raise InputError(f"targets = {shown(targets)}: give names of coefficients")
@@ -240,8 +238,6 @@ class NormalPrior:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Linear readings ``value = design @ unknowns + error`` in blocks whose errors are independent."""
-
     value: np.ndarray  # (blocks, q) Read
     design: np.ndarray  # (blocks, q, n) By the unknowns
     covariance: np.ndarray  # (blocks, q, q) Of the errors

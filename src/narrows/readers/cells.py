@@ -17,12 +17,10 @@ from narrows.readers.text_table import FIRST_ROW, seen
 
 
 def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
-    """Return the file's row of the first hit."""
     return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
 
 
 def check_once(columns: list[Column], headers: list[str], known: Iterable[str], table: str) -> None:
-    """Raise where no header is a quantity, or a quantity has two columns."""
     if not columns:
         raise InputError(
             f"{table}: no column is headed as a quantity: seen {seen(headers)}; head them {', '.join(known)}, "
@@ -85,7 +83,6 @@ def labels(frame: pd.DataFrame, header: str, table: str) -> np.ndarray:
 
 
 def as_sheet(table: object) -> Sheet:
-    """Return a table of a program as the reader takes it: rows counted from 0 in sentences."""
     try:
         frame = _as_frame(table)
     except InputError:

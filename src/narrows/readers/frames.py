@@ -70,7 +70,6 @@ def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
 
 
 def guarded(path: Path, read: Callable[[], Any]) -> Any:
-    """Return what reads a table, or say in one sentence why it cannot."""
     try:
         return read()
     except FileNotFoundError:

@@ -38,7 +38,6 @@ class Dialect(NamedTuple):
 
 
 def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
-    """Read a whole table; its index counts the lines of the file."""
     if not _is_broken(path, dialect):
         with opened(path) as file:
             frame: pd.DataFrame = pd.read_csv(file, skiprows=dialect.head.first - 1, **_options(dialect))
@@ -108,7 +107,6 @@ def _is_broken(path: Path, dialect: Dialect) -> bool:
 
 
 def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
-    """Frames of so many lines that are neither empty nor comments, or of all."""
     with path.open(encoding=dialect.encoding, errors="backslashreplace") as file:
         told = (
             (number, line) for number, line in enumerate(file, 1)
@@ -248,7 +246,6 @@ def dialect_of(path: Path) -> Dialect:
 
 
 def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
-    """The encoding of a file, and its first lines with their numbers, empty ones left out."""
     with path.open("rb") as file:
         raw = file.read(DIALECT_BYTES)
     encoding = _encoding(raw)

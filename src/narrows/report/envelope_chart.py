@@ -40,7 +40,6 @@ PAGE = (11.7, 8.3)
 
 
 def envelope_chart(envelope: SafeEnvelope) -> Figure:
-    """Draw the safe envelope on one page: speeds above, rudder angles below, the banks on either side, a table."""
     if given := given_axes():
         figure, axes = given
         keys = _draw_speeds(axes, envelope)
@@ -129,7 +128,6 @@ Box = tuple[float, float, float, float]
 
 
 def _untested(axes: Axes, envelope: SafeEnvelope, left: float, right: float, low: float, high: float) -> list[Box]:
-    """What lies beyond the speeds and the offsets of the tests, each with a line at its edge, or all that is asked."""
     boxes: list[Box] = []
     far = envelope.data.attrs.get("tested_offset", (0.0, np.inf))[1]
     slow, fast = (end / KNOT for end in envelope.data.attrs.get("tested_speed", (0.0, np.inf)))
@@ -186,7 +184,6 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
 
 
 def _draw_band(axes: Axes, here: xr.Dataset, edge: float, label: str, style: str, shade: float) -> None:
-    """Draw what 9 cases of 10 are within, beyond the gear where more ask for it; none where half find no course."""
     here = here.isel(y=np.isfinite(here["rudder"].to_numpy()))
     low, high = (np.degrees(here[name].to_numpy()) for name in ("rudder_low", "rudder_high"))
     low, high = np.nan_to_num(low, nan=-edge, neginf=-edge), np.nan_to_num(high, nan=edge, posinf=edge)
@@ -203,7 +200,6 @@ def _draw_limit(axes: Axes, angle: float, words: str, colour: str, style: str) -
 
 
 def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
-    """Where its keel meets the banks in black, and in grey where the middle of the ship cannot be for its own side."""
     side, (port, starboard) = envelope.data.attrs["beam"] / 2, envelope.walls
     for sign, wall in ((-1, port), (1, starboard)):
         axes.axvspan(sign * (wall - side), sign * wall, color=GREY, alpha=0.35, lw=0)
@@ -224,7 +220,6 @@ LETTERS = 72
 
 
 def draw_column(axes: Axes, envelope: SafeEnvelope) -> None:
-    """Lay out the table and the notes below it: as many rows as the notes leave room for, the middle among them."""
     axes.axis("off")
     notes = [line for note in envelope.notes for line in textwrap.wrap(note, LETTERS, subsequent_indent="  ")]
     _draw_table(axes, _cells(envelope, max(1, int((0.97 - HEAD - LINE * len(notes)) / ROW))))
@@ -259,7 +254,6 @@ def _degrees(angle: float) -> str:
 
 
 def print_envelope(envelope: SafeEnvelope) -> None:
-    """Print the tables that a pilot reads: by offset, and by speed."""
     console = console_of(130)
     console.print(envelope.summary())
     console.print(f"{envelope.description}; {envelope.weather}; {envelope.samples} cases tried at each place.")
@@ -322,7 +316,6 @@ RULE_HEADS = ("rule", "at [kn]", "offsets it leaves [m]", "speed limit [kn]", "o
 
 
 def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
-    """Draw how far off the middle each rule of widths lets a ship go, by its speed; return the keys of the legend."""
     low, high = axes.get_ylim()
     widths = [row for row in rules.rows() if row["width"] is not None]
     styles = dict(zip(dict.fromkeys(row["rule"] for row in widths), STYLES, strict=False))
@@ -364,7 +357,6 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
 
 
 def rules_figure(rules: OutsideRules) -> Figure:
-    """Draw how far off the middle each rule lets a ship go at each speed, and the speed limits."""
     figure, axes = panels(1, 1, 3.6)
     panel = axes[0, 0]
     panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)

@@ -19,7 +19,6 @@ from narrows.report.terminal import console_of, table_of
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
-    """Write one HTML file with everything that is known of a model on a table of tests."""
     rows = explanation.comparison.rows()
     shares = explanation.shares
     page = render(
@@ -58,7 +57,6 @@ def _row(explanation: Explanation, name: str) -> dict[str, str]:
 
 
 def bank_said(row: dict[str, Any]) -> str:
-    """Write the bank's coefficients of a row of a comparison."""
     return "; ".join(
         f"{name} {coefficient['ci95'][0]:.3g} to {coefficient['ci95'][1]:.3g} ({coefficient['verdict']})"
         if np.isfinite(coefficient["ci95"]).all()
@@ -68,7 +66,6 @@ def bank_said(row: dict[str, Any]) -> str:
 
 
 def print_explanation(explanation: Explanation, label: str = "") -> None:
-    """Print a model on a table of tests."""
     console = console_of()
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
@@ -84,7 +81,6 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
 
 
 def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
-    """Print tables of terms side by side."""
     console = console or console_of()
     title = "Tables of terms by their error (RMSE) on what was left out"
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")

@@ -62,7 +62,6 @@ _drawn.register(SafeEnvelope, envelope_chart)
 
 
 def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:
-    """Draw states over time with their band of 95 %, and where sensors were refused or suspected."""
     names = [name for name in SHOWN if name in track.states]
     first = int(truth is not None)
     figure, axes = panels(first + len(names), 1, 1.1 + 0.95 * (first + len(names)), sharex=True)
@@ -84,7 +83,6 @@ _drawn.register(EstimatedTrack, track_figure)
 
 
 def consistency_figure(result: Consistency) -> Figure:
-    """Draw the mean NEES of the twins over time within its bounds, and the errors of each state over their band."""
     figure, axes = panels(1, 2, 2.8)
     left, right = axes[0]
     mean = np.nanmean(result.nees[:, result.counted], axis=0) / len(result.states)
@@ -118,7 +116,6 @@ _drawn.register(CaptiveTests, motions_figure)
 
 
 def model_figure(model: Model) -> Figure:
-    """Draw sway force and yaw moment over the offset, the bank's part beside the whole; over drift without banks."""
     speed = _speed(model)
     figure, axes = panels(2, 1, 4.2, sharex=True)
     if model.feels_bank:

@@ -23,7 +23,6 @@ BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudde
 
 
 def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
-    """Write one HTML file with what a log taught, each record beside its forecasts."""
     caption = (
         "Left: coefficients after the log, in standard deviations before it, with 95 % intervals. Right: what "
         "forecasts over 3.5 ship lengths miss of each record, by the model before and by one that learned from all "
@@ -75,7 +74,6 @@ BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the othe
 
 
 def log_fit_figure(fit: LogFit) -> Figure:
-    """Draw the coefficients after a log in standard deviations before it, and forecasts of each record."""
     known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.left)[:MOST_ROWS]
     height = max(2.8, 0.9 + 0.2 * len(known))
     figure, axes = panels(1, 2, height, Margins(left=0.9, bottom=0.75, top=0.2, across=0.9))
@@ -183,7 +181,6 @@ def _about(values: np.ndarray) -> tuple[float, float]:
 
 
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
-    """Print what a log taught."""
     words = "what the log says"
     heads = (*LEARNED_HEADS, words, *(("truth",) if truth else ()))
     rows = with_truth(learned_rows(fit.coefficients), truth)
@@ -198,7 +195,6 @@ LEGEND_RECORDS = 5
 
 
 def log_figure(log: ShipLog) -> Figure:
-    """Draw the records of a ship: tracks; rudder, heading, yaw rate and speeds over time."""
     figure, axes = panels(3, 2, 6.4)
     track, *others = axes.ravel()
     for place, record in enumerate(log.records[:MOST_RECORDS]):
@@ -239,7 +235,6 @@ def _finish(axes: Axes, below: str, beside: str) -> None:
 
 
 def findings_figure(result: LogFindings) -> Figure:
-    """Draw what is wrong with a log: a mark for each finding, by record and by what was looked at."""
     records = list(dict.fromkeys(finding.record for finding in result))
     checks = list(dict.fromkeys(finding.check for finding in result))
     figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1))

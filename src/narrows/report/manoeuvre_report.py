@@ -11,7 +11,6 @@ COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 
 
 def print_manoeuvres(trials: Trials) -> None:
-    """Print turning circles and overshoots."""
     console, results = console_of(), trials.to_dict()
     circles = (
         (order, *(f"{value:.2f}" for value in measures.values())) for order, measures in results["turning"].items()
@@ -28,7 +27,6 @@ def print_manoeuvres(trials: Trials) -> None:
 
 
 def manoeuvres_figure(trials: Trials) -> Figure:
-    """Draw the tracks of the circles, and the headings and rudders of the zigzags."""
     figure, axes = panels(1, 2, 3.6)
     circles, zigzags = axes[0]
     length = trials.model.configuration.ship.length

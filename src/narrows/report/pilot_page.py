@@ -49,7 +49,6 @@ WRAPPED, BOLD = 104, 88
 
 
 def pilot_page(plan: SteadyPlan) -> Figure:
-    """Draw a plan of steady legs as one side of paper."""
     with rc_context(FONT):
         page = Picture(figsize=PAGE)
         _heading(page, plan)
@@ -61,7 +60,6 @@ def pilot_page(plan: SteadyPlan) -> Figure:
 
 
 def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
-    """Write the pilot's page in the form that the suffix says."""
     if form_of(path, FORMS) != ".html":
         save_figure(pilot_page(plan), path)
         return
@@ -71,7 +69,6 @@ def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
 
 
 def steps(plan: SteadyPlan) -> list[str]:
-    """Say what to do, a step each."""
     ship, minutes = plan.model.configuration.ship, np.ceil(plan.settling / 60)
     run = max(leg.speed for leg in plan.legs) * (plan.settling + plan.conditions.leg_time)
     return [
@@ -210,7 +207,6 @@ COLOURS = (BLACK, BLUE, ORANGE, GREEN, PURPLE)
 
 
 def print_foresight(foresight: Foresight) -> None:
-    """Print how tight coefficients will get."""
     columns = [f"std {name}" for name in foresight.targets]
     rows = (
         (str(row["transits"]), row["excursion"], *(f"{row[name]:.2g}" for name in columns)) for row in foresight.rows()
@@ -219,7 +215,6 @@ def print_foresight(foresight: Foresight) -> None:
 
 
 def foresight_figure(foresight: Foresight) -> Figure:
-    """Draw standard errors by the number of transits, a line a kind."""
     targets = foresight.targets
     figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.35, top=0.25, across=0.75))
     for panel, name in zip(axes[0], targets, strict=True):

@@ -40,7 +40,6 @@ def _cell(value: Any) -> str:
 
 
 def print_scaled(scaled: Scaled) -> None:
-    """Print a model at two scales and what does not go with it."""
     console, shown = console_of(), scaled.to_dict()
     rows = (
         (name, f"{row['old']:.4g}", f"{row['new']:.4g}", row["unit"], f"{shown['bis'][name]:.4g}")
@@ -95,7 +94,6 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
 
 
 def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
-    """Print a waterway: a row a station, and its worst places."""
     console, summary = console_of(), waterway_summary(waterway, draft)
     rows = (
         (f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest))

@@ -22,7 +22,6 @@ from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reprod
 
 
 def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
-    """Write the reproduction of the paper as one HTML file."""
     page = render(
         "reproduction.html.j2", title="The paper, reproduced", figures=_figures(reproduced),
         coefficients=[_coefficient(reproduced.fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],

@@ -21,7 +21,6 @@ from narrows.safety import SURE_SHARE
 
 
 def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path) -> None:
-    """Write one HTML file with what steady legs taught and what that changes."""
     caption = (
         "Rudder that holds the ship by offset, before the legs and after; the bank's coefficients with 95 % intervals."
     )
@@ -49,7 +48,6 @@ OFFSETS, BESIDE = 21, 1.5
 
 
 def steady_figure(fit: SteadyFit) -> Figure:
-    """Draw the rudder that holds the ship by offset, before and after, with the legs; the bank's coefficients."""
     banks = [c for c in fit.coefficients.values() if c.from_bank and c.prior_std > 0]
     wide = {"gridspec_kw": {"width_ratios": (2.2, *(1.0 for _ in banks))}}
     figure, axes = panels(1, 1 + len(banks), 3.6, Margins(bottom=0.95, top=0.25, across=0.6), **wide)
@@ -89,7 +87,6 @@ def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
 
 
 def change_figure(change: EnvelopeChange) -> Figure:
-    """Draw what a record changes of the safe envelope: the rudder by offset, and the cases held."""
     frame, limit = change.to_dataframe(), np.degrees(change.before.data.attrs["rudder_limit"])
     figure, axes = panels(1, 2, 3.2, Margins(bottom=0.75, top=0.3, across=0.75))
     for when, colour in (("before", ORANGE), ("after", BLUE)):
@@ -107,7 +104,6 @@ def change_figure(change: EnvelopeChange) -> Figure:
 
 
 def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> None:
-    """Print what steady legs taught."""
     console, words = console_of(WIDTH), "what the legs say"
     console.print(fit.summary())
     console.print(table_of((*LEARNED_HEADS, words), learned_rows(fit.coefficients), left=("", "unit", words)))
@@ -117,7 +113,6 @@ def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> No
 
 
 def print_change(change: EnvelopeChange, console: Console | None = None) -> None:
-    """Print what a record changes of the safe envelope."""
     console = console or console_of()
     speed = change.rows()[0]["speed"]
     title = (
@@ -143,7 +138,6 @@ def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
 
 
 def print_steady_plan(plan: SteadyPlan) -> None:
-    """Print a plan of steady legs."""
     heads = ("leg", "offset [m]", "speed [kn]", "rudder to expect [deg]", "drift to expect [deg]")
     rows = (
         (

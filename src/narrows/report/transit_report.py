@@ -30,7 +30,6 @@ HISTORY = (
 
 
 def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
-    """Write one HTML file with a transit, its alerts, near misses and the rudder that it had left."""
     margin = transit.to_dict()["least_rudder_margin"]
     page = render(
         "transit.html.j2",
@@ -54,7 +53,6 @@ BANK_POINTS = 400
 
 
 def transit_figure(transit: WatchedTransit) -> Figure:
-    """Draw clearance, chances, times and rudder over time, shaded where it was alerted."""
     figure, axes = panels(4, 1, 6.6, Margins(bottom=0.85, top=0.2, down=0.18), sharex=True)
     told, t = transit.columns, transit.columns["t"]
     curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
@@ -83,7 +81,6 @@ def transit_figure(transit: WatchedTransit) -> Figure:
 
 
 def transit_track_figure(transit: WatchedTransit) -> Figure:
-    """Draw from above where the hull went between the banks, along the waterway, starboard down."""
     figure, axes = panels(1, 1, 2.6, Margins(bottom=0.9, top=0.3))
     panel: Axes = axes[0, 0]
     told, ship = transit.columns, transit.ship

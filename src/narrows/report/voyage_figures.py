@@ -53,7 +53,6 @@ BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
 
 
 def voyage_figure(voyage: Voyage) -> Figure:
-    """Draw one voyage: its path with the hull at intervals, heading and velocities below; on axes given, its path."""
     if given := given_axes():
         figure, axes = given
         _draw_path(axes, voyage)
@@ -95,7 +94,6 @@ def _draw_histories(panels: Sequence[Axes], voyage: Voyage) -> None:
 
 
 def described(voyage: Voyage) -> tuple[str, list[str]]:
-    """Name the ship at its size and its canal; then its speed at the start, its rudder and how it ended."""
     rudder = float(np.degrees(voyage.rudder[0])) if len(voyage.rudder) else 0.0
     helm = f", rudder {rudder:.3g} deg" if rudder and not np.ptp(voyage.rudder) else ""
     where = voyage.waterway.name if voyage.waterway else voyage.configuration.canal.in_words
@@ -123,14 +121,12 @@ def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
 
 
 def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Figure:
-    """Draw several voyages in one canal (the paper's fig. sim)."""
     figure = Picture(figsize=(7.0, 3.6), layout="constrained")
     paths_on(figure.subplots(), voyages, configuration)
     return figure
 
 
 def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration) -> None:
-    """Draw paths and banks, bow to the right, starboard down."""
     far = max(float(v.x.max()) for v in voyages) + configuration.ship.length
     near = min(float(v.x.min()) for v in voyages) - configuration.ship.length
     half = _banks_on(axes, near, far, configuration)
@@ -179,7 +175,6 @@ def _drawn(corners: np.ndarray, colour: str, alpha: float) -> Polygon:
 def distances_figure(
     distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], configuration: Configuration
 ) -> Figure:
-    """Draw the distance to grounding against the clearance at the start, a line a reading (fig. ground_dist)."""
     figure = Picture(figsize=(7.2, 3.8), layout="constrained")
     axes = figure.subplots()
     edge = (configuration.canal.width - configuration.ship.beam) / 2

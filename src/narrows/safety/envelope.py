@@ -200,7 +200,6 @@ def controllable_fraction(tried: xr.Dataset, limit: float) -> xr.Dataset:
 
 
 def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
-    """Return in which trials a ship is held on a course that leaves the reserve."""
     return (np.abs(tried["rudder"]) <= limit) & tried[name]
 
 

@@ -111,8 +111,6 @@ def _knowing(ship: SimulatedShip, grid: Grid, workers: int | None) -> dict[str, 
 
 @dataclass(frozen=True)
 class _Trial:
-    """How a block of trials is sailed: by one pilot, and by one who knows each ship."""
-
     ship: SimulatedShip
     pilot: Pilot
     gust_time: float
@@ -145,8 +143,6 @@ class _Trial:
 
 @dataclass(frozen=True)
 class _Sail:
-    """A block of ships, thrown off their courses, to be steered by one law or another."""
-
     trial: _Trial
     start: Columns
     held_course: Columns

@@ -78,7 +78,6 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
 
 
 def model_script(exported: ExportedShip) -> str:
-    """Return the exported model as a module that gives what a page asks for."""
     text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
     text = UNPACKED.sub(_destructured, DEFAULTS.sub("", MEANING.sub("", text)))
     return MODEL.format(IN_A_ROW.sub(_together, SUMS.sub(r"\1", text)))
@@ -222,7 +221,6 @@ def root_of(model: Model, names: list[str]) -> np.ndarray:
 
 
 def helm_of(model: Model, speed: float) -> tuple[SwitchedLaw | None, str]:
-    """Return what holds a ship in the middle of its canal, or why nothing does."""
     from narrows.control.regulator import regulator
 
     if not any(actuator.name == "rudder" for actuator in model.terms.actuators):

@@ -123,7 +123,6 @@ class RecordSplit:
         self._held: list[LogRows] = []
 
     def records(self, pieces: Iterable[LogRows]) -> Iterator[RawRecord]:
-        """Yield each record when its last row has come."""
         for piece in pieces:
             for part, begins in self._parts(piece):
                 if begins and _label(part) in self.names:
@@ -159,7 +158,6 @@ class RecordSplit:
         return RawRecord(name, np.concatenate([part.t for part in held]), columns)
 
     def _named(self, label: str) -> str:
-        """Its label, or that of the file; numbered where it is not the first of that name."""
         stem = label or self.stem
         name = f"{stem} {len(self.names) + 1}" if stem in self.names else stem
         self.names.append(name)

@@ -24,8 +24,6 @@ class Fixes(NamedTuple):
 
 
 class RawSignals(NamedTuple):
-    """What a raw record tells, each column at the times at which it was measured."""
-
     raw: RawRecord  # The record
     late: dict[str, float]  # By how much columns are late [s]
 

@@ -278,7 +278,6 @@ def _contradiction(squares: float, freedom: int, legs: dict[str, float]) -> str:
 
 
 def _other_sign(readings: SteadyReadings, squares: float, again: Callable[[SteadyReadings], SteadyUpdate]) -> list[str]:
-    """Say which reading fits a hundred times better with the other sign."""
     if squares <= WRONG_SIGN_GAIN:  # There is nothing to be won.
         return []
     turned = {name: again(_turned(readings, name)).posterior.chi_square for name in TURNED if name in readings.values}

@@ -186,7 +186,6 @@ class PairDesign:
     rows: np.ndarray  # (pairs, 2, 2, rank) Of sway and yaw on the leg to starboard and on that to port
 
     def chosen(self, wanted: list[int], pairs: int) -> list[int]:
-        """Return pairs that leave least of wanted variances: greedily the best next one, then each exchanged."""
         best: list[int] = []
         for _ in range(pairs if len(self.rows) else 0):
             best.append(self._next(best, wanted))

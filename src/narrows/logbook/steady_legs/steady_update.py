@@ -43,8 +43,6 @@ def steady_prior(model: Model, conditions: SteadyConditions) -> NormalPrior:
 
 @dataclass(frozen=True)
 class SteadyBalance:
-    """Sway force and yaw moment of a model on legs, and their slopes."""
-
     model: Model  # With terms of a rudder
     felt: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] where the terms ask for them
 
@@ -123,8 +121,6 @@ ZEROS = {"rudder": 2, "drift": 3, "heading": 4, "y": 5}
 
 @dataclass(frozen=True)
 class LegReadings:
-    """Readings as columns: y, u, rudder, direction, and a second direction or none."""
-
     value: np.ndarray  # (legs, 4 or 5) Read, and standard deviations
     size: np.ndarray  # (legs, 4 or 5) Read, and standard deviations
     zeros: tuple[int | None, ...]  # Which of ``UNKNOWN`` adds to each column

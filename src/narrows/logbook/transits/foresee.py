@@ -152,7 +152,6 @@ def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tup
 
 
 def safe_offset(model: Model, u: float, seed: int = 0) -> float:
-    """Return how far off the middle a quick safe envelope lets a ship, tested there or not [m]."""
     offsets = np.append(0.0, usual_offsets(model, model.configuration.ship.beam / 2))
     found = safe_envelope(model, offsets, np.array([u]), samples=settings.ENVELOPE_SAMPLES, seed=seed)
     safe = found.by_model().to_numpy()[:, 0]

@@ -104,7 +104,6 @@ class TransitConditions(Described):
 def wandering(
     size: float, memory: float, step: float, count: int, draw: np.random.Generator, width: int = 1
 ) -> np.ndarray:
-    """Draw first-order processes at even times, (count, width)."""
     kept, normal = math.exp(-step / memory), draw.standard_normal((count, width))
     values = np.empty((count, width))
     values[0] = normal[0]

@@ -93,7 +93,6 @@ def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
 
 
 def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
-    """Return a voyage as sensors record it: noise, what wanders, what is wrong all through, and a current."""
     draw = np.random.default_rng((seed, 13))
     drift = current * float(draw.standard_normal())
     told = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
@@ -113,7 +112,6 @@ def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.
 
 
 def drawn_truth(model: Model, seed: int, **held: float) -> Model:
-    """Return a ship that the tests of a model leave possible, within the bounds of its terms."""
     names = model.terms.names
     mean = np.array([model.coefficients[name] for name in names])
     bounds = np.array([term.bound for term in model.terms.terms])
@@ -137,7 +135,6 @@ class DemonstratedLog:
 
 
 def large_container_ship() -> Model:
-    """Return the KCS as identified from the bundled tests, at 400 m in a canal of 205 m."""
     return bundled_ship(LENGTH, WIDTH)
 
 

@@ -67,7 +67,6 @@ class AisFragments:
         self._open: OrderedDict[Key, Waiting] = OrderedDict()
 
     def whole(self, text: bytes, t: float = 0.0) -> tuple[bytes, ...] | None:
-        """Return the sentences of a message that a sentence completes; None where it does not."""
         fields = text.split(b",", 5)
         if len(fields) < 6:
             return None
@@ -127,7 +126,6 @@ class Clock:
         self._last = -DAY
 
     def entries(self, told: Iterable[tuple[Sentence, Telling]]) -> Iterator[Entry]:
-        """Yield sentences with their times; those before the first time that is told are lost."""
         waiting: list[Telling] = []
         before: float | None = None
         for sentence, one in told:

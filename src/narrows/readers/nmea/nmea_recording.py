@@ -33,7 +33,6 @@ class Recording:
         return self.hearing.faults
 
     def entries(self) -> Iterator[Entry]:
-        """Yield what the sentences tell, and when; who is believed is chosen by the first of them."""
         self._begin()
         with opened(self.path) as file:
             yield from self.clock.entries(self._told(file))
@@ -86,13 +85,11 @@ def _type(source: str) -> str:
 
 
 def _best(found: Counter[str], types: tuple[str, ...]) -> str:
-    """The source of the best type, and of that the one that tells most."""
     return min(found, key=lambda source: (types.index(source.split()[0][-3:]), -found[source]))
 
 
 class NmeaTable(Recording):
     def frames(self, rows: int) -> Iterator[pd.DataFrame]:
-        """Yield the recording in the documented columns, SI, piece by piece."""
         entries, first = self.entries(), 0
         while piece := list(islice(entries, rows)):
             frame = _frame(piece, self.sources, first)

@@ -83,7 +83,6 @@ class Alert:
         return self.state in SOUNDING and self.priority > Priority.CAUTION
 
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
-        """Return the alert where its situation is as urgent as it is now."""
         if priority is Priority.NONE:
             return self._rectified(t)
         if self.state in HOLDS and priority == self.priority:
@@ -102,7 +101,6 @@ class Alert:
         return self._changed(t, AlertState.NORMAL if gone else AlertState.RECTIFIED)
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
-        """Return the alert after a command of the bridge; None where that command is refused."""
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:
             return self
         if command is Command.ACKNOWLEDGE and self.state in WAITING:
@@ -177,7 +175,6 @@ class AlertDesk:
         return self._alerts[situation.identifier]
 
     def update(self, t: float, conditions: Mapping[Situation, Condition]) -> list[Alert]:
-        """Take the situations as they are, and return the alerts that changed."""
         changed = []
         for identifier, before in self._alerts.items():
             after = before
@@ -190,7 +187,6 @@ class AlertDesk:
         return changed
 
     def command(self, t: float, identifier: int, instance: int, command: Command) -> Alert | None:
-        """Do what the bridge asks for, and return the alert; None where it is refused."""
         alert = self._alerts.get(identifier)
         if alert is None or alert.instance != instance or alert.state is AlertState.NORMAL:
             return None

@@ -39,7 +39,6 @@ class AlertCommand(NamedTuple):
 
 
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
-    """Return the two sentences of an alert: its name, and what there is to say."""
     name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
     # What is not normal has a priority; what became normal tells the one that it had.
     about = f"{_clock(since_1970)},{CATEGORY},{alert.priority.letter},{letters[alert.state]}"

@@ -80,7 +80,6 @@ class FutureLanes:
                 self._prepared.vessel_inputs[:, place] = value
 
     def flow(self, current: float, revolutions: float | None) -> None:
-        """Take the current along the waterway and the propeller's revolutions as they are now."""
         names, shared = self._prepared.kernel.SHARED, self._prepared.shared
         for name, value in (("current", current), ("revolutions", revolutions)):
             if name in names and value is not None:

@@ -49,7 +49,6 @@ class Connection:
     opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
 
     def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[bytes]:
-        """Yield what comes until it is to stop; a connection that breaks is opened anew, ever less often."""
         pause = FIRST_PAUSE
         while not stop.is_set():
             try:

@@ -28,7 +28,6 @@ class Replay:
 
 
 def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
-    """Yield entries by their times, each once, though they stand in another order or several times."""
     waiting: list[tuple[float, str, int, Entry]] = []
     numbers, newest, last = count(), -math.inf, -math.inf
     recent: set[tuple[float, str, str]] = set()
@@ -53,7 +52,6 @@ def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
 
 
 def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
-    """Yield entries second by second, seconds without any too."""
     until, heard = -math.inf, list[Entry]()
     for entry in entries:
         second = math.ceil(entry.t / PERIOD) * PERIOD

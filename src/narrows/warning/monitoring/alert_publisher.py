@@ -41,7 +41,6 @@ class AlertPublisher:
         self.send(arc(command, since_1970))
 
     def beat(self, t: float, alerts: Sequence[Alert], sound: bool) -> None:
-        """Send the list of alerts and the heartbeat where they are due."""
         if t - self._listed >= settings.LIST_INTERVAL:
             self._listed = t
             for sentence in alc(alerts, next(self._numbers["alc"])):

@@ -149,7 +149,6 @@ class BridgeMonitor:
 
 
 def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
-    """Return a caution where the ship is outside of what its model's data covered."""
     ship, now = model.configuration.ship, estimate.values
     here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
     asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}

@@ -60,7 +60,6 @@ class BridgeStatus:
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        """Why less is to be believed than usual, a sentence each: sensors, beyond the data, no log."""
         return tuple(alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.state in HOLDS)
 
     def line(self) -> str:

@@ -59,7 +59,6 @@ class SimulatedBridge:
     seed: int = 0  # Of the sensors' noise
 
     def seconds(self) -> Iterator[tuple[float, list[str]]]:
-        """Yield each second since 1970, and the sentences of it."""
         random, voyage = np.random.default_rng(self.seed), self.voyage
         for row, t in enumerate(voyage.t):
             now = {name: float(voyage[name][row]) for name in ("x", "y", "psi", "r", "u", "rudder")}

@@ -85,7 +85,6 @@ class BridgePage:
 
 
 def address_of(host: str) -> str:
-    """Return a host as it stands in an address that can be opened on this machine."""
     if host in ("0.0.0.0", "::", ""):
         return LOOPBACK
     return f"[{host}]" if ":" in host else host
@@ -163,7 +162,6 @@ def _route(access: PageAccess, stream: Stream) -> Any:
 
 
 async def _look_on(websocket: "WebSocket", stream: Stream) -> None:
-    """Tell one, and hear what it says, until one of the two ends."""
     client = stream.clients.enter()
     telling = asyncio.create_task(stream.clients.tell(client, websocket.send_text))
     hearing = asyncio.create_task(_hear(websocket, client, stream.take))
@@ -273,7 +271,6 @@ class PageRequests:
         self._waiting: Queue[tuple[PageRequest, Answer]] = Queue(settings.REQUEST_QUEUE)
 
     def take(self, text: str, answer: Answer) -> None:
-        """Take a message, in any thread."""
         request = request_of(text)
         if request is None:
             answer(MALFORMED)

@@ -78,7 +78,6 @@ class Clients:
             self._call()
 
     async def tell(self, client: Client, send: Send) -> None:
-        """Send one what there is, until that takes too long."""
         told = 0
         while True:
             await client.awake.wait()
