@@ -80,6 +80,8 @@ class AlertLog:
                 with connection:
                     connection.executemany("INSERT OR IGNORE INTO rows VALUES (?, ?, ?, ?, ?)", rows)
             except sqlite3.Error as error:
+                if connection:
+                    connection.close()
                 connection, self.trouble = None, reason(error)
                 with self._signal:
                     if self._signal.wait_for(lambda: self._closing, DISK_RETRY):
@@ -122,9 +124,13 @@ def logged(path: Path) -> Iterator[LogRow]:
 
 def _opened(path: Path) -> sqlite3.Connection:
     connection = sqlite3.connect(path, timeout=DISK_TIMEOUT)
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = FULL")
-    connection.execute(TABLE)
+    try:
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute(TABLE)
+    except sqlite3.Error:
+        connection.close()  # From Python 3.13 on one that is dropped open is warned of.
+        raise
     return connection
 
 
