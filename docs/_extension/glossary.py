@@ -5,8 +5,12 @@ from collections.abc import Mapping
 from _extension.markdown import table
 from narrows.captive.columns import COLUMNS
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
-from narrows.readers.headers import USUAL
 from narrows.ship.actuators import STANDARD
+
+USUAL_UNITS = {
+    "m": ("mm", "cm"), "m/s": ("mm/s", "kn"), "m/s2": ("mm/s2",), "rad": ("deg", "°"), "rad/s": ("deg/s", "°/s"),
+    "rad/s2": ("deg/s2",), "N": ("kN",), "N m": ("Nm", "kNm", "N*m", "Nmm"), "1/s": ("rpm", "rps"),
+}  # fmt: skip
 
 
 def _rows(quantities: Mapping[str, Quantity]) -> str:
@@ -40,11 +44,11 @@ def actuators() -> str:
 
 
 def columns() -> str:
-    """Columns of tables of tests, and units of theirs that need no units library."""
+    """Columns of tables of tests, and the units that they usually come in."""
     return table(
         ("column", "SI unit", "other units", "meaning"),
         (
-            (f"`{name}`", quantity.unit, ", ".join(USUAL.get(quantity.unit, ())), quantity.meaning)
+            (f"`{name}`", quantity.unit, ", ".join(USUAL_UNITS.get(quantity.unit, ())), quantity.meaning)
             for name, quantity in COLUMNS.items()
         ),
     )
