@@ -139,3 +139,8 @@ FAULTS: dict[str, tuple[Spoil, str, str]] = {
     "a wind told by where it goes": (blown(lambda wind, ship, psi: -wind - 2 * ship), "wind", "where the wind goes"),
     "a wind told from the bow": (blown(lambda wind, ship, psi: wind * np.exp(-1j * psi)), "wind", "from the bow"),
 }  # fmt: skip
+
+
+def ashore(record: nw.ShipRecord) -> nw.ShipRecord:
+    """A hull that lies 90 m further to port than it did, in a bank of the waterway that it goes round."""
+    return record.with_signals(y=nw.Signal(record["y"].t, record["y"].values - 90.0))

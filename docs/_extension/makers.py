@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from _extension import commands, glossary, names, schemas, terms
+from _extension import commands, glossary, names, registries, schemas, terms
 
 MAKERS: dict[str, Callable[[], str]] = {
     "motion": glossary.motion,
@@ -16,4 +16,5 @@ MAKERS: dict[str, Callable[[], str]] = {
     "public-names": names.text,
     "commands": commands.text,
     "schemas": schemas.text,
+    "registries": registries.text,
 }

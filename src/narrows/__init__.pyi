@@ -104,6 +104,7 @@ from .simulation import Sensitivities as Sensitivities
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
 from .simulation import bank_stiffness as bank_stiffness
+from .simulation import controllers as controllers
 from .simulation import derivative as derivative
 from .simulation import eigenvalues as eigenvalues
 from .simulation import ensemble as ensemble

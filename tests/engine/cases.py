@@ -10,6 +10,7 @@ import numpy as np
 from reference import Reference
 
 import narrows as nw
+from narrows.simulation.controllers import CONTROLLERS, ControlLaw
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
@@ -17,12 +18,6 @@ STEPS = {"paper": 0.02, "steered": 0.01, "mmg+delta": 0.02}
 """Of the control law and of Runge-Kutta [s], short enough for times to 3e-7 s."""
 ENDURANCE = {"paper": 25.0, "steered": 25.01, "mmg+delta": 30.01}
 """Longest time [s]; two of them no multiple of the step."""
-CONTROLLERS = {
-    "constant": ("constant", 0.12),
-    "schedule": ("schedule", ((0.0, 0.05), (3.005, -0.3), (9.011, 0.2))),
-    "zigzag": ("zigzag", 0.17, 0.06),
-    "pilot": ("pilot", 0.3, (0.15, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01),
-}
 COURSES, SURGES = ("straight", "waterway"), ("held", "free")
 CONTACTS = ("corners", "midship", "outline", "none")
 OUTLINE = ((0.5, 0.0), (0.36, 0.5), (-0.45, 0.5), (-0.5, 0.2), (-0.5, -0.2), (-0.45, -0.5), (0.36, -0.5))
@@ -122,17 +117,10 @@ class Case:
         return [(own.length * f, own.beam * s) for f, s in OUTLINE] if self.contact == "outline" else self.contact
 
     @property
-    def law(self) -> tuple | None:
+    def law(self) -> ControlLaw | None:
         """The controller; a hull without a rudder has none."""
-        return None if self.ship == "paper" else self.scaled(CONTROLLERS[self.controller])
-
-    def scaled(self, law: tuple) -> tuple:
-        """A pilot's offset and gain by the size of the ship."""
-        if law[0] != "pilot":
-            return law
-        kind, y, (by_y, *rest), *about = law
-        size = self.model.configuration.ship.length / 4
-        return (kind, y * size, (by_y / size, *rest), *about)
+        length = self.model.configuration.ship.length
+        return None if self.ship == "paper" else CONTROLLERS[self.controller](length)
 
     @property
     def speed(self) -> float:
@@ -207,6 +195,11 @@ def matrix() -> Iterator[Case]:
             yield case
 
 
+def axes_of(case: Case) -> tuple[str, ...]:
+    """Its levels, in order."""
+    return case.ship, case.course, case.surge, case.controller, case.contact
+
+
 def mirrored(model: nw.Model) -> nw.Model:
     """A ship that turns to port as another turns to starboard."""
     configuration = model.configuration
@@ -218,15 +211,3 @@ def mirrored(model: nw.Model) -> nw.Model:
         flows = (rudder.straightening_port, rudder.straightening_starboard)
         rudder = replace(rudder, straightening_starboard=flows[0], straightening_port=flows[1])
     return replace(model, configuration=replace(configuration, propeller=propeller, rudder=rudder))
-
-
-def mirrored_law(law: tuple | None) -> tuple | None:
-    """The same orders to the other side."""
-    if law is None:
-        return None
-    kind, *numbers = law
-    if kind == "schedule":
-        return (kind, tuple((time, -order) for time, order in numbers[0]))
-    if kind == "zigzag":
-        return (kind, -numbers[0], numbers[1])
-    return (kind, *[number if isinstance(number, tuple) else -number for number in numbers])

@@ -1,9 +1,7 @@
 """The equations of motion written a second time: an angle for the heading, the terms of the table one by one."""
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 
@@ -107,41 +105,6 @@ class Equations:
             sum([coefficient * regressor(*[values[name] for name in inputs]) for coefficient, regressor, inputs in own])
             for own in self.terms
         ]
-
-
-Order = Callable[[float, State], float]
-
-
-def order_of(spec: tuple) -> Order:
-    """Return what gives the orders of one voyage: ``(kind, *numbers)``, evaluated at the start of each step."""
-    return {"constant": _constant, "schedule": _schedule, "zigzag": _zigzag, "pilot": _pilot}[spec[0]](*spec[1:])
-
-
-def _constant(rudder: float) -> Order:
-    return lambda time, state: rudder
-
-
-def _schedule(pairs: tuple[tuple[float, float], ...]) -> Order:
-    times, orders = zip(*pairs, strict=True)
-    assert all(a < b for a, b in pairwise(times))
-    return lambda time, state: orders[bisect_right(times, time) - 1]
-
-
-def _zigzag(rudder: float, heading: float) -> Order:
-    memory: dict[str, float] = {}
-
-    def order(time: float, state: State) -> float:
-        start, side = memory.setdefault("start", state[2]), memory.setdefault("side", math.copysign(1.0, rudder))
-        if side * (state[2] - start) >= heading:
-            memory["side"] = -side
-        return memory["side"] * abs(rudder)
-
-    return order
-
-
-def _pilot(y: float, gains: tuple[float, float, float, float], rudder: float, psi: float, v: float) -> Order:
-    by_y, by_psi, by_v, by_r = gains
-    return lambda time, z: rudder - (by_y * (z[1] - y) + by_psi * (z[2] - psi) + by_v * (z[4] - v) + by_r * z[5])
 
 
 def turning_of(gear: nw.SteeringGear, rudder: float, order: float, h: float) -> float:

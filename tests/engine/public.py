@@ -3,32 +3,17 @@
 from typing import Any
 
 import numpy as np
-import pytest
 import xarray as xr
 from cases import Case
 
 import narrows as nw
-
-LANDED = True
-"""Whether the one engine is in: until then what it must do is expected to fail. THE ONE SWITCH: set it to True."""
-awaits_engine = pytest.mark.xfail(not LANDED, reason="engine", strict=False)
-
-
-def controller(law: tuple | None) -> Any:
-    """Return the package's controller of ``(kind, *numbers)``."""
-    if law is None:
-        return None
-    kind, *numbers = law
-    if kind == "schedule":
-        return nw.RudderSchedule(list(numbers[0]))
-    return {"constant": nw.ConstantRudder, "zigzag": nw.Zigzag, "pilot": nw.Autopilot}[kind](*numbers)
 
 
 def voyage(case: Case, number: int, **changed: Any) -> nw.Voyage:
     """Sail one start by itself."""
     told = {
         **case.start(number), **case.push, **case.options, "duration": case.duration, "dt": case.dt,
-        "contact": case.shape, "waterway": case.waterway, "controller": controller(case.law),
+        "contact": case.shape, "waterway": case.waterway, "controller": case.law,
     }  # fmt: skip
     return nw.simulate(case.model, **{**told, **changed})
 
@@ -38,7 +23,7 @@ def fleet(case: Case, **changed: Any) -> xr.Dataset:
     starts = {name: xr.DataArray(column, dims="start") for name, column in case.starts.items()}
     told = {
         **starts, **case.push, **case.options, "duration": case.duration, "dt": case.dt, "contact": case.shape,
-        "waterway": case.waterway, "controller": controller(case.law),
+        "waterway": case.waterway, "controller": case.law,
     }  # fmt: skip
     return nw.ensemble(case.model, **{**told, **changed})
 

@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from equations import Equations, State, order_of, turning_of
+from equations import Equations, State, turning_of
 from hull_polygons import Midship, Room, room_of
+from laws import order_of
 from scipy.integrate import DOP853
 
 import narrows as nw
+from narrows.simulation.controllers import ControlLaw
 
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
 ACROSS = math.radians(85)
@@ -59,7 +61,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Reference:
-    """One voyage, as ``nw.simulate`` takes it; the controller as ``(kind, *numbers)``.
+    """One voyage, as ``nw.simulate`` takes it.
 
     The track goes on until no hull could; ``end`` tells how a hull's voyage ends on it.
     """
@@ -73,7 +75,7 @@ class Reference:
     coriolis: bool = False
     forces: tuple[float, float, float] = (0.0, 0.0, 0.0)
     waterway: nw.Waterway | None = None
-    controller: tuple | None = None
+    controller: ControlLaw | None = None
     open_water: bool = False
 
     @cached_property
@@ -94,11 +96,12 @@ class Reference:
         """The rate of the rudder over a step, by its number and the state at its start; asked once for each step."""
         if self.controller is None:
             return lambda number, state: 0.0
-        order, gear = order_of(self.controller), self.model.configuration.gear
+        order, gear = order_of(self.controller, self.model, self.waterway), self.model.configuration.gear
 
         def turning(number: int, state: State) -> float:
             begin = self._time(number)
-            return turning_of(gear, float(state[6]), order(begin, state), self._time(number + 1) - begin)
+            length = self._time(number + 1) - begin
+            return turning_of(gear, float(state[6]), order(begin, length, state), length)
 
         return turning
 

@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 import xarray as xr
 from cases import paper, steered, waterway_for
-from public import controller, kinds
+from public import kinds
 from reference import Reference
 
 import narrows as nw
+from narrows.simulation.controllers import ControlLaw
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Ending:
 
     kind: str
     start: dict[str, float]
-    law: tuple | None = None
+    law: ControlLaw | None = None
     course: str = "straight"
     current: float | None = None
     duration: float = 60.0
@@ -52,10 +53,10 @@ def exact_end(name: str) -> Any:
 
 
 AHEAD = {"y": 0.0, "u": 1.0, "rudder": 0.0}
-PILOT = ("pilot", 0.0, (0.15, 1.2, 0.4, 2.0), 0.0, 0.0, 0.0)
+PILOT = nw.Autopilot(0.0, (0.15, 1.2, 0.4, 2.0))
 ENDINGS = {
-    "across to starboard": Ending("left validity", AHEAD, ("constant", 0.4)),
-    "across to port": Ending("left validity", {**AHEAD, "psi": -0.3}, ("schedule", ((0.0, 0.0), (3.33, -0.4)))),
+    "across to starboard": Ending("left validity", AHEAD, nw.ConstantRudder(0.4)),
+    "across to port": Ending("left validity", {**AHEAD, "psi": -0.3}, nw.RudderSchedule(((0.0, 0.0), (3.33, -0.4)))),
     "out by the far end": Ending("left the waterway", {**AHEAD, "x": 105.0}, PILOT, "waterway", 0.3),
     "out by the beginning": Ending("left the waterway", {**AHEAD, "x": 6.0}, PILOT, "waterway", -1.7),
     "time is up, from the first point of the line": Ending(
@@ -73,9 +74,8 @@ def test_a_voyage_ends_as_the_reference(name: str) -> None:
     exact = exact_end(name)
     assert exact.kind == ending.kind
     starts = {own: xr.DataArray([value], dims="start") for own, value in ending.start.items()}
-    law = controller(ending.law)
-    alone = nw.simulate(ending.model, **ending.start, **ending.told, controller=law).outcome
-    ended = nw.ensemble(ending.model, **starts, **ending.told, controller=law)
+    alone = nw.simulate(ending.model, **ending.start, **ending.told, controller=ending.law).outcome
+    ended = nw.ensemble(ending.model, **starts, **ending.told, controller=ending.law)
     assert alone.kind == kinds(ended)[0] == exact.kind
     near = 1e-6 if ending.dt < 1 else 1e-3
     assert alone.time == pytest.approx(exact.time, abs=near)

@@ -8,15 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import Case, matrix, mirrored, mirrored_law, waterway_for
-from public import awaits_engine, controller, fleet, kinds, sides, voyage
+from cases import Case, axes_of, matrix, mirrored, waterway_for
+from laws import mirrored_law
+from public import fleet, kinds, sides, voyage
 from reference import End
 
+from narrows.simulation.controllers import CONTROLLERS
+from pairwise import pairs_of, pairwise_cover
+
 CELLS = list(matrix())
-FIRST, EACH = 6, 19
-"""Every cell takes most of an hour: one in so many runs with the other tests, all by ``make test-whole``."""
-USUAL = CELLS[FIRST::EACH]
-CASES = [pytest.param(case, marks=() if at % EACH == FIRST else pytest.mark.whole) for at, case in enumerate(CELLS)]
+# Each cell compiles a kernel of its own, so that all take most of an hour: the other tests run with a cover by pairs,
+# ``make test-whole`` with every cell.
+USUAL = [Case(*axes) for axes in pairwise_cover(map(axes_of, CELLS))]
+CASES = [pytest.param(case, marks=() if case in USUAL else pytest.mark.whole) for case in CELLS]
 TRACKS = list(dict.fromkeys((case.ship, case.course, case.surge, case.controller) for case in CELLS))
 ENDS = ("y_end", "psi_end", "u_end", "v_end", "r_end")
 MIRRORED = ("y", "psi", "v", "r", "rudder", "Y", "N")
@@ -26,7 +30,7 @@ VESSELS = 300
 
 def in_every_cell(test: Callable[..., None]) -> Callable[..., None]:
     """Hold the engine to a test in every cell of the matrix."""
-    return awaits_engine(pytest.mark.parametrize("case", CASES, ids=str)(test))
+    return pytest.mark.parametrize("case", CASES, ids=str, scope="module")(test)  # cell by cell: a kernel at a time
 
 
 def start_of(case: Case) -> int:
@@ -72,7 +76,7 @@ def reflection(case: Case) -> dict[str, Any]:
     told = {name: -value for name, value in {**starts, **case.push}.items() if name in MIRRORED}
     way = None if case.waterway is None else waterway_for(case.ship, mirrored=True)
     shape = case.shape if isinstance(case.shape, str) else [(f, -s) for f, s in case.shape]
-    return {**told, "waterway": way, "contact": shape, "controller": controller(mirrored_law(case.law))}
+    return {**told, "waterway": way, "contact": shape, "controller": mirrored_law(case.law)}
 
 
 @in_every_cell
@@ -126,15 +130,20 @@ def test_a_vessel_does_not_depend_on_its_company(case: Case) -> None:
         np.testing.assert_array_equal(whole[name].isel(start=slice(7, 18)), part[name])
 
 
-def test_the_matrix_is_whole(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_matrix_is_whole() -> None:
     """A hull without a rudder takes no controller; nothing else is left out."""
     count = Counter((case.ship, case.course, case.contact) for case in CELLS)
-    with capsys.disabled():
-        print(f"\n{len(CELLS)} cells of the matrix, on {len(TRACKS)} tracks beside the banks and as many without")
-    assert len(CELLS) == 144
-    assert set(count.values()) == {2, 8}
-    for axis in ("ship", "course", "surge", "controller", "contact"):
-        assert {getattr(case, axis) for case in USUAL} == {getattr(case, axis) for case in CELLS}
+    assert len(CELLS) == 16 + 32 * len(CONTROLLERS)
+    assert set(count.values()) == {2, 2 * len(CONTROLLERS)}
+
+
+def test_what_runs_with_the_other_tests_holds_every_pair() -> None:
+    """Among them every controller under each ship that steers, and in bends."""
+    covered = set().union(*(pairs_of(axes_of(case)) for case in USUAL))
+    assert covered == set().union(*(pairs_of(axes_of(case)) for case in CELLS))
+    steered = {(case.ship, case.controller) for case in USUAL if case.law}
+    assert steered == {(ship, name) for ship in ("steered", "mmg+delta") for name in CONTROLLERS}
+    assert len(USUAL) < 6 + 4 * len(CONTROLLERS)
 
 
 def test_the_matrix_meets_every_end() -> None:

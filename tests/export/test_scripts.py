@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from exported import STEERED, bent, model_of, speed_of, states
-from typer.testing import CliRunner
 
 import narrows as nw
-from narrows.cli import app
 
 CASES = [("own", False), ("steered", True)]
 NODE = shutil.which("node")
@@ -119,22 +117,3 @@ def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
     assert text.count(r"\begin{equation}") == 2
     assert nw.latex(nw.PAPER) in text
     assert "1.07" in text.split(r"\end{equation}")[1]
-
-
-@pytest.mark.parametrize(
-    ("kind", "file"), [("c", "ship.h"), ("js", "ship.mjs"), ("python", "ship.py"), ("latex", "s.tex")]
-)
-def test_the_verb(tmp_path: Path, kind: str, file: str) -> None:
-    done = CliRunner().invoke(app, ["export", kind, "mikkelsen2025_dtc", "-o", str(tmp_path / file)])
-    assert done.exit_code == 0
-    assert done.stdout == f"wrote {tmp_path / file}\n"
-    assert (tmp_path / file).stat().st_size > 500
-
-
-@pytest.mark.parametrize(
-    ("kind", "file"), [("fortran", "ship.f"), ("c", "ship.py"), ("js", "ship.h"), ("latex", "ship")]
-)
-def test_bad_input_is_a_sentence_and_no_file(tmp_path: Path, kind: str, file: str) -> None:
-    done = CliRunner().invoke(app, ["export", kind, "mikkelsen2025_dtc", "-o", str(tmp_path / file)])
-    assert isinstance(done.exception, nw.InputError)
-    assert list(tmp_path.iterdir()) == []

@@ -1,7 +1,7 @@
 """Actuators: a bow thruster of this file's own, which the package knows nothing of, goes wherever a rudder goes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -14,8 +14,8 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.quantities.dimensions import Dimension, dimension_of
-from narrows.quantities.names import PARTICULARS, Quantity
-from narrows.ship.actuators import PROPELLER, RUDDER, STANDARD, Actuator, Part
+from narrows.quantities.names import Quantity
+from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part
 from narrows.terms.term import ScaleEffect
 from tables import DTC_SHIP, frame_of, many_runs
 
@@ -282,14 +282,6 @@ OTHER = replace(THRUSTER, rest=1.0)
 def test_a_unit_is_read_as_it_is_written(powers: tuple[int, int, int]) -> None:
     dimension = Dimension(*powers)
     assert dimension_of(dimension.unit) == dimension
-
-
-@pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
-def test_sections_say_the_unit_of_every_number(actuator: Actuator) -> None:
-    for part in actuator.parts:
-        assert list(part.NUMBERS) == [own.name for own in fields(part)]
-    for said in (*actuator.quantities.values(), *PARTICULARS.values()):
-        assert isinstance(dimension_of(said.unit), Dimension)
 
 
 def test_its_numbers_are_checked_with_the_place_in_the_file(tug: nw.Model) -> None:

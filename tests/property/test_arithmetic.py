@@ -10,22 +10,17 @@ from hypothesis import given, settings
 from strategies import STATES
 
 import narrows as nw
+from arithmetic import check_arithmetic, values_at
 from narrows.physics import clearance, damping, inertia
-from narrows.quantities.names import asked_by, name_of
+from narrows.quantities.names import name_of
 
 PHYSICS = [
     function
     for room in (clearance, damping, inertia)
     for function in vars(room).values()
     if callable(function) and getattr(function, "__module__", "") == room.__name__
-] + [term.regressor for form in nw.FORMS.values() for term in (*form.sway, *form.yaw)]
-DEPTH = 0.4
+]
 FORCES = ("X", "Y", "N")
-
-
-def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, float]) -> dict[str, float]:
-    values = dtc.configuration.values() | nw.Motion.at(**state).values() | {"depth": DEPTH}
-    return {name: values[name] for name in asked_by(function)}
 
 
 @pytest.mark.parametrize("function", PHYSICS, ids=name_of)
@@ -34,14 +29,7 @@ def arguments(function: Callable[..., float], dtc: nw.Model, state: dict[str, fl
 def test_floats_columns_and_symbols_agree(
     function: Callable[..., float], dtc: nw.Model, state: dict[str, float]
 ) -> None:
-    values = arguments(function, dtc, state)
-    expected = function(*values.values())
-    columns = {name: np.full(3, value) for name, value in values.items()}
-    np.testing.assert_allclose(np.broadcast_to(function(*columns.values()), 3), expected, rtol=1e-15, atol=0)
-    symbols = {name: sympy.Symbol(name, real=True) for name in values}
-    formula = sympy.sympify(function(*symbols.values()))
-    exact = formula.evalf(30, subs={symbols[name]: sympy.Float(value, 30) for name, value in values.items()})
-    assert expected == pytest.approx(float(exact), rel=1e-12, abs=1e-300)
+    check_arithmetic(function, values_at(dtc, state))
 
 
 @given(state=STATES)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from faults import FAULTS, cut, scaled
+from faults import FAULTS, ashore, cut, scaled
 from logs import bend, bent_waterway, circle, kvlcc2, sensed, trial, zigzag
 from narrows.logbook.checking.agreement import factor_of, least_squares, turned_of
 
@@ -85,8 +85,7 @@ class TestAlongAWaterway:
         assert remedy in found.wrong[0].remedy
 
     def test_a_hull_in_a_bank_is_found(self) -> None:
-        beyond = bend().with_signals(y=nw.Signal(bend()["y"].t, bend()["y"].values - 90.0))
-        found = nw.check_log([beyond], kvlcc2(), self.way)
+        found = nw.check_log([ashore(bend())], kvlcc2(), self.way)
         assert [own.check for own in found.wrong] == ["banks"]
         assert found.wrong[0].evidence["share"] > 0.5
         narrow = bent_waterway(length=9000.0)

@@ -23,15 +23,6 @@ def parameter(function, **changed: float) -> float:
     return function(**{name: {**PLACE, **changed}[name] for name in signature(function).parameters})
 
 
-@pytest.mark.parametrize("form", nw.FORMS.values(), ids=lambda form: form.name)
-@given(y=OFFSETS)
-def test_every_form_is_odd_and_leans_to_the_near_bank(form: nw.BankForm, y: float) -> None:
-    for function in form.parameters.values():
-        own, mirrored = parameter(function, y=y), parameter(function, y=-y)
-        assert own == -mirrored
-        assert own * y >= 0
-
-
 def test_delta_is_twice_the_bank_distance_far_from_the_banks() -> None:
     """They part by 3 B/W of themselves, to first order."""
     for width in (70.0, 700.0, 7000.0):

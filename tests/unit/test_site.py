@@ -10,7 +10,11 @@ import pytest
 import narrows as nw
 from narrows.captive.columns import COLUMNS
 from narrows.cli import app
+from narrows.estimation.sensors import SENSORS
+from narrows.export.writing import EXPORTERS
+from narrows.logbook.checking.check_log import CHECKS
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS
+from narrows.safety.pilots import PILOTS
 from narrows.terms.tables import BASES
 
 ROOT = Path(__file__).parents[2]
@@ -32,6 +36,8 @@ def said() -> Iterator[tuple[str, list[str]]]:
     yield "bank-forms", [f"`{name}`" for name in nw.FORMS]
     yield "squat-formulas", [f"`{name}`" for name in nw.SQUAT]
     yield "public-names", [f"`nw.{name}" for name in nw.__all__ if name != "__version__"]
+    members = (*PILOTS, *SENSORS, *EXPORTERS, *(own.check.__name__ for own in CHECKS))
+    yield "registries", [f"`{name}`" for name in members]
     yield "schemas", [f"## {path.stem}\n" for path in (ROOT / "src" / "narrows" / "schemas").glob("*.json")]
 
 

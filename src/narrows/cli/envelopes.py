@@ -123,7 +123,7 @@ def envelope(
     cases: CaseOptions,
     delivery: DatasetDelivery,
     controller: Annotated[
-        str, typer.Option(help="Who is tried: regulator, human or track (that of earlier versions).")
+        str, typer.Option(help="Pilot that is tried, such as regulator or human; an unknown name lists all.")
     ] = "regulator",
     bank: Annotated[
         str, typer.Option(help="Kind of bank, for the rules of designers: gentle, sloping or steep.")

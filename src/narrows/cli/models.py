@@ -1,7 +1,8 @@
 """``scale``: a model at full size."""
 
+from inspect import signature
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -10,6 +11,12 @@ from narrows.cli.options import AsJson, ModelFile, ModelOutput, verb
 from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import InputError, check_choice
+from narrows.export.writing import EXPORTERS
+
+*_FIRST, _LAST = map(repr, EXPORTERS)
+WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
+*_FIRST, _LAST = (exporter.suffixes[0] for exporter in EXPORTERS.values())
+WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 
 
 @app.command(epilog="Example: narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
@@ -53,17 +60,11 @@ def scale(
     say_written([output])
 
 
-SOURCES_ALONE = "no compiler is here: the FMU has its sources alone, which importers may compile"
-KINDS = ("c", "js", "python", "latex", "fmu", "page")
-
-
 @verb("narrows export c mikkelsen2025_dtc -o dtc.h")
 def export(
-    kind: Annotated[
-        str, typer.Argument(help="What to write: 'c', 'js', 'python', 'latex', 'fmu' or 'page'.", show_default=False)
-    ],
+    kind: Annotated[str, typer.Argument(help=WHAT, show_default=False)],
     model: ModelFile,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File to write: .h, .mjs, .py, .tex, .fmu or .html.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help=WHERE)],
     physics: PhysicsOptions,
     water: WaterOptions,
     fmi: Annotated[int, typer.Option(help="Of an FMU, the version of the standard: 2 or 3.")] = 2,
@@ -73,27 +74,19 @@ def export(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows import export as room
-    from narrows.export.fmu import lacks_zig
     from narrows.model.model_file import model_named
 
-    check_choice("what to export", kind, KINDS)
-    platforms: tuple[str, ...] = ()
-    notes: list[str] = []
-    if kind == "latex":
-        room.write_latex(model_named(model), output)
-    elif kind == "fmu":
-        platforms = room.write_fmu(model_named(model), output, fmi=fmi, waterway=water.read(), **vars(physics))
-    elif kind == "page":
-        if water.read() is not None:
-            raise InputError("a page shows a straight canal; leave --waterway out")
-        notes += room.write_page(model_named(model), output, **vars(physics))
-    else:
-        write = {"c": room.write_c, "js": room.write_javascript, "python": room.write_python}[kind]
-        write(model_named(model), output, waterway=water.read(), **vars(physics))
-    if kind == "fmu":
-        notes = [f"libraries for {', '.join(platforms)}" if platforms else SOURCES_ALONE]
-        notes += filter(None, [lacks_zig()])
+    check_choice("what to export", kind, EXPORTERS)
+    exporter = EXPORTERS[kind]
+    options: dict[str, Any] = {"waterway": water.read(), "fmi": fmi, **vars(physics)}
+    for name, why in exporter.refused.items():
+        if options[name] is not None:
+            raise InputError(why)
+    known = signature(exporter.write).parameters
+    written = exporter.write(
+        model_named(model), output, **{name: value for name, value in options.items() if name in known}
+    )
+    notes, platforms = list(exporter.notes(written)), written if exporter.platforms else ()
     if json:
         summary = f"wrote {output}"
         print_json({"summary": summary, "kind": kind, "output": str(output), "platforms": platforms, "notes": notes})

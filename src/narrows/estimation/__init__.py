@@ -6,11 +6,6 @@ from narrows.estimation.estimate import Estimate as Estimate
 from narrows.estimation.estimate import EstimatedTrack as EstimatedTrack
 from narrows.estimation.estimator import Estimator as Estimator
 from narrows.estimation.sensor import Sensor as Sensor
-from narrows.estimation.sensors import CourseOverGround as CourseOverGround
-from narrows.estimation.sensors import Gnss as Gnss
-from narrows.estimation.sensors import Gyro as Gyro
-from narrows.estimation.sensors import Log as Log
-from narrows.estimation.sensors import RateOfTurn as RateOfTurn
-from narrows.estimation.sensors import RudderIndicator as RudderIndicator
+from narrows.estimation.sensors import *  # noqa: F403  its sensors are those of ``__all__`` there
 from narrows.estimation.states import Prior as Prior
 from narrows.estimation.states import ProcessNoise as ProcessNoise

@@ -11,6 +11,9 @@ from narrows.errors import InputError
 from narrows.estimation.sensor import Measuring, Values, check_bias
 from narrows.estimation.states import Columns
 
+# ``narrows.estimation`` gives each of these.
+__all__ = ["CourseOverGround", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator"]
+
 
 class Single(Measuring):
     """What sensors of one number have in common: it tells one state."""
@@ -326,3 +329,9 @@ class CourseOverGround(Antenna):
             Course [rad] and speed [m/s].
         """
         return {}
+
+
+# The sensors that measure states, by the usual name of their readings; the rudder's indicator drives the model instead.
+SENSORS: dict[str, type[Measuring]] = {
+    sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
+}

@@ -12,7 +12,7 @@ from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
 from narrows.estimation.recursion import DriftMonitor, Recursion
 from narrows.estimation.sensor import Sensor
-from narrows.estimation.sensors import Gyro, RudderIndicator
+from narrows.estimation.sensors import SENSORS, Gyro, RudderIndicator
 from narrows.estimation.settings import STEPS_A_PERIOD
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes, directions, lanes_of_directions
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
@@ -241,9 +241,8 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
     for sensor in measuring:
         if isinstance(sensor, type) or not isinstance(sensor, Sensor):
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
-            raise InputError(
-                f"{what} is no sensor; give objects such as Gnss(noise=1.5), or of your own that keep to Sensor"
-            )
+            known = ", ".join(f"{own.__name__}()" for own in SENSORS.values())
+            raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own that keep to Sensor")
     names = [sensor.name for sensor in measuring]
     for name in names:
         if names.count(name) > 1:

@@ -1,23 +1,31 @@
 """What writes a model into a file of another language."""
 
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from narrows.codegen.free_motion import OPEN, Surge
 from narrows.errors import InputError
 from narrows.files import form_of, write_whole
-from narrows.model.model import Model
-from narrows.simulation.inputs import Contact, finite_numbers
-from narrows.simulation.ship import Points, SimulatedShip
 
 if TYPE_CHECKING:
+    from narrows.codegen.free_motion import Surge
     from narrows.export.exported_ship import ExportedShip
+    from narrows.model.model import Model
+    from narrows.simulation.inputs import Contact
+    from narrows.simulation.ship import Points
     from narrows.waterway.waterway import Waterway
+
+# ``narrows.export`` gives each of these.
+__all__ = ["write_c", "write_fmu", "write_javascript", "write_latex", "write_page", "write_python"]
+
+# The contact of open water.
+OPEN = "none"
 
 
 def write_c(
-    model: Model, path: str | Path, *, waterway: "Waterway | None" = None, surge: Surge = "held",
-    surge_inertia: float | None = None, coriolis: bool = False, contact: Contact | Points = "corners",
+    model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
 ) -> None:  # fmt: skip
     """Write a model as one C99 header without dependencies: rates, step, room, voyages to contact, exact derivatives.
 
@@ -54,8 +62,8 @@ def write_c(
 
 
 def write_javascript(
-    model: Model, path: str | Path, *, waterway: "Waterway | None" = None, surge: Surge = "held",
-    surge_inertia: float | None = None, coriolis: bool = False, contact: Contact | Points = "corners",
+    model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
 ) -> None:  # fmt: skip
     """Write a model as one ES module without dependencies, its types as JSDoc: what ``write_c`` writes.
 
@@ -89,8 +97,8 @@ def write_javascript(
 
 
 def write_python(
-    model: Model, path: str | Path, *, waterway: "Waterway | None" = None, surge: Surge = "held",
-    surge_inertia: float | None = None, coriolis: bool = False, contact: Contact | Points = "corners",
+    model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
 ) -> None:  # fmt: skip
     """Write a model as one Python file that needs NumPy alone: what ``write_c`` writes, for columns of ships too.
 
@@ -123,7 +131,7 @@ def write_python(
     write_whole(path, python_text(_exported(model, path, waterway, surge, surge_inertia, coriolis, contact)))
 
 
-def write_latex(model: Model, path: str | Path) -> None:
+def write_latex(model: "Model", path: str | Path) -> None:
     """Write the equations of the forces with their symbols, and again with the numbers of a model.
 
     Parameters
@@ -145,9 +153,9 @@ def write_latex(model: Model, path: str | Path) -> None:
 
 
 def write_fmu(
-    model: Model, path: str | Path, *, fmi: int = 2, u: float | None = None, dt: float | None = None,
-    waterway: "Waterway | None" = None, surge: Surge = "held", surge_inertia: float | None = None,
-    coriolis: bool = False, contact: Contact | Points = "corners",
+    model: "Model", path: str | Path, *, fmi: int = 2, u: float | None = None, dt: float | None = None,
+    waterway: "Waterway | None" = None, surge: "Surge" = "held", surge_inertia: float | None = None,
+    coriolis: bool = False, contact: "Contact | Points" = "corners",
 ) -> tuple[str, ...]:  # fmt: skip
     """Write a model as an FMU of FMI 2.0 or 3.0, co-simulation and model exchange.
 
@@ -192,6 +200,8 @@ def write_fmu(
     from narrows.export.exported_ship import ExportedShip
     from narrows.export.fmu import builds_here, fmu_bytes
     from narrows.simulation.departure import voyage_defaults
+    from narrows.simulation.inputs import finite_numbers
+    from narrows.simulation.ship import SimulatedShip
 
     form_of(path, (".fmu",))
     if fmi not in (2, 3):
@@ -209,8 +219,8 @@ def write_fmu(
 
 
 def write_page(
-    model: Model, path: str | Path, *, title: str = "", u: float | None = None, surge: Surge = "held",
-    surge_inertia: float | None = None, coriolis: bool = False, contact: Contact | Points = "corners",
+    model: "Model", path: str | Path, *, title: str = "", u: float | None = None, surge: "Surge" = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
 ) -> tuple[str, ...]:  # fmt: skip
     """Write a model as one HTML page that sails fleets of it in a browser, without a network or a library.
 
@@ -248,6 +258,7 @@ def write_page(
         As ``write_c``; where the contact is ``none``, or the compiler fails.
     """
     from narrows.export.page.assembly import assembled
+    from narrows.simulation.ship import SimulatedShip
 
     form_of(path, (".html",))
     if contact == OPEN:
@@ -257,7 +268,43 @@ def write_page(
     return notes
 
 
-def _exported(model: Model, path: str | Path, waterway: "Waterway | None", *choices: Any) -> "ExportedShip":
+def _exported(model: "Model", path: str | Path, waterway: "Waterway | None", *choices: Any) -> "ExportedShip":
     from narrows.export.exported_ship import ExportedShip, prefix_of
+    from narrows.simulation.ship import SimulatedShip
 
     return ExportedShip(SimulatedShip(model, *choices), waterway, prefix_of(path))
+
+
+@dataclass(frozen=True)
+class Exporter:
+    """A kind of file that a model goes into."""
+
+    words: str  # What it is
+    suffixes: tuple[str, ...]  # Of its files
+    write: Callable[..., Any]  # Of the model, the path, and whichever options of the others it knows
+    # What to say of what was written, by what ``write`` returns
+    notes: Callable[[Any], Iterable[str]] = lambda written: ()
+    platforms: bool = False  # Whether ``write`` returns the platforms that the file runs on
+    refused: Mapping[str, str] = field(default_factory=dict)  # Options that it must not be told, with why
+
+
+def _about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
+    """Which platforms an FMU has libraries for, and what would make more."""
+    from narrows.export.fmu import lacks_zig
+
+    alone = "no compiler is here: the FMU has its sources alone, which importers may compile"
+    return [f"libraries for {', '.join(platforms)}" if platforms else alone, *filter(None, [lacks_zig()])]
+
+
+# What ``narrows export`` writes, by the kind that it is asked for.
+EXPORTERS = {
+    "c": Exporter("a C99 header", (".h",), write_c),
+    "js": Exporter("an ES module", (".mjs", ".js"), write_javascript),
+    "python": Exporter("a Python file that needs NumPy alone", (".py",), write_python),
+    "latex": Exporter("the equations of the forces", (".tex",), write_latex),
+    "fmu": Exporter("an FMU of FMI 2.0 or 3.0", (".fmu",), write_fmu, _about_libraries, platforms=True),
+    "page": Exporter(
+        "a page that sails fleets in a browser", (".html",), write_page, tuple,
+        refused={"waterway": "a page shows a straight canal; leave --waterway out"},
+    ),
+}  # fmt: skip

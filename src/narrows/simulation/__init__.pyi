@@ -1,3 +1,4 @@
+from . import controllers as controllers
 from .controllers import Autopilot as Autopilot
 from .controllers import ConstantRudder as ConstantRudder
 from .controllers import ControlLaw as ControlLaw

@@ -353,3 +353,12 @@ class SwitchedLaw:
         """Over 0 where the law steers."""
         on: Number = at.steers if self.since is None else at.t - at.since + EARLY * at.dt
         return on
+
+
+# An example of each law for a ship of a length [m], by name: docs list them, the tests sail them in every engine.
+CONTROLLERS: dict[str, Callable[[float], ControlLaw]] = {
+    "constant": lambda length: ConstantRudder(0.12),
+    "schedule": lambda length: RudderSchedule(((0.0, 0.05), (3.005, -0.3), (9.011, 0.2))),
+    "zigzag": lambda length: Zigzag(0.17, 0.06),
+    "pilot": lambda length: Autopilot(0.075 * length, (0.6 / length, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01),
+}

@@ -40,3 +40,11 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
     }  # fmt: skip
     note = f"velocities and accelerations from positions low-passed at {CUTOFF:g} Hz"
     return pd.DataFrame(translation, index=frame.index), (note,)
+
+
+def sample() -> pd.DataFrame:
+    """Give a record as its files have them: 20 s of a steady speed along the tank."""
+    t = np.arange(1, 401) / 20.0
+    still = 0 * t
+    columns = (t, 0.4 * t, still, still, 2.0 + still, -30.0 + still, still, still)
+    return pd.DataFrame(dict(zip(HEADERS, columns, strict=True)))

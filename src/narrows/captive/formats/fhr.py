@@ -5,6 +5,7 @@ Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row a phase of a 
 """
 
 import re
+from io import StringIO
 
 import numpy as np
 import pandas as pd
@@ -42,3 +43,17 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
         return frame, (TURNED,)
     kept = frame[frame["type"].isin(HARMONIC) & (np.abs(frame["rudder [deg]"]) < 1)]
     return kept, (f"{len(kept)} of {len(frame)} rows read: harmonic sway and yaw with the rudder amidships",)
+
+
+def sample() -> pd.DataFrame:
+    """Give a few rows as its tables have them."""
+    return pd.read_csv(StringIO(SAMPLE))
+
+
+# Rows of the KCS tests: of a steady run, of harmonic sway and of harmonic yaw.
+SAMPLE = """\
+ship,env,test,type,x_m,y_m,psi_deg,u_mps,v_mps,r_degps,udot_mps2,vdot_mps2,rdot_degps2,X_N,Y_N,N_Nm,sinkage_mm,rud_given_deg
+KCS,C0101A01,C0101A01_C20100,STATX0,41.8736,0.0001,0.0,0.248,0.0,0.0,0,0.0,0.0,-0.5675,0.2894,-0.571,0.1672,10.0
+KCS,C0101A01,C0101A01_F60000,PMMY2,0.0062,0.2,0.0,0.62,0.0,0.0,0,-0.0031,0.0,0.0201,2.7625,-1.88,3.0767,0.0
+KCS,C0101A01,C0101A01_G20000,PMMPSI2,0.0024,-0.0006,-15.0,0.248,0.0,0.0035,0,0.0,0.3491,-0.5042,-0.1645,-5.7464,0.3652,0.0
+"""

@@ -4,6 +4,8 @@ The banks are walls, slopes and platforms, built in at starboard of a tank 7 m w
 leaves the same section at the row's own depth: width and offset are of the canal between that wall and the tank's own.
 """
 
+from io import StringIO
+
 import numpy as np
 import pandas as pd
 
@@ -60,3 +62,18 @@ def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
     walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(frame["bank"], depths, strict=True)])
     y = cells.numbers(frame, "y [m]", table) - (walls - WALL) / 2
     return frame.assign(**{"width [m]": walls + WALL, "y [m]": y})
+
+
+def sample() -> pd.DataFrame:
+    """Give a few rows as its tables have them."""
+    return pd.read_csv(StringIO(SAMPLE))
+
+
+# Rows of the published data: slopes with and without a platform.
+SAMPLE = """\
+short name test,draught,water depth,forward component of speed vector,transversal component of speed vector,\
+lateral position,psi,longitudinal force,transversal force,yaw moment,sinkage fore,sinkage aft,bank name
+A,0.18,0.36,0.6842,-0.0599,0.265,5.0,-4.13,5.139,8.939,5.068,3.672,V
+B,0.18,0.198,0.3434,0.0,0.265,0.0,2.132,2.951,-4.99,2.196,3.304,IV
+C,0.18,0.198,0.4578,0.0,0.265,0.0,-2.618,-0.962,-4.3,3.902,4.558,III
+"""

@@ -1,14 +1,19 @@
 """Layouts of tables that are known by name; any other must come in the documented columns."""
 
-from typing import Protocol
+import pkgutil
+from importlib import import_module
+from typing import Protocol, cast
 
 import pandas as pd
 
-from narrows.captive.formats import dtc, fhr, lataire
+from narrows.captive import formats
 
 
 class Layout(Protocol):
-    """What a module that knows a layout offers."""
+    """What a module that knows a layout offers; its first line of documentation says whose tables they are."""
+
+    __name__: str
+    __doc__: str | None
 
     def recognises(self, frame: pd.DataFrame) -> bool:
         """Say whether a frame has this layout."""
@@ -16,8 +21,16 @@ class Layout(Protocol):
     def translated(self, frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
         """Bring the layout to the documented headers, with what there is to say of it."""
 
+    def sample(self) -> pd.DataFrame:
+        """Give a few rows as its tables have them."""
 
-LAYOUTS: tuple[Layout, ...] = (fhr, lataire, dtc)
+
+# Every module of this folder but this one. No two recognise one table, so that their order means nothing.
+LAYOUTS: tuple[Layout, ...] = tuple(
+    cast(Layout, import_module(f"{formats.__name__}.{found.name}"))
+    for found in pkgutil.iter_modules(formats.__path__)
+    if found.name != __name__.rpartition(".")[-1]
+)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:

@@ -1,27 +1,31 @@
 """A ship's own log beside its model, before any fit: what is wrong with it, with evidence and remedy."""
 
+import pkgutil
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from importlib import import_module
 from typing import NamedTuple
 
 from narrows.errors import InputError
+from narrows.logbook import checking
 from narrows.logbook.checking.agreement import even_motion
-from narrows.logbook.checking.clock_and_unit_checks import check_clock, check_place, check_units
-from narrows.logbook.checking.finding import Examined, Finding, LogFindings
-from narrows.logbook.checking.heading_checks import check_heading, judge_yaw_rates, rate_shown
+from narrows.logbook.checking.clock_and_unit_checks import check_clock
+from narrows.logbook.checking.finding import CHECKS, Examined, Finding, LogFindings, LogStage
+from narrows.logbook.checking.heading_checks import judge_yaw_rates, rate_shown
 from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, model_rates, rudder_effect
-from narrows.logbook.checking.sensor_checks import check_rudder_moves, check_sensors, check_wind
-from narrows.logbook.checking.velocity_checks import check_velocities
 from narrows.logbook.settings import SURE
 from narrows.logbook.ship_record import ShipRecord
 from narrows.model.model import Model
 from narrows.waterway import Waterway
 
 ALL = "all records"
-# What rests on nothing else, on sensors that are well, and on a heading that is right.
-STAGES = ((check_units, check_sensors), (check_heading,), (check_rudder_moves, check_velocities, check_place))
 # Checks whose findings leave nothing for the next stage to go by.
 SPOILING = ("heading", "speed", "stuck", "yaw rate")
+
+# Each module of checks adds its own to ``CHECKS``.
+for found in pkgutil.iter_modules(checking.__path__):
+    if found.name.endswith("_checks"):
+        import_module(f"{checking.__name__}.{found.name}")
 
 
 class _Told(NamedTuple):
@@ -95,19 +99,18 @@ def _of_motion(record: ShipRecord, model: Model, waterway: Waterway | None, told
         return [Finding("missing", record.name, said, "leave it out, or record the position")]
     at = Examined(record, motion, model, waterway)
     found: list[Finding] = []
-    for stage in STAGES:
-        found += [own for check in stage for own in check(at)]
+    for stage in LogStage:
+        if stage is LogStage.MODEL and _wrong(found):
+            return found
+        found += [own for one in CHECKS if one.stage is stage for own in one.check(at)]
         if any(own.wrong and own.check in SPOILING for own in found):
             return found
-    if _wrong(found):
-        return found
     if shown := rate_shown(at):
         told.yaw_rates.append((float(shown.values[0]), float(shown.errors[0])))
     return found + list(_beside_model(at, told))
 
 
 def _beside_model(at: Examined, told: _Told) -> Iterator[Finding]:
-    yield from check_wind(at)
     rates = model_rates(at)
     if rates is None:
         return

@@ -6,7 +6,7 @@ import numpy as np
 
 from narrows.logbook import settings
 from narrows.logbook.checking.agreement import usual_speed
-from narrows.logbook.checking.finding import Examined, Finding
+from narrows.logbook.checking.finding import Examined, Finding, LogStage, log_check
 from narrows.logbook.ship_record import ShipRecord
 from narrows.quantities.names import GRAVITY
 
@@ -104,6 +104,7 @@ def _speed(t: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
     return float(np.hypot(x[-1] - x[0], y[-1] - y[0]) / (t[-1] - t[0])) if len(t) > 1 else np.nan
 
 
+@log_check(LogStage.PLACE)
 def check_place(at: Examined) -> Iterator[Finding]:
     """Yield where the hull would lie in a bank."""
     motion, ship = at.motion, at.model.configuration.ship
@@ -139,6 +140,7 @@ def _room(at: Examined) -> tuple[np.ndarray, np.ndarray]:
 DEGREE = np.pi / 180
 
 
+@log_check(LogStage.SENSORS)
 def check_units(at: Examined) -> Iterator[Finding]:
     """Yield what no ship of this size does."""
     yield from _speed_units(at)

@@ -1,7 +1,8 @@
 """What is wrong with a record: what was seen, in numbers, and what to do."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -139,3 +140,38 @@ class Examined(NamedTuple):
         if "r" in self.motion:
             return self.motion["r"]
         return np.gradient(self.motion.heading, self.motion.dt) if "psi" in self.motion else None
+
+
+# The checks by stage: what a later one rests on must be right by the earlier ones.
+class LogStage(IntEnum):
+    """When a check runs."""
+
+    SENSORS = 0  # Rests on nothing else
+    HEADING = 1  # On sensors that are well
+    MOTION = 2  # On a heading that is right
+    PLACE = 3  # The same, and speaks after what is told of the motion
+    MODEL = 4  # Only where nothing is wrong so far
+
+
+Check = Callable[[Examined], Iterator[Finding]]
+
+
+class LogCheck(NamedTuple):
+    """A check of single records."""
+
+    check: Check
+    stage: LogStage
+    example: Callable[[ShipRecord], ShipRecord] | None  # Spoils a good record of a zigzag by what the check finds
+
+
+CHECKS: list[LogCheck] = []
+
+
+def log_check(stage: LogStage, example: Callable[[ShipRecord], ShipRecord] | None = None) -> Callable[[Check], Check]:
+    """Add a function to the checks; in a module of this folder whose name ends in ``_checks`` it is found."""
+
+    def added(check: Check) -> Check:
+        CHECKS.append(LogCheck(check, stage, example))
+        return check
+
+    return added

@@ -15,7 +15,7 @@ from narrows.logbook.checking.agreement import (
     nearest,
     pooled,
 )
-from narrows.logbook.checking.finding import Examined, Finding
+from narrows.logbook.checking.finding import Examined, Finding, LogStage, log_check
 
 FULL_TURN = 2 * np.pi
 DEGREES = 180 / np.pi
@@ -27,6 +27,7 @@ RATES = {
 TURNED = '{} counts to port: turn its sign ([positive] {} = "port")'
 
 
+@log_check(LogStage.HEADING)
 def check_heading(at: Examined) -> Iterator[Finding]:
     """Yield what is wrong with heading and yaw rate, the first cause alone."""
     if "psi" not in at.motion:

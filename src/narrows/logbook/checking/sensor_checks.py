@@ -6,10 +6,11 @@ import numpy as np
 
 from narrows.logbook import settings
 from narrows.logbook.checking.agreement import Estimates, changes, least_squares
-from narrows.logbook.checking.finding import Examined, Finding
+from narrows.logbook.checking.finding import Examined, Finding, LogStage, log_check
 from narrows.logbook.ship_record import Signal
 
 
+@log_check(LogStage.SENSORS)
 def check_sensors(at: Examined) -> Iterator[Finding]:
     yield from _missing(at)
     yield from _stuck(at)
@@ -89,6 +90,7 @@ def _grain(signal: Signal) -> float:
     return float(steps[steps > 0].min()) if (steps > 0).any() else 0.0
 
 
+@log_check(LogStage.MOTION)
 def check_rudder_moves(at: Examined) -> Iterator[Finding]:
     """Yield where a rudder is not told, while the ship swings to and fro or keeps clear of banks."""
     if "rudder" not in at.record or "psi" not in at.motion:
@@ -136,6 +138,7 @@ CAUSES = {
 }
 
 
+@log_check(LogStage.MODEL)
 def check_wind(at: Examined) -> Iterator[Finding]:
     """Yield where the wind goes with the ship."""
     motion = at.motion

@@ -6,13 +6,14 @@ import numpy as np
 
 from narrows.logbook import settings
 from narrows.logbook.checking.agreement import Turned, changes, factor_of, nearest, turned_of
-from narrows.logbook.checking.finding import Examined, Finding
+from narrows.logbook.checking.finding import Examined, Finding, LogStage, log_check
 from narrows.quantities.names import KNOT
 
 # The way over what its speed says, where that is in another unit.
 UNITS = {"knots": KNOT, "kilometres an hour": 1 / 3.6, "metres a second read as knots": 1 / KNOT}
 
 
+@log_check(LogStage.MOTION)
 def check_velocities(at: Examined) -> Iterator[Finding]:
     if not np.isfinite(at.motion.position).any():
         return

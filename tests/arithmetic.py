@@ -1,0 +1,35 @@
+"""Whether a function is arithmetic: the same on floats, columns and symbols."""
+
+from collections.abc import Callable
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+
+import narrows as nw
+from limits import within
+from narrows.quantities.names import asked_by, name_of
+
+DEPTH = 0.4
+"""Of the water in which regressors are evaluated [m]."""
+DIGITS, SECONDS = 30, 20
+
+
+def values_at(model: nw.Model, state: dict[str, float]) -> dict[str, float]:
+    """Everything that a regressor may ask for, in a motion."""
+    return model.configuration.values() | nw.Motion.at(**state).values() | {"depth": DEPTH}
+
+
+def check_arithmetic(function: Callable[..., float], known: dict[str, float]) -> None:
+    """Hold a function on columns and symbols to what it gives for floats, those to 30 digits."""
+    values = {name: known[name] for name in asked_by(function)}
+    expected = function(*values.values())
+    columns = {name: np.full(3, value) for name, value in values.items()}
+    np.testing.assert_allclose(np.broadcast_to(function(*columns.values()), 3), expected, rtol=1e-15, atol=0)
+    symbols = [sympy.Symbol(name, real=True) for name in values]
+    with within(SECONDS, f"{name_of(function)} in symbols"), mpmath.workdps(DIGITS):
+        # Digit by digit and not by SymPy's evalf, which takes minutes over a formula that cancels.
+        exact = sympy.lambdify(symbols, sympy.sympify(function(*symbols)), "mpmath", cse=True)
+        precise = exact(*(mpmath.mpf(value) for value in values.values()))
+    assert expected == pytest.approx(float(precise), rel=1e-12, abs=1e-300), "floats lose digits to cancellation"

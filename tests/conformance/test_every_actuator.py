@@ -1,0 +1,108 @@
+"""Every actuator of ``STANDARD``: its sections, its place in the terms, its scaling, and how it follows its orders."""
+
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.quantities.dimensions import Dimension, dimension_of
+from narrows.quantities.names import PARTICULARS
+from narrows.ship.actuators import STANDARD, Actuator, Part
+
+every_actuator = pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
+LIMIT, RATE, STEP = 0.3, 0.1, 0.5
+
+
+def sections(actuator: Actuator) -> list[Part]:
+    """Its sections of a ship file, every number a half."""
+    return [part(**{own.name: 0.5 for own in fields(part)}) for part in actuator.parts]
+
+
+@every_actuator
+def test_its_sections_give_the_unit_of_every_number(actuator: Actuator) -> None:
+    for part in actuator.parts:
+        assert list(part.NUMBERS) == [own.name for own in fields(part)]
+    for quantity in (*actuator.quantities.values(), *PARTICULARS.values()):
+        assert isinstance(dimension_of(quantity.unit), Dimension)
+
+
+@every_actuator
+def test_a_position_gives_the_terms_what_they_ask_for(actuator: Actuator) -> None:
+    assert actuator.placed(0.2).keys() == actuator.controls.keys()
+    assert actuator.at_rest() == ({} if actuator.rest is None else actuator.placed(actuator.rest))
+    assert len({own.name for own in STANDARD}) == len(STANDARD), "two actuators have one name"
+
+
+@every_actuator
+def test_its_sections_go_into_files_and_back(actuator: Actuator, dtc: nw.Model, tmp_path: Path) -> None:
+    parts = sections(actuator)
+    model = replace(dtc, configuration=dtc.configuration.with_parts(parts))
+    nw.save_model(model, tmp_path / "ship.toml")
+    again = nw.load_model(tmp_path / "ship.toml").configuration
+    assert again == model.configuration
+    assert [again.parts[part.SECTION] for part in parts] == parts
+
+
+@every_actuator
+def test_its_numbers_scale_by_their_dimensions(actuator: Actuator) -> None:
+    for own in sections(actuator):
+        large = own.scaled(lambda dimension: 4.0**dimension.length * 2.0**dimension.time)
+        for name, quantity in own.NUMBERS.items():
+            unit = dimension_of(quantity.unit)
+            assert getattr(large, name) == pytest.approx(0.5 * 4.0**unit.length * 2.0**unit.time), name
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """A law that orders one position, of any actuator."""
+
+    name: str
+    position: float
+
+    def parameters(self) -> dict[str, float]:
+        return {"position": self.position}
+
+    def memory(self, start: Any) -> dict[str, float]:
+        return {}
+
+    def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, float]]:
+        return {self.name: at.position}, {}
+
+
+def moved_by(actuator: Actuator, dtc: nw.Model) -> nw.Model:
+    """The published hull with a sway force in proportion to the position, and a gear with a limit and a rate."""
+
+    @dataclass(frozen=True)
+    class Gear(Part):
+        SECTION: ClassVar[str] = f"gear_of_{actuator.name}"
+        POSITION: ClassVar[str] = actuator.name
+        limit: float = LIMIT
+        rate: float = RATE
+
+        @classmethod
+        def known_as(cls, number: str) -> str:
+            return f"{cls.POSITION}_{number}"
+
+    (*_, control) = actuator.controls
+    force = eval(f"lambda {control}: {control}")
+    term = nw.Term("b_moved", "b_{moved}", force, nw.Dimension(1, 1, -2), actuator=actuator)
+    table = nw.PAPER.with_terms("moved", sway=[term])
+    configuration = dtc.configuration.with_parts([*sections(actuator), Gear()])
+    return nw.Model(configuration, table, {**dtc.coefficients, "b_moved": 5.0})
+
+
+@every_actuator
+@pytest.mark.parametrize("side", [1, -1])
+def test_it_follows_an_order_at_its_rate_up_to_its_limit(actuator: Actuator, side: int, dtc: nw.Model) -> None:
+    """In a voyage and in a fleet: a ramp of ``RATE``, held at ``LIMIT``, or where an order is nearer, there."""
+    model = moved_by(actuator, dtc)
+    told = {actuator.name: 0.0, "u": 0.8, "duration": 10 * STEP, "dt": STEP}
+    for order in (1.0, 0.12):
+        law = Ordered(actuator.name, side * order)
+        voyage = nw.simulate(model, controller=law, **told)
+        np.testing.assert_allclose(voyage[actuator.name], side * np.minimum(RATE * voyage.t, min(order, LIMIT)))
+        fleet = nw.ensemble(model, controller=law, y=[0.0, 0.1], **told)
+        assert float(fleet["v_end"][0]) == pytest.approx(voyage.v[-1], abs=1e-12)
