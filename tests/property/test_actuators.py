@@ -1,4 +1,4 @@
-"""Actuators: a bow thruster of this file's own, which the package knows nothing of, goes wherever a rudder goes."""
+"""Actuators: a jet of this file's own, which the package knows nothing of, goes wherever a rudder goes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,8 +24,8 @@ from tables import DTC_SHIP, frame_of, many_runs
 class BowThruster(Part):
     """A tunnel thruster: its diameter, how far ahead it is, and how fast it turns at most."""
 
-    SECTION: ClassVar[str] = "bow_thruster"
-    POSITION: ClassVar[str] = "bow_thruster"
+    SECTION: ClassVar[str] = "trial_jet"
+    POSITION: ClassVar[str] = "trial_jet"
     NUMBERS: ClassVar[Mapping[str, Quantity]] = {
         "diameter": Quantity("m", "diameter of the tunnel"),
         "lever": Quantity("m", "forward of midship"),
@@ -39,24 +39,24 @@ class BowThruster(Part):
     rate: float
 
 
-TURNS = "turns of the bow thruster, positive where it pushes the bow to starboard"
-THRUSTER = Actuator("bow_thruster", "1/s", TURNS, rest=0.0, parts=(BowThruster,))
+TURNS = "turns of the jet, positive where it pushes the bow to starboard"
+THRUSTER = Actuator("trial_jet", "1/s", TURNS, rest=0.0, parts=(BowThruster,))
 
 
-def push(bow_thruster, bow_thruster_diameter, density):
-    return density * bow_thruster_diameter**4 * abs(bow_thruster) * bow_thruster
+def push(trial_jet, trial_jet_diameter, density):
+    return density * trial_jet_diameter**4 * abs(trial_jet) * trial_jet
 
 
-def moment(bow_thruster, bow_thruster_diameter, bow_thruster_lever, density):
-    return push(bow_thruster, bow_thruster_diameter, density) * bow_thruster_lever
+def moment(trial_jet, trial_jet_diameter, trial_jet_lever, density):
+    return push(trial_jet, trial_jet_diameter, density) * trial_jet_lever
 
 
 def terms_with(thruster: Actuator) -> nw.TermTable:
     about = {"kind": nw.TermKind.THRUSTER, "source": "form of the bollard pull", "actuator": thruster}
     return nw.PAPER.with_terms(
-        "paper+bow_thruster",
-        sway=[nw.Term("b_bow", "b_{bow}", push, Dimension(), scale_effect=ScaleEffect.WAKE, **about)],
-        yaw=[nw.Term("c_bow", "c_{bow}", moment, Dimension(), **about)],
+        "paper+trial_jet",
+        sway=[nw.Term("b_bow", "b_{jet}", push, Dimension(), scale_effect=ScaleEffect.WAKE, **about)],
+        yaw=[nw.Term("c_bow", "c_{jet}", moment, Dimension(), **about)],
     )
 
 
@@ -79,30 +79,30 @@ def table_of(tug: nw.Model) -> pd.DataFrame:
     motion = nw.Motion(**{name: tests.columns[name] for name in nw.Motion().values()})
     noise = np.random.default_rng(5)
     frame = frame_of(tests)
-    for force, own in tug.forces(motion, bow_thruster=turns).items():
+    for force, own in tug.forces(motion, trial_jet=turns).items():
         frame[force] = own + noise.normal(0, 0.05, tests.rows)
-    return frame.assign(**{"bow_thruster [rpm]": 60 * turns})
+    return frame.assign(**{"trial_jet [rpm]": 60 * turns})
 
 
 def test_it_is_identified_from_a_column_of_its_name(tug: nw.Model, tmp_path: Path) -> None:
     path = tmp_path / "tests.csv"
     table_of(tug).to_csv(path, index=False)
     ship = tmp_path / "tug.toml"
-    ship.write_text(f"{DTC_SHIP}\n[bow_thruster]\ndiameter = 0.05\nlever = 1.7\nlimit = 20\nrate = 4\n")
+    ship.write_text(f"{DTC_SHIP}\n[trial_jet]\ndiameter = 0.05\nlever = 1.7\nlimit = 20\nrate = 4\n")
     tests = nw.read_captive(path, ship, actuators=[THRUSTER])
-    assert np.abs(tests.columns["bow_thruster"]).max() == pytest.approx(15.0)
+    assert np.abs(tests.columns["trial_jet"]).max() == pytest.approx(15.0)
     fit = nw.identify(tests, TERMS, errors=nw.RunErrors(0, 0, 0))
     for name, value in (("b_bow", 0.4), ("c_bow", 0.35)):
         low, high = fit.intervals[name]
         assert low < value < high
         assert high - low < 0.1
     without = tmp_path / "without.csv"
-    table_of(tug).drop(columns="bow_thruster [rpm]").to_csv(without, index=False)
-    with pytest.raises(nw.InputError, match=r"'bow_thruster' is missing \(turns of the bow thruster.*\[1/s\]\)"):
+    table_of(tug).drop(columns="trial_jet [rpm]").to_csv(without, index=False)
+    with pytest.raises(nw.InputError, match=r"'trial_jet' is missing \(turns of the jet.*\[1/s\]\)"):
         nw.identify(nw.read_captive(without, ship, actuators=[THRUSTER]), TERMS)
     streamed = nw.identify(nw.stream_captive(path, ship, actuators=[THRUSTER]), TERMS)
     assert streamed.coefficients == pytest.approx(fit.coefficients, rel=1e-9)
-    with pytest.raises(nw.InputError, match=r"add it; did you mean 'bow_thruster \[rpm\]'"):
+    with pytest.raises(nw.InputError, match=r"add it; did you mean 'trial_jet \[rpm\]'"):
         nw.identify(nw.read_captive(path, tug.configuration), TERMS)
 
 
@@ -112,7 +112,7 @@ def test_forces_are_by_its_turns_and_at_rest_without(turns: float) -> None:
     configuration = replace(dtc.configuration, others=(SECTION,))
     tug = nw.Model(configuration, TERMS, {**dtc.coefficients, "b_bow": 0.4, "c_bow": 0.35})
     motion = nw.Motion.at(0.1, y=0.5, u=0.8, r=0.01)
-    still, moved = tug.forces(motion), tug.forces(motion, bow_thruster=turns)
+    still, moved = tug.forces(motion), tug.forces(motion, trial_jet=turns)
     assert still == {force: pytest.approx(own) for force, own in dtc.forces(motion).items()}
     expected = 1000.0 * 0.05**4 * abs(turns) * turns
     assert moved["Y"] - still["Y"] == pytest.approx(0.4 * expected, abs=1e-9)
@@ -120,32 +120,32 @@ def test_forces_are_by_its_turns_and_at_rest_without(turns: float) -> None:
 
 
 def test_what_is_no_actuator_of_the_terms_is_refused(dtc: nw.Model, tug: nw.Model) -> None:
-    with pytest.raises(nw.InputError, match="no actuator 'bow_thruster'"):
-        dtc.forces(nw.Motion(u=1.0), bow_thruster=1.0)
+    with pytest.raises(nw.InputError, match="no actuator 'trial_jet'"):
+        dtc.forces(nw.Motion(u=1.0), trial_jet=1.0)
     with pytest.raises(nw.InputError, match="no actuator 'rudder'; leave it out"):
         dtc.forces(nw.Motion(u=1.0), 0.1)
-    with pytest.raises(nw.InputError, match="did you mean 'bow_thruster'"):
-        tug.forces(nw.Motion(u=1.0), bow_thrustr=1.0)
+    with pytest.raises(nw.InputError, match="did you mean 'trial_jet'"):
+        tug.forces(nw.Motion(u=1.0), trial_jt=1.0)
     bare = nw.Model(dtc.configuration, TERMS, tug.coefficients)
-    with pytest.raises(nw.InputError, match="need bow_thruster_diameter"):
+    with pytest.raises(nw.InputError, match="need trial_jet_diameter"):
         bare.forces(nw.Motion(u=1.0))
 
 
 def test_it_has_a_section_of_its_own_in_files(tug: nw.Model, tmp_path: Path) -> None:
     path = tmp_path / "tug.toml"
     nw.save_model(tug, path)
-    assert "[bow_thruster]" in path.read_text()
+    assert "[trial_jet]" in path.read_text()
     again = nw.load_model(path, TERMS)
     assert again.configuration == tug.configuration
     motion = nw.Motion(u=1.0)
-    assert again.forces(motion, bow_thruster=5.0) == tug.forces(motion, bow_thruster=5.0)
+    assert again.forces(motion, trial_jet=5.0) == tug.forces(motion, trial_jet=5.0)
     with pytest.raises(nw.InputError, match="unknown section"):
         nw.load_model(path, nw.PAPER)
     ship = tmp_path / "ship.toml"
-    ship.write_text(f"{DTC_SHIP}\n[bow_thruster]\ndiameter = 0.05\nlever = 1.7\nlimit = 20\nrate = 4\n")
-    assert nw.read_ship(ship, [THRUSTER]).parts == {"bow_thruster": SECTION}
-    ship.write_text(f"{DTC_SHIP}\n[bow_thruster]\ndiametre = 0.05\n")
-    with pytest.raises(nw.InputError, match=r"\[bow_thruster\] has an unknown key 'diametre'.*'diameter'"):
+    ship.write_text(f"{DTC_SHIP}\n[trial_jet]\ndiameter = 0.05\nlever = 1.7\nlimit = 20\nrate = 4\n")
+    assert nw.read_ship(ship, [THRUSTER]).parts == {"trial_jet": SECTION}
+    ship.write_text(f"{DTC_SHIP}\n[trial_jet]\ndiametre = 0.05\n")
+    with pytest.raises(nw.InputError, match=r"\[trial_jet\] has an unknown key 'diametre'.*'diameter'"):
         nw.read_ship(ship, [THRUSTER])
 
 
@@ -156,12 +156,12 @@ def test_it_scales_by_the_dimensions_of_its_numbers(length: float) -> None:
     tug = nw.Model(configuration, TERMS, {**dtc.coefficients, "b_bow": 0.4, "c_bow": 0.35})
     scaled = nw.scale_model(tug, length)
     ratio = scaled.ratio
-    large = scaled.model.configuration.parts["bow_thruster"]
+    large = scaled.model.configuration.parts["trial_jet"]
     expected = (0.05 * ratio, 1.7 * ratio, 20.0 * ratio**-0.5, 4.0 / ratio)
     assert (large.diameter, large.lever, large.limit, large.rate) == pytest.approx(expected, rel=1e-12)
     small, far = nw.Motion(u=1.0), nw.Motion(u=ratio**0.5)
-    here = tug.forces(small, bow_thruster=10.0)
-    there = scaled.model.forces(far, bow_thruster=10.0 * ratio**-0.5)
+    here = tug.forces(small, trial_jet=10.0)
+    there = scaled.model.forces(far, trial_jet=10.0 * ratio**-0.5)
     assert there["Y"] == pytest.approx(ratio**3 * here["Y"], rel=1e-9)
     assert there["N"] == pytest.approx(ratio**4 * here["N"], rel=1e-9)
 
@@ -177,7 +177,7 @@ def test_what_the_equations_of_motion_ask_of_an_actuator(tug: nw.Model) -> None:
     assert nw.MMG.actuators == (RUDDER, PROPELLER)
     assert nw.STEERED.actuators == (RUDDER,)
     values = tug.configuration.values()
-    assert (values["bow_thruster_limit"], values["bow_thruster_rate"]) == (20.0, 4.0)
+    assert (values["trial_jet_limit"], values["trial_jet_rate"]) == (20.0, 4.0)
     assert values["rudder_limit"] == pytest.approx(np.radians(35.0))
     assert values["rudder_rate"] == pytest.approx(np.radians(65 / 28))
     assert values["revolutions_limit"] == values["revolutions_rate"] == np.inf
@@ -186,7 +186,7 @@ def test_what_the_equations_of_motion_ask_of_an_actuator(tug: nw.Model) -> None:
     assert kvlcc2.values()["revolutions"] == kvlcc2.propeller.revolutions
     assert RUDDER.at_rest() == {"cos_rudder": 1.0, "sin_rudder": 0.0}
     assert PROPELLER.at_rest() == {}
-    assert THRUSTER.placed(3.0) == {"bow_thruster": 3.0}
+    assert THRUSTER.placed(3.0) == {"trial_jet": 3.0}
 
 
 def test_a_ship_with_it_sails_with_it_at_rest(tug: nw.Model, dtc: nw.Model) -> None:
@@ -198,11 +198,11 @@ def test_a_ship_with_it_sails_with_it_at_rest(tug: nw.Model, dtc: nw.Model) -> N
 def test_an_ensemble_holds_it_where_it_is_put(tug: nw.Model, dtc: nw.Model) -> None:
     """As the force and moment that it makes do, given from outside."""
     start = {"y": 0.2, "u": 0.8, "duration": 40.0, "dt": 0.05}
-    turned = nw.ensemble(tug, bow_thruster=[-10.0, 0.0, 10.0], **start)
+    turned = nw.ensemble(tug, trial_jet=[-10.0, 0.0, 10.0], **start)
     for number, side in enumerate((-1, 0, 1)):
         force = side * 1000.0 * 0.05**4 * 100.0
         pushed = nw.ensemble(dtc, Y=0.4 * force, N=0.35 * 1.7 * force, **start)
-        own = turned.isel(bow_thruster=number)
+        own = turned.isel(trial_jet=number)
         np.testing.assert_allclose(own["time"], pushed["time"].squeeze(), rtol=1e-6)
         assert str(own["side"].values) == str(pushed["side"].squeeze().values)
 
@@ -212,11 +212,11 @@ def test_a_steady_course_balances_it(tug: nw.Model) -> None:
     helm = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
     steered = nw.Model(hull, nw.with_helm(TERMS), {**tug.coefficients, **helm})
     turns = [-5.0, 0.0, 5.0]
-    course = nw.steady_course(steered, y=0.1, u=0.8, bow_thruster=turns)
+    course = nw.steady_course(steered, y=0.1, u=0.8, trial_jet=turns)
     assert len(set(course["rudder"].values)) == 3
     for number, own in enumerate(turns):
         psi, v, rudder = (float(course[name][number]) for name in ("psi", "v", "rudder"))
-        found = steered.forces(nw.Motion.at(psi, y=0.1, u=0.8, v=v), rudder, bow_thruster=own)
+        found = steered.forces(nw.Motion.at(psi, y=0.1, u=0.8, v=v), rudder, trial_jet=own)
         assert abs(found["Y"]) < 1e-6
         assert abs(found["N"]) < 1e-6
 
@@ -225,9 +225,9 @@ def test_a_steady_course_balances_it(tug: nw.Model) -> None:
 class RunningThruster(BowThruster):
     """One whose section says how it turns, where nothing moves it."""
 
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {**BowThruster.NUMBERS, "bow_thruster": Quantity("1/s", TURNS)}
+    NUMBERS: ClassVar[Mapping[str, Quantity]] = {**BowThruster.NUMBERS, "trial_jet": Quantity("1/s", TURNS)}
 
-    bow_thruster: float = 0.0
+    trial_jet: float = 0.0
 
 
 def test_the_envelope_feels_it(tug: nw.Model) -> None:
@@ -250,7 +250,7 @@ def test_the_envelope_feels_it(tug: nw.Model) -> None:
 
 
 def test_it_drives_the_ship(tug: nw.Model) -> None:
-    held = nw.simulate(tug, y=0.0, u=0.8, duration=5.0, bow_thruster=10.0)
+    held = nw.simulate(tug, y=0.0, u=0.8, duration=5.0, trial_jet=10.0)
     still = nw.simulate(tug, y=0.0, u=0.8, duration=5.0)
     assert held.psi[-1] > still.psi[-1]
 
@@ -261,13 +261,13 @@ def test_it_drives_the_ship(tug: nw.Model) -> None:
         (lambda: Actuator("u", "1/s", "x"), "cannot be called 'u'"),
         (lambda: Actuator("bow thruster", "1/s", "x"), "give it a plain word"),
         (lambda: Actuator("fin", "degrees", "x"), "'degrees' is no unit"),
-        (lambda: Actuator("fin", "rad", "x", parts=(BowThruster,)), r"section \[bow_thruster\] is of 'bow_thruster'"),
+        (lambda: Actuator("fin", "rad", "x", parts=(BowThruster,)), r"section \[trial_jet\] is of 'trial_jet'"),
         (lambda: replace(nw.published("mikkelsen2025_dtc").configuration, others=(SECTION, SECTION)), "given twice"),
         (
             lambda: TERMS.with_terms("two", surge=[nw.Term("a", "a", push, Dimension(), actuator=OTHER)]),
-            "two actuators are called 'bow_thruster'",
+            "two actuators are called 'trial_jet'",
         ),
-        (lambda: nw.Term("b", "b", push, Dimension()), "unknown 'bow_thruster'"),
+        (lambda: nw.Term("b", "b", push, Dimension()), "unknown 'trial_jet'"),
     ],
 )
 def test_actuators_that_make_no_sense(make, said: str) -> None:
@@ -285,11 +285,11 @@ def test_a_unit_is_read_as_it_is_written(powers: tuple[int, int, int]) -> None:
 
 
 def test_its_numbers_are_checked_with_the_place_in_the_file(tug: nw.Model) -> None:
-    with pytest.raises(nw.InputError, match=r"^\[bow_thruster\] lever = nan is not a finite number"):
+    with pytest.raises(nw.InputError, match=r"^\[trial_jet\] lever = nan is not a finite number"):
         replace(SECTION, lever=np.nan)
-    with pytest.raises(nw.InputError, match=r"^\[bow_thruster\] diameter = 1e\+21 is beyond all measure"):
+    with pytest.raises(nw.InputError, match=r"^\[trial_jet\] diameter = 1e\+21 is beyond all measure"):
         replace(SECTION, diameter=1e21)
-    with pytest.raises(nw.InputError, match=r"^\[bow_thruster\] diameter = nan is not a finite number"):
-        nw.ensemble(tug, bow_thruster_diameter=[0.05, np.nan])
+    with pytest.raises(nw.InputError, match=r"^\[trial_jet\] diameter = nan is not a finite number"):
+        nw.ensemble(tug, trial_jet_diameter=[0.05, np.nan])
     with pytest.raises(nw.InputError, match=r"^\[propeller\] wake = inf is not a finite number"):
         nw.ensemble(nw.published("yasukawa2015_kvlcc2"), propeller_wake=[0.3, np.inf])
