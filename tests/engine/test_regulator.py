@@ -16,12 +16,15 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.control import HeldLine, Regulator, linearize, regulator
 from narrows.control.regulator import rate_driven
-from narrows.control.settings import INTEGRAL_TIME, STROKE_TIME, WEIGHT_LADDER
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering, steering_of
 from narrows.waterway import Bank, Centreline, Waterway
+
+# The calmest helm by Bryson's rule: half a beam off the line weighs as much as 5 degrees off the heading, 10 degrees of
+# rudder, that rudder put over in 0.1, or half a beam for 1.2 of the time of a ship length.
+OFF_HEADING, HARD, STROKE_TIME, INTEGRAL_TIME = np.radians(5.0), np.radians(10.0), 0.1, 1.2
 
 SHIPS = {"steered": (steered, 0.2), "mmg": (mmg, 0.6)}
 FURTHER = (("steered", "straight"), ("mmg", "waterway"))
@@ -41,9 +44,8 @@ def test_gains_are_those_of_python_control(ship: str) -> None:
     model, y = SHIPS[ship][0](), SHIPS[ship][1]
     A, b = rate_driven(linearize(model, y, 1.0), bank=False)
     half, time = model.configuration.ship.beam / 2, model.configuration.ship.length
-    (off_course, hard), *_ = WEIGHT_LADDER  # no covariance: the calmest
-    rate = min(hard / (STROKE_TIME * time), model.configuration.gear.rate)
-    weights = np.diag([half**-2, off_course**-2, 0.0, 0.0, hard**-2, (half * INTEGRAL_TIME * time) ** -2])
+    rate = min(HARD / (STROKE_TIME * time), model.configuration.gear.rate)
+    weights = np.diag([half**-2, OFF_HEADING**-2, 0.0, 0.0, HARD**-2, (half * INTEGRAL_TIME * time) ** -2])
     gains, _, poles = control.lqr(A, b[:, None], weights, [[rate**-2]])
     np.testing.assert_allclose(regulator(model, y, 1.0).lines[0].gains, gains[0], rtol=1e-6)
     assert poles.real.max() < 0

@@ -15,7 +15,9 @@ import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway import room as room_text
 from narrows.waterway.room import PORT_BANK, STARBOARD_BANK, exact_room, line_pose
-from narrows.waterway.table import STEPS_A_BEAM, LeastWalls, WaterwayTable, least_walls, tabulate
+from narrows.waterway.table import LeastWalls, WaterwayTable, least_walls, tabulate
+
+STEPS_A_BEAM = 4  # the step that the docs recommend: a quarter of the beam
 
 shapely = pytest.importorskip("shapely")
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.quantities.names import KNOT
 from narrows.safety.channel_rules import BANKS, CHANNEL_RULES, READ
+
+KNOT = 1852 / 3600  # [m/s] international nautical mile of 1852 m (Monaco, 1929) in an hour
 
 CASES = {
     "a ship of 400 m in 205 x 24 m": nw.Configuration(nw.Ship(399.94, 58.8, 15.85, 0.661), nw.Canal(205.0, 24.0)),

@@ -20,10 +20,13 @@ from narrows.safety.headline import crossing, first_run, largest_rectangle
 from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance, keel_at
-from narrows.safety.settings import BACK_LENGTHS, STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
 from pictures import assert_readable
+
+# What a trial is, as the docs of safe_envelope define it: 40 steps on the way of a ship length, 15 lengths after the
+# gust, and back on the line through the last 3.
+STEPS_A_LENGTH, TRIAL_LENGTHS, BACK_LENGTHS = 40, 15.0, 3.0
 
 OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"

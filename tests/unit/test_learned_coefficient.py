@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from narrows.logbook.learned_coefficient import LEARNED, PRIOR, SHARPENED, WIDE, LearnedCoefficient
+from narrows.logbook.learned_coefficient import LEARNED, PRIOR, SHARPENED, LearnedCoefficient
+
+WIDE = 1.959964  # standard deviations that hold 95 % of a normal distribution
 
 number, size = st.floats(-3.0, 3.0), st.floats(0.1, 3.0)
 

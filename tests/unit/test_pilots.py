@@ -24,9 +24,12 @@ from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
 from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS, Helmsman, regulator_of, whole_degrees
 from narrows.safety.request import Disturbance, envelope_request
-from narrows.safety.settings import BACK_LENGTHS, STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip
+
+# What a trial is, as the docs of safe_envelope define it: 40 steps on the way of a ship length, 15 lengths after the
+# gust, and back on the line through the last 3.
+STEPS_A_LENGTH, TRIAL_LENGTHS, BACK_LENGTHS = 40, 15.0, 3.0
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 LENGTH, BEAM = 230.0, 32.2

@@ -34,7 +34,10 @@ from narrows.warning.alerts.alert import (
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt
 from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
-from narrows.warning.settings import LOWER_DELAY, RAISE_DELAY, REPEAT_AFTER, SILENCE
+
+SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:2018
+REPEAT_AFTER = 60.0  # [s] after which an alert that nobody acknowledges sounds anew
+RAISE_DELAY, LOWER_DELAY = 2.0, 10.0  # [s] of urgency above and below a threshold before the level changes
 
 NAMES = st.sampled_from(list(Priority))
 

@@ -14,7 +14,6 @@ from transit import canal
 import narrows as nw
 import narrows.warning.page as page_room
 from narrows.warning.alerts.alert import BANK, BEYOND_DATA, SENSORS, AlertState, Condition, Priority
-from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE, clearances
 from narrows.warning.page import clients
 from narrows.warning.page.bridge_page import (
@@ -30,6 +29,8 @@ from narrows.warning.page.bridge_page import (
     address_of,
 )
 from narrows.warning.page.page_updates import ending, packed, refusal, update_of
+
+FAN_MEMBERS = 32  # ships of the fan
 
 
 def test_messages_are_what_their_schema_says() -> None:

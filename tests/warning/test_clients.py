@@ -17,7 +17,8 @@ from narrows.warning.monitoring.alert_publisher import SignalKSender
 from narrows.warning.page import clients as waiting
 from narrows.warning.page.bridge_page import UPDATES, BridgePage
 from narrows.warning.page.clients import Clients
-from narrows.warning.settings import ANSWER_QUEUE
+
+ANSWER_QUEUE = 16  # answers that wait for a client
 
 
 def test_who_reads_slowly_gets_the_newest_and_holds_up_nobody(monkeypatch: pytest.MonkeyPatch) -> None:

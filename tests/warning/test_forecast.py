@@ -13,7 +13,8 @@ from narrows.estimation import Estimator
 from narrows.simulation.controllers import SwitchedLaw
 from narrows.warning.forecasting.forecast import AS_IS, CASES, LIKELY, BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster, Members, rudder_needed
-from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
+
+FAN_MEMBERS = 32  # ships of the fan
 
 MEMBERS = 40
 STATE = ("x", "y", "psi", "u", "v", "r")

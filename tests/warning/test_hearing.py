@@ -23,11 +23,12 @@ from logs import motion, sentence
 from narrows.readers.nmea.nmea_hearing import AisFragments, Entry, Hearing
 from narrows.readers.nmea.nmea_lines import Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import Telling
-from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
 from narrows.warning.inputs.listening import Arrival, Connection, Inbox, LineSplitter, Listening, connection_of, deltas
 from narrows.warning.inputs.replay import Replay, by_second, in_order
-from narrows.warning.settings import LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE
+
+# Bounds of memory: ships, bytes of a line, messages that wait.
+MOST_SHIPS, LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE = 2000, 4096, 5000, 20_000
 
 
 def understood(*lines: str, mmsi: int | None = None, hearing: Hearing | None = None, t: float = 0.0) -> list[dict]:

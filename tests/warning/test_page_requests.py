@@ -14,12 +14,12 @@ from watch import BEGAN, monitor, monitored, ticks
 from narrows.warning.alerts.alert import BANK, CALM, AlertDesk, AlertState, Command, Condition, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
-from narrows.warning.forecasting.future_lanes import FAN_MEMBERS
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of
 from narrows.warning.page.page_updates import update_of
-from narrows.warning.settings import REQUEST_QUEUE
+
+FAN_MEMBERS, REQUEST_QUEUE = 32, 64  # ships of the fan; requests that wait between two updates
 
 GOOD = {"command": "silence", "identifier": 10110, "instance": 1, "revision": 2}
 

@@ -15,10 +15,12 @@ from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.alerts.alert_log import logged
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.monitoring.demonstration import MISTAKE, demonstration
+from narrows.warning.monitoring.demonstration import demonstration
 from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
-from narrows.warning.settings import NEEDED_LEAD
 from narrows.warning.transit_scores import PREDICTORS, TransitScorer, score_transits
+
+MISTAKE = (40.0, 120.0)  # [s] in which the demonstration's rudder is wrong
+NEEDED_LEAD = 20.0  # [s] before a contact: a later alert is missed
 
 
 def test_recorded_transits_are_scored() -> None:
