@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,10 +17,10 @@ from scipy.optimize import minimize
 import narrows as nw
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.local_motion import LocalMotion, LocalWater
+from narrows.control.predictive.course_ahead import margins_of
 from narrows.control.predictive.line_frame import HELD, WaterAhead, line_slopes, over_interval, share_of, water_ahead
 from narrows.control.predictive.linear_quadratic import regulator_of, weights_of
 from narrows.control.predictive.planner import (
-    CORNERS,
     QuadraticProgram,
     clearance_rows,
     condensed,
@@ -33,6 +34,9 @@ from narrows.control.predictive.planner import (
 from narrows.control.predictive.push_estimate import BankSpread, Push, no_push, updated_push
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
+
+# Of a hull, ahead and to starboard, in halves of the length and of the beam.
+CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 
 random = np.random.default_rng(0).standard_normal
 WALLS = BankSpread(0.8, np.stack([np.linspace(-4.0, 4.0, 41) ** 3, -np.linspace(-4.0, 4.0, 41)], axis=1))
@@ -293,3 +297,25 @@ def test_shares_count_from_wall_to_wall() -> None:
     there = {"middle": np.array([1.0, 1.0]), "width": np.array([10.0, 10.0])}
     np.testing.assert_allclose(share_of(np.array([-4.0, 6.0]), there), [-1.0, 1.0])
     assert WaterAhead(np.zeros((2, 6)), 1.0, straight=True).length == 0.0
+
+
+def test_margins_grow_by_what_the_push_at_the_start_leaves_unexplained() -> None:
+    """By hand: a sway acceleration that differs by 2 from the first is 2 m after two intervals, of 0.1 uncertainty."""
+    ship = SimpleNamespace(length=6.0)
+    model = SimpleNamespace(covariance=np.array([[0.01]]), configuration=SimpleNamespace(ship=ship))
+    A = np.eye(5)
+    A[0, 2] = A[1, 3] = 1.0  # offset by sway, heading by yaw
+    motion, no_helm = (A, np.eye(5)), np.zeros(5)
+
+    def margins(sway: list[float], yaw: list[float]) -> np.ndarray:
+        slopes = np.zeros((4, 6, 1))
+        slopes[:, 4, 0], slopes[:, 5, 0] = sway, yaw
+        return margins_of(model, motion, slopes, no_helm, 0.5, 0.975)
+
+    two_sided = 1.959964  # standard deviations of a normal distribution below which 97.5 % lie
+    np.testing.assert_allclose(margins([7.0] * 4, [-3.0] * 4), 0.5)
+    np.testing.assert_allclose(margins([7.0, 9.0, 9.0, 9.0], [0.0] * 4), [0.5, 0.5, 0.5 + two_sided * 0.1 * 2.0], 1e-6)
+    # A heading off by 2 brings a corner half a length, 3 m, times as far off the line.
+    np.testing.assert_allclose(margins([0.0] * 4, [1.0, 3.0, 3.0, 3.0]), [0.5, 0.5, 0.5 + two_sided * 0.1 * 6.0], 1e-6)
+    model.covariance = None
+    np.testing.assert_array_equal(margins([7.0, 9.0, 9.0, 9.0], [0.0] * 4), 0.5)

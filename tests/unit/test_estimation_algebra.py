@@ -179,3 +179,17 @@ def test_gates_refuse_as_often_as_they_say(size: int) -> None:
     share = np.mean(np.array(squares) > gate(0.05, size))
     assert abs(share - 0.05) < 5 * np.sqrt(0.05 * 0.95 / 20_000)
     assert gate(0.0, size) == np.inf
+
+
+def test_squares_of_innovations_are_those_by_hand() -> None:
+    """Of two readings: the inverse of [[2, 1], [1, 2]] is [[2, -1], [-1, 2]] / 3."""
+    assert normalised_innovation_squared(np.array([3.0]), np.array([[4.0]])) == pytest.approx(9 / 4)
+    pair = normalised_innovation_squared(np.array([3.0, 1.0]), np.array([[2.0, 1.0], [1.0, 2.0]]))
+    assert pair == pytest.approx((2 * 9 - 2 * 3 + 2 * 1) / 3)
+    three = normalised_innovation_squared(np.array([1.0, 2.0, 3.0]), np.diag([1.0, 2.0, 3.0]))
+    assert three == pytest.approx(1.0 + 2.0 + 3.0)
+
+
+def test_gates_are_those_of_printed_tables() -> None:
+    """Upper 5 % points of chi-squared, as tables print them."""
+    assert [round(gate(0.05, size), 3) for size in (1, 2, 3)] == [3.841, 5.991, 7.815]

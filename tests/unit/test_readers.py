@@ -143,6 +143,19 @@ def test_units_are_those_of_pint() -> None:
         assert powers == tuple(one.dimensionality.get(name, 0) for name in DIMENSIONS), word
 
 
+DEFINED = {
+    "mi": 1609.344, "miles": 1609.344, "mph": 0.44704, "nmi": 1852.0, "nautical_mile": 1852.0, "kn": 1852 / 3600,
+    "ft": 0.3048, "in": 0.0254, "yd": 0.9144, "lb": 0.45359237, "kgf": 9.80665, "lbf": 4.4482216152605,
+    "psi": 6894.757293168, "hp": 745.6998715822702, "°": 0.017453292519943295, "bar": 1e5, "t": 1000.0,
+}  # fmt: skip
+"""SI units of one: NIST Special Publication 811, appendix B.8, and the statute mile of 5280 feet of 1959."""
+
+
+@pytest.mark.parametrize("word", DEFINED)
+def test_units_are_as_they_are_defined(word: str) -> None:
+    assert units.unit_named(word).scale == pytest.approx(DEFINED[word], rel=1e-12)
+
+
 @pytest.fixture
 def without_pint(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(units, "_by_pint", lambda text: None)

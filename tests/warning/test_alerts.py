@@ -112,6 +112,16 @@ Bridge.TestCase.settings = settings(max_examples=60, stateful_step_count=30, dea
 TestBridge = Bridge.TestCase
 
 
+def test_a_silence_lasts_30_seconds() -> None:
+    """IEC 62923-1:2018: temporarily silenced, an alert sounds again after 30 s."""
+    desk = AlertDesk()
+    (raised,) = desk.update(0.0, {BANK: Condition(Priority.ALARM, "text")})
+    desk.command(5.0, BANK.identifier, raised.instance, Command.SILENCE)
+    assert desk.update(34.9, {}) == []
+    (again,) = desk.update(35.0, {})
+    assert (again.state, again.sounds) == (AlertState.UNACKNOWLEDGED, True)
+
+
 def test_what_nobody_acknowledges_sounds_anew_and_is_counted() -> None:
     desk = AlertDesk()
     (raised,) = desk.update(0.0, {BANK: Condition(Priority.WARNING, "text")})
