@@ -6,11 +6,11 @@ package costs next to nothing.
 
 from typing import Any
 
-from narrows.lazy import names_of_stub
+import lazy_loader
 
 __version__ = "0.1.0"
 
-_loaded, __dir__, __all__ = names_of_stub(__name__, __file__)
+_loaded, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:

@@ -215,7 +215,7 @@ def test_streams_are_told_from_files(tmp_path: Path) -> None:
     assert [is_stream(path) for path in (tmp_path, tmp_path / "file", tmp_path / "absent", "\0")] == [False] * 4
 
 
-ELSEWHERE = {"cache.py", "fmu_archive.py", "numba_cache.py", "store_folder.py", "wasm_build.py"}
+ELSEWHERE = {"assembly.py", "cache.py", "fmu.py", "store.py"}
 """Writers of what no user names a file for: the cache, the folders of stores, sources that a compiler is given."""
 WRITING = re.compile(
     r"\.write_(text|bytes)\(|(?<!def )\bto_(netcdf|csv|json|parquet|zarr|html)\([^)]*path|open\([^)]*[\"'][wax]b?[\"']"

@@ -19,18 +19,6 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     assert not loaded_by("import narrows") & set(HEAVY)
 
 
-@pytest.mark.parametrize("package", ["narrows", "narrows.report", "narrows.simulation"])
-def test_every_name_of_a_stub_loads(package: str) -> None:
-    code = f"import importlib\npackage = importlib.import_module({package!r})\nassert dir(package) == package.__all__\n"
-    loaded_by(f"{code}assert all(hasattr(package, name) for name in package.__all__)")
-
-
-def test_a_module_does_not_hide_the_function_of_its_name() -> None:
-    assert loaded_by(
-        "import narrows.simulation.ensemble\nfrom narrows.simulation import ensemble\nensemble.__defaults__"
-    )
-
-
 @pytest.mark.slow
 def test_identification_needs_no_compiler() -> None:
     code = "import narrows as nw; nw.identify(nw.twin(rate=1.0)).to_dict()"

@@ -218,7 +218,7 @@ def test_what_stands_there_already(held: str, dtc: nw.Model, tmp_path: Path) -> 
 
 
 @pytest.mark.usefixtures("small")
-@pytest.mark.parametrize("name", ["store_folder.os.replace", "store_folder._make_columns", "store.run_block"])
+@pytest.mark.parametrize("name", ["store.os.replace", "store._make_columns", "store.run_block"])
 def test_a_disk_that_is_full_is_said(name: str, dtc: nw.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")

@@ -1,5 +1,5 @@
 """Simulation: one voyage in the time of a key press, a million in seconds, each to a grounding or another end."""
 
-from narrows.lazy import names_of_stub
+import lazy_loader
 
-__getattr__, __dir__, __all__ = names_of_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
