@@ -9,8 +9,8 @@ import pytest
 
 import narrows as nw
 from logs import D, kvlcc2, sensed, trial, zigzag
-from narrows.logbook.learning.grid_source import parts
 from narrows.logbook.learning.log_source import LogSource
+from narrows.logbook.learning.posed_log import parts
 from narrows.logbook.shooting import log_search
 from narrows.logbook.shooting.bordered_band import BorderedBand
 from narrows.logbook.shooting.noise_left import memory_of

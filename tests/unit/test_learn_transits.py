@@ -8,10 +8,10 @@ import pytest
 
 import narrows as nw
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
-from narrows.logbook.shooting import determinant_slope
-from narrows.logbook.shooting.first_guess import first_guess
+from narrows.logbook.shooting import search_state
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import grid_of
+from narrows.logbook.shooting.record_search import first_guess
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 from narrows.logbook.transits.transit_twins import (
     SPEED,
@@ -140,9 +140,9 @@ def test_where_windows_have_no_slope_it_stays(monkeypatch: pytest.MonkeyPatch) -
     def unknown(*_: object) -> np.ndarray:
         raise np.linalg.LinAlgError
 
-    monkeypatch.setattr(determinant_slope, "_slope", unknown)
+    monkeypatch.setattr(search_state, "_slope", unknown)
     problem = LogProblem(*3 * (None,))  # type: ignore[arg-type]
-    np.testing.assert_array_equal(determinant_slope.determinant_slope(problem, [], np.ones(4)), np.zeros((1, 4)))
+    np.testing.assert_array_equal(search_state.determinant_slope(problem, [], np.ones(4)), np.zeros((1, 4)))
 
 
 def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:

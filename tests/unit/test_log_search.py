@@ -9,7 +9,7 @@ from test_learn_transits import ship, twin
 
 import narrows as nw
 from narrows.logbook.learning import learn_log, refined_search
-from narrows.logbook.learning.grid_source import GridSource
+from narrows.logbook.learning.posed_log import GridSource
 from narrows.logbook.learning.refined_search import Refined
 from narrows.logbook.shooting import log_search, record_search
 from narrows.logbook.shooting.log_search import evaluated, searched

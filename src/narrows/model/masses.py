@@ -1,6 +1,6 @@
 """Mass and inertia of a ship, given or estimated, and what deep water adds to them."""
 
-from narrows.physics.added_mass import clarke_sway, clarke_yaw
+from narrows.physics.inertia import clarke_sway, clarke_yaw
 from narrows.ship.particulars import Configuration
 
 # Radius of gyration over length of a ship that does not give its inertia, at least.

@@ -19,9 +19,19 @@ from narrows.control.predictive.line_frame import (
     over_interval,
     share_of,
 )
-from narrows.control.predictive.linear_quadratic import Weights, regulator_of
 from narrows.control.predictive.push_estimate import BankSpread, Push
-from narrows.control.predictive.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
+from narrows.control.settings import (
+    FURTHEST,
+    MOST_PLACES,
+    OFF_HEADING,
+    OFF_RUDDER,
+    OTHER_SPEED,
+    PLACES_A_LENGTH,
+    RUDDER_LENGTHS,
+    RUDDER_RATE_WEIGHT,
+    SHARES,
+    WAYS,
+)
 from narrows.control.steady_course import solved
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -83,6 +93,12 @@ class SteadyTrack:
             there = states[first] + share * (states[first + 1] - states[first]) + given_way
         there[:, RUDDER] = np.minimum(np.maximum(there[:, RUDDER], -self.limit), self.limit)
         return there
+
+
+@dataclass(frozen=True)
+class Weights:
+    states: np.ndarray  # (5,) Of y, psi, v, r, rudder off their reference, squared
+    rate: float  # Of the rudder's rate, squared [s2/rad2]
 
 
 class CourseAhead:
@@ -269,3 +285,28 @@ def margins_of(
         corners = ends @ astray
         spread[k] = np.sqrt(np.maximum(np.einsum("ip,pq,iq->i", corners, model.covariance, corners), 0.0)).max()
     return margin + NormalDist().inv_cdf(confidence) * spread
+
+
+# The linear-quadratic regulator of the rudder's rate: the cost beyond a plan's end, and the helm where no plan is.
+IN_VAIN = "no helm holds this ship: its rudder turns nothing"
+
+
+def weights_of(half_beam: float, passing: float) -> Weights:
+    # Bryson and Ho (1975), Applied optimal control, section 5.2.
+    states = np.array([half_beam**-2, OFF_HEADING**-2, 0.0, 0.0, OFF_RUDDER**-2])
+    return Weights(states, RUDDER_RATE_WEIGHT * (OFF_RUDDER / (RUDDER_LENGTHS * passing)) ** -2)
+
+
+def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
+    """Return the gains of the best linear helm (5,) and what a state off costs for ever, (5, 5)."""
+    from scipy.linalg import LinAlgError, solve_discrete_are
+
+    column = B[:, None]
+    try:
+        cost = solve_discrete_are(A, column, np.diag(weights.states), np.array([[weights.rate]]))
+    except (LinAlgError, ValueError):
+        raise InputError(IN_VAIN) from None
+    gains = np.asarray(B @ cost @ A / (weights.rate + B @ cost @ B))
+    if not np.abs(np.linalg.eigvals(A - column * gains)).max() < 1.0:
+        raise InputError(IN_VAIN)
+    return gains, np.asarray((cost + cost.T) / 2)

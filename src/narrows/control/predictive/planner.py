@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED, JacobianBatch
+from narrows.control.predictive.course_ahead import Weights
 from narrows.control.predictive.line_frame import (
     FORCED,
     HELD,
@@ -18,10 +19,9 @@ from narrows.control.predictive.line_frame import (
     over_interval,
     share_of,
 )
-from narrows.control.predictive.linear_quadratic import Weights
 from narrows.control.predictive.prediction_lanes import PredictionLanes
 from narrows.control.predictive.push_estimate import Push
-from narrows.control.predictive.settings import (
+from narrows.control.settings import (
     HORIZON_LENGTHS,
     LEAST_CLEARANCE,
     MOST_DRIFT,

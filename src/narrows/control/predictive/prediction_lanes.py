@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.free_motion import INPUTS
-from narrows.control.predictive.settings import STEPS
+from narrows.control.settings import STEPS
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of

@@ -1,30 +1,89 @@
 """A log as a problem: its records, what moves the ship, what is known before."""
 
-from collections.abc import Iterable, Sequence
-from itertools import islice
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
-from narrows.logbook.learning.grid_source import GridSource, speed_of
-from narrows.logbook.learning.log_assumptions import BASIN, LogAssumptions
-from narrows.logbook.learning.log_prior import Spread, coefficient_prior, covariance_before, push_inertia
+from narrows.logbook.learning.log_prior import (
+    BASIN,
+    LogAssumptions,
+    Spread,
+    coefficient_prior,
+    covariance_before,
+    push_inertia,
+)
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.recorded_helm import RUDDER
+from narrows.logbook.shooting.predicted_signals import RUDDER
+from narrows.logbook.shooting.record_grid import READ, RecordGrid, grid_of
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 from narrows.model.model import Model
+from narrows.ship.particulars import Configuration
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
 # Records by which it is seen what a log holds.
 LOOKED_AT = 50
+
+
+@dataclass(frozen=True)
+class GridSource:
+    """The records of a log, laid out on even times."""
+
+    log: Iterable[ShipRecord]  # That can be gone through again and again
+    assumptions: LogAssumptions  # How long steps and windows are
+    usual: dict[str, float]  # Actuators, each with where it is if nothing was recorded of it
+    configuration: Configuration  # The ship and the water that the model is of
+
+    def __iter__(self) -> Iterator[RecordGrid]:
+        """The records."""
+        yield from self._held if self._held is not None else self._laid_out([])
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """What could not be used, and why."""
+        notes: list[str] = []
+        for _ in self._laid_out(notes):
+            pass
+        return tuple(dict.fromkeys(notes))
+
+    @cached_property
+    def _held(self) -> tuple[RecordGrid, ...] | None:
+        if not isinstance(self.log, ShipLog) or sum(self.log.counts.values()) > HELD_VALUES:
+            return None
+        return tuple(self._laid_out([]))
+
+    def _laid_out(self, notes: list[str]) -> Iterator[RecordGrid]:
+        for record in self.log:
+            for part in parts(record):
+                try:
+                    yield self._grid(part)
+                except InputError as error:
+                    notes.append(f"{error}.")
+
+    def _grid(self, record: ShipRecord) -> RecordGrid:
+        if "rudder" in self.usual and not ("rudder" in record and len(record["rudder"])):
+            raise InputError(
+                f"record {record.name} holds no rudder: what the bank did and what the helm did cannot be told apart"
+            )
+        draft = self.configuration.ship.draft
+        if abs(record.condition.get("draft", draft) / draft - 1) > OTHER_DRAFT:
+            raise InputError(
+                f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of {draft:.3g} m: "
+                "what it tells is of another ship; leave it out, or give a model of that draft"
+            )
+        window, step = self.assumptions.lengths(self.configuration.ship.length, speed_of(record))
+        return grid_of(record, step, window, self.usual)
 
 
 class PosedLog(NamedTuple):
@@ -102,3 +161,40 @@ def _motion(
     if waterway is not None:
         told |= {"waterway": waterway, "x": waterway.line.length / 2}
     return RecordedMotion(model, positions, coefficients, told)
+
+
+# Records as the search asks for them: laid out one by one, long ones in parts, the useless left out and said.
+# Of a record that is taken as one [s]: what is the same all through it does not stay so for ever.
+LONGEST = 6 * 3600.0
+
+# Of a way, straight from one place to the next.
+LEGS = 60
+
+# Of a draft, by which a record may be of another.
+OTHER_DRAFT = 0.02
+
+# Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.
+HELD_VALUES = 20_000_000
+
+
+def parts(record: ShipRecord) -> Iterator[ShipRecord]:
+    """Yield a record, a long one in equal parts."""
+    count = int(np.ceil(record.duration / LONGEST)) if record.duration > LONGEST else 1
+    if count == 1:
+        yield record
+        return
+    edges = np.linspace(record.start, record.stop, count + 1)
+    for number, (start, stop) in enumerate(pairwise(edges), start=1):
+        yield replace(record.between(float(start), float(stop)), name=f"{record.name}, part {number}")
+
+
+def speed_of(record: ShipRecord) -> float:
+    """Return the usual speed of a record [m/s]."""
+    for name in ("u", "u_ground", "speed_over_ground"):
+        if name in record and len(record[name]):
+            return max(float(np.median(np.abs(record[name].values))), 1e-3)
+    if "x" in record and len(record["x"]) > 1:
+        t = np.linspace(record["x"].t[0], record["x"].t[-1], LEGS)
+        legs = [np.diff(np.interp(t, record[name].t, record[name].values)) for name in ("x", "y") if name in record]
+        return max(float(np.linalg.norm(legs, axis=0).sum() / max(np.ptp(t), 1e-9)), 1e-3)
+    raise InputError(f"record {record.name} holds no speed and no way; give one of {', '.join(READ)}")

@@ -8,17 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.learning.grid_source import GridSource
+from narrows.logbook.learning.posed_log import GridSource
 from narrows.logbook.shooting.chain_likelihood import GustJudge, gust_doubt, likely_gusts
-from narrows.logbook.shooting.first_guess import first_guess
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.log_search import ENOUGH, MOST_STEPS, NEARLY_ENOUGH, searched
-from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left
+from narrows.logbook.shooting.noise_left import NoiseLeft, noise_left, overdispersion
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.record_search import first_guess
 from narrows.logbook.shooting.search_state import Found, RecordState, samples_of
 from narrows.logbook.shooting.window_links import WindowLinks
-from narrows.logbook.shooting.window_scatter import overdispersion
 from narrows.progress import stage
 
 # Of estimates of noise and gusts, and the change of their logarithms under which they stay.

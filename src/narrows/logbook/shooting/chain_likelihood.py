@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.push_chain import WindowChain, bounded_correlation, free_correlation
 from narrows.logbook.shooting.recorded_motion import PUSHES
-from narrows.logbook.shooting.search_state import Found, SampledRecord
+from narrows.logbook.shooting.search_state import Found, SampledRecord, determinant_slope
 from narrows.logbook.shooting.window_links import link_determinant
 
 # How long a gust stays before anything is known of it [s], and the standard deviation of its logarithm.

@@ -10,11 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from narrows.identification.regression.solve import solve
-from narrows.logbook.shooting.determinant_slope import determinant_slope
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import RecordGrid
 from narrows.logbook.shooting.record_search import record_best
-from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold, samples_of
+from narrows.logbook.shooting.search_state import Found, RecordState, RecordTold, determinant_slope, samples_of
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 30

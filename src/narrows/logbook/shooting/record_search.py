@@ -8,15 +8,17 @@ import numpy as np
 
 from narrows.logbook.shooting.bordered_band import BorderedBand, Eliminated
 from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.record_grid import RecordGrid
+from narrows.logbook.shooting.record_grid import Readings, RecordGrid
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
 from narrows.logbook.shooting.window_equations import RecordUnknowns, WindowEquations, window_equations
 from narrows.logbook.shooting.window_links import WindowLinks, banded
 
 # Steps of the search, and shares of a step that are tried.
 STEPS, SHRINKS = 8, 6
+
 # By which a share that does not help is made smaller.
 LEAST_SHRUNK, MOST_SHRUNK = 0.1, 0.6
+
 # Of a sum of squares, less than which a step need not gain.
 SETTLED = 0.005
 
@@ -119,3 +121,55 @@ def _shrunk(share: float, gain: float, rise: float) -> float:
     bent = rise + 2 * gain * share
     best = gain * share**2 / bent if np.isfinite(bent) else 0.0
     return float(np.clip(best, LEAST_SHRUNK * share, MOST_SHRUNK * share))
+
+
+# Where a search begins: what a record says of the states itself, smoothed.
+# That are averaged.
+NODES = 9
+
+# Readings among which the middle one is taken.
+SPIKES = 5
+
+
+def first_guess(problem: LogProblem, grid: RecordGrid) -> RecordUnknowns:
+    """Return starts from the record itself, nothing of the chain, no zeros."""
+    place = {name: _at_nodes(grid, read) for name, read in grid.readings.items() if len(read.values)}
+    x, y = (smoothed(place[name]) if name in place else np.zeros(len(grid.times)) for name in ("x", "y"))
+    along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
+    psi = smoothed(place["psi"]) if "psi" in place else np.unwrap(np.arctan2(across, along))
+    cosine, sine = np.cos(psi), np.sin(psi)
+    guessed = {
+        "u": along * cosine + across * sine,
+        "v": across * cosine - along * sine,
+        "r": np.gradient(psi, grid.times) + along * _curvature(problem, x),
+    }
+    for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
+        guessed[name] = next((smoothed(place[other]) for other in others if other in place), guessed[name])
+    states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)[grid.first[:-1]]
+    return RecordUnknowns(states, np.zeros((len(grid), len(problem.chain.names))), np.zeros(len(problem.zeros)))
+
+
+def _curvature(problem: LogProblem, x: np.ndarray) -> np.ndarray | float:
+    """Of the waterway's line, which turns under a heading that is told to it."""
+    waterway = problem.motion.choices.get("waterway")
+    if waterway is None:
+        return 0.0
+    return np.asarray(waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature)
+
+
+def _at_nodes(grid: RecordGrid, read: Readings) -> np.ndarray:
+    """Readings at the nodes, straight between them, spikes cut off."""
+    from scipy.ndimage import median_filter
+
+    t = grid.times[grid.first[read.window]] + read.elapsed
+    return np.asarray(np.interp(grid.times, t, median_filter(read.values, SPIKES, mode="nearest")))
+
+
+def smoothed(column: np.ndarray, nodes: int = NODES) -> np.ndarray:
+    """Return means of a few nodes, straight on at the ends."""
+    # column (n,)
+    width = min(nodes, len(column) // 2 * 2 - 1)
+    if width < 3:
+        return column
+    padded = np.pad(column, width // 2, mode="reflect", reflect_type="odd")
+    return np.convolve(padded, np.ones(width) / width, "valid")

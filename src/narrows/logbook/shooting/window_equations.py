@@ -12,9 +12,15 @@ import numpy as np
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.shooting import window_loops
 from narrows.logbook.shooting.log_problem import STEADY, LogProblem
-from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y, PREDICTED, PredictedSignal, SeenStates
+from narrows.logbook.shooting.predicted_signals import (
+    CURRENT_X,
+    CURRENT_Y,
+    PREDICTED,
+    RUDDER_OFFSET,
+    PredictedSignal,
+    SeenStates,
+)
 from narrows.logbook.shooting.record_grid import RecordGrid
-from narrows.logbook.shooting.recorded_helm import RUDDER_OFFSET
 from narrows.logbook.shooting.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
 # Standard deviations of a start where nothing was read of it [m, m, rad, m/s, m/s, rad/s]: none to speak of.
