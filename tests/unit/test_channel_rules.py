@@ -81,6 +81,27 @@ def test_who_is_spoken_of_depends_on_the_ship() -> None:
     assert panama["speed_limit"] == pytest.approx(6.0)
 
 
+@pytest.mark.parametrize(
+    ("rule", "changed", "canal", "knots"),
+    [
+        # Kiel: to 235.5 m by 32.5 m; 15 km/h, from a draft of 8.5 m on 12 km/h.
+        ("Kiel", {"length": 235.4}, 300.0, 12 / 1.852), ("Kiel", {"length": 235.6}, 300.0, None),
+        ("Kiel", {"beam": 32.4}, 300.0, 12 / 1.852), ("Kiel", {"beam": 32.6}, 300.0, None),
+        ("Kiel", {"draft": 8.4}, 300.0, 15 / 1.852), ("Kiel", {"draft": 8.6}, 300.0, 12 / 1.852),
+        # Panama: 15, 12 and 10 knots in reaches of 1000, 800 and 500 ft; in the cut 8 knots, and 6 from 250 ft on.
+        ("Panama, 1933", {}, 305.0, 15.0), ("Panama, 1933", {}, 304.0, 12.0), ("Panama, 1933", {}, 244.0, 12.0),
+        ("Panama, 1933", {}, 243.0, 10.0), ("Panama, 1933", {}, 153.0, 10.0), ("Panama, 1933", {}, 152.0, 6.0),
+        ("Panama, 1933", {"length": 76.3, "beam": 12.0}, 91.0, 6.0),
+        ("Panama, 1933", {"length": 76.1, "beam": 12.0}, 91.0, 8.0),
+    ],
+)  # fmt: skip
+def test_limits_begin_where_the_canals_have_them(rule: str, changed: dict, canal: float, knots: float | None) -> None:
+    kcs = CASES["the KCS in 300 x 16.2 m"]
+    there = replace(kcs, ship=replace(kcs.ship, **changed), canal=nw.Canal(canal, 16.2))
+    limits = {row["rule"]: row["speed_limit"] for row in nw.outside_rules(there).rows()}
+    assert limits.get(rule) == (None if knots is None else pytest.approx(knots, rel=1e-6))
+
+
 def test_a_wider_or_a_gentler_water_never_leaves_less() -> None:
     for configuration in CASES.values():
         for narrow, wide in ((replace(configuration, canal=nw.Canal(w, configuration.canal.depth)),

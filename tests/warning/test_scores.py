@@ -2,16 +2,32 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from transit import ship
 
 from narrows.warning.alerts.alert import BankLevel, Priority, Thresholds
-from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
+from narrows.warning.forecasting.forecast import (
+    AS_IS,
+    PILOT_NOW,
+    BankForecast,
+    CaseForecast,
+    LikelyRun,
+    urgency_of,
+)
 from narrows.warning.forecasting.forecaster import BridgePredictor
-from narrows.warning.transit_scores import highest_held, lead_times, standing_since
+from narrows.warning.transit_scores import (
+    ScoredTransit,
+    TransitScorer,
+    highest_held,
+    lead_times,
+    score_transits,
+    standing_since,
+)
 
 HALF, SPEED = 150.0, 4.5
 
@@ -74,3 +90,49 @@ def test_the_curved_track_is_a_circle() -> None:
     assert float(one.clearance(np.array([y]), np.array([r * t]))[0]) == pytest.approx(0.0, abs=3.0)
     assert one.straight_contact(240.0)[0] == math.inf
     assert beside(0.0, 0.0, r=SPEED / 2000.0, bend=1 / 2000.0).curved_contact(120.0)[0] == math.inf
+
+
+def test_urgency_is_a_chance_and_times_to_contact() -> None:
+    """10 s are as urgent as a certain contact with a pilot; times below 1 s are no more urgent than that."""
+    assert urgency_of(0.2, 20.0, math.inf) == pytest.approx(0.7)
+    assert urgency_of(0.0, 40.0, 10.0) == pytest.approx(1.25)
+    assert urgency_of(0.0, 0.5, math.inf) == pytest.approx(10.0)
+
+
+def transit(name: str, urgent: list[tuple[int, int]], clearance: float) -> ScoredTransit:
+    """100 s with an urgency of 1 in some of them for all predictors, and a clearance that falls from 60 s on."""
+    t = np.arange(100.0)
+    urgencies = np.zeros((100, 7))
+    for start, end in urgent:
+        urgencies[start:end] = 1.0
+    return ScoredTransit(name, t, urgencies, np.where(t >= 60.0, clearance, 50.0))
+
+
+def test_scores_are_those_counted_by_hand() -> None:
+    """An alert stands after 2 s, so 48 s before the contact at 60 s, or 9 s, which is less than the 20 s needed."""
+    silent = ScoredTransit("silent", np.arange(3.0), np.full((3, 7), math.nan), np.full(3, 50.0))
+    scores = score_transits([
+        transit("early", [(10, 100)], 4.9), transit("late", [(49, 100)], 4.9), transit("near", [(5, 20)], 5.1),
+        transit("near and calm", [], 20.0), transit("in vain", [(5, 20)], 20.1), transit("spike", [(5, 7)], 30.0),
+        transit("calm", [], 30.0), silent,
+    ])  # fmt: skip
+    assert (scores.contacts, scores.near, scores.quiet, scores.unknown) == (2, 2, 3, ("silent",))
+    assert scores.leads == {"early": (48.0,) * 7, "late": (9.0,) * 7}
+    for row in scores.rows:
+        assert (row.missed, row.lead, row.false, row.near) == (1, 28.5, 1, 1)
+
+
+def test_predictors_count_in_their_own_thresholds() -> None:
+    """Distance 25 m, curved track 50 s, one run 60 s, chance 0.85, and the levels 0.38, 0.69 and 0.91."""
+    forecast = replace(told(0.17), likely=LikelyRun(40.0, "port", math.inf, False), curved=25.0)
+    status = SimpleNamespace(t=7.0, clearance=50.0, estimate=SimpleNamespace(ready=True), forecast=forecast)
+    scorer = TransitScorer("one", Thresholds())
+    scorer.add(status)
+    scorer.add(SimpleNamespace(t=9.0, clearance=10.0, estimate=SimpleNamespace(ready=False), forecast=None))
+    scored = scorer.transit()
+    urgency = 0.17 + 10 / 40 + 10 / 25
+    expected = [25 / 50, 50 / 25, 60 / 40, 0.17 / 0.85, urgency / 0.38, urgency / 0.69, urgency / 0.91]
+    np.testing.assert_allclose(scored.urgencies, [expected, [math.nan] * 7])
+    np.testing.assert_array_equal(scored.t, [0.0, 2.0])
+    np.testing.assert_array_equal(scored.clearance, [50.0, math.nan])
+    assert (scored.least, scored.struck(5.0), scored.struck(50.1)) == (50.0, math.inf, 0.0)

@@ -1,0 +1,55 @@
+"""Numbers of the estimator against scaling laws and hand computations; no filter runs here."""
+
+import numpy as np
+import pytest
+
+from narrows.estimation import Prior, ProcessNoise
+from narrows.estimation.recursion import DriftMonitor
+from narrows.estimation.unscented import sigma_point_weights
+
+
+def test_noises_of_another_ship_follow_froudes_law() -> None:
+    """A ship 16 times as long as that of 230 m: velocities 4 times, times 4 times; a walk gathers per root second."""
+    usual, large = ProcessNoise().by_state(), ProcessNoise.of_length(16 * 230.0).by_state()
+    factors = dict.fromkeys(("u", "v", "current", "current_across"), 2.0)  # velocity over the root of a time
+    factors |= dict.fromkeys(("bank", "rudder_bias", "heading_bias"), 0.5)
+    for name, factor in {**factors, "r": 1 / 8}.items():
+        assert large[name] == pytest.approx(factor * usual[name], rel=1e-12)
+        assert usual[name] > 0.0
+    assert large["x"] == large["y"] == large["psi"] == 0.0
+
+
+def test_priors_of_another_ship_follow_froudes_law() -> None:
+    usual, large = Prior(), Prior.of_length(16 * 230.0)
+    assert large.sway == pytest.approx(4 * usual.sway)
+    assert large.yaw_rate == pytest.approx(usual.yaw_rate / 4)
+    assert (large.current, large.current_across) == pytest.approx((4 * usual.current, 4 * usual.current_across))
+    assert large.bank == usual.bank
+
+
+def test_sigma_points_meet_the_fourth_moment_of_a_gaussian() -> None:
+    """Along each axis E[x^2] = 1 and E[x^4] = 3, which root 3 alone does (Julier and Uhlmann, 1997)."""
+    weights = sigma_point_weights(5)
+    second, fourth = (2 * weights.mean[0] * weights.distance[0] ** power for power in (2, 4))
+    assert (second, fourth) == pytest.approx((1.0, 3.0))
+    assert weights.slope[0, 0] == pytest.approx(1 / (2 * np.sqrt(3.0)))
+    # van der Merwe's centre of the covariance: 1 - n / 3 + 1 - alpha^2 + beta with alpha = 1/2 and beta = 2.
+    assert weights.centre == pytest.approx(1 - 5 / 3 + 1 - 0.25 + 2)
+
+
+def test_drifts_are_geometric_sums_of_innovations() -> None:
+    """Innovations of 2 and 1, by a memory of 6 readings: (1 + 2 * 5/6) / root(1 + 25/36); the largest sum counts."""
+    monitor, places, none = DriftMonitor(1), np.array([0]), np.zeros((0, 1))
+    assert monitor.lean(np.array([2.0]), places, none) == pytest.approx([2.0])
+    leans = [(1 + 2 * fading) / np.sqrt(1 + fading**2) for fading in (5 / 6, 11 / 12, 23 / 24)]
+    assert monitor.lean(np.array([1.0]), places, none) == pytest.approx([max(leans)])
+    assert DriftMonitor(1).lean(np.array([-70.0]), places, none) == pytest.approx([5.0])  # what is larger is the gate's
+
+
+def test_errors_in_common_widen_the_sums_that_are_usual() -> None:
+    """An innovation of which 0.6 standard deviations are a coefficient's: by itself it is as unusual as any other."""
+    monitor, places, shared = DriftMonitor(1, 1), np.array([0]), np.array([[0.6]])
+    assert monitor.lean(np.array([2.0]), places, shared) == pytest.approx([2.0])
+    # Twice: own variance 0.64 (1 + f^2), and (0.6 (1 + f))^2 in common.
+    leans = [2 * (1 + f) / np.sqrt(0.64 * (1 + f * f) + 0.36 * (1 + f) ** 2) for f in (5 / 6, 11 / 12, 23 / 24)]
+    assert monitor.lean(np.array([2.0]), places, shared) == pytest.approx([max(leans)])
