@@ -201,6 +201,13 @@ def test_a_program_without_numbers_or_without_an_answer_has_none() -> None:
     assert solution(replace(program, upper=beyond, lower=np.minimum(program.lower, beyond))) is None
 
 
+def test_weights_are_those_of_brysons_rule() -> None:
+    """Half a beam of 2 m, 5 degrees, 10 degrees of rudder; a tenth of those degrees in 0.16 lengths of 5 s each."""
+    weights = weights_of(2.0, 5.0)
+    np.testing.assert_allclose(weights.states, [1 / 4, (180 / (5 * np.pi)) ** 2, 0.0, 0.0, (180 / (10 * np.pi)) ** 2])
+    assert weights.rate == pytest.approx(0.1 * (0.16 * 5.0 * 180 / (10 * np.pi)) ** 2)
+
+
 def test_gains_are_those_of_value_iteration() -> None:
     A, weights = np.eye(5) + 0.05 * random((5, 5)), weights_of(1.0, 10.0)
     A[4] = np.eye(5)[4]

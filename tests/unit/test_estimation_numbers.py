@@ -5,6 +5,7 @@ import pytest
 
 from narrows.estimation import Prior, ProcessNoise
 from narrows.estimation.recursion import DriftMonitor
+from narrows.estimation.smoothing import _held
 from narrows.estimation.unscented import sigma_point_weights
 
 
@@ -53,3 +54,9 @@ def test_errors_in_common_widen_the_sums_that_are_usual() -> None:
     # Twice: own variance 0.64 (1 + f^2), and (0.6 (1 + f))^2 in common.
     leans = [2 * (1 + f) / np.sqrt(0.64 * (1 + f * f) + 0.36 * (1 + f) ** 2) for f in (5 / 6, 11 / 12, 23 / 24)]
     assert monitor.lean(np.array([2.0]), places, shared) == pytest.approx([max(leans)])
+
+
+def test_a_position_is_held_until_the_next_is_told() -> None:
+    told = np.array([np.nan, 1.0, np.nan, 2.0, np.nan])
+    np.testing.assert_array_equal(_held(told, 7.0, 5), [7.0, 1.0, 1.0, 2.0, 2.0])
+    np.testing.assert_array_equal(_held(None, 3.0, 2), [3.0, 3.0])

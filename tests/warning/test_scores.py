@@ -20,6 +20,7 @@ from narrows.warning.forecasting.forecast import (
     urgency_of,
 )
 from narrows.warning.forecasting.forecaster import BridgePredictor
+from narrows.warning.monitoring.bridge_status import clearances
 from narrows.warning.transit_scores import (
     ScoredTransit,
     TransitScorer,
@@ -136,3 +137,23 @@ def test_predictors_count_in_their_own_thresholds() -> None:
     np.testing.assert_array_equal(scored.t, [0.0, 2.0])
     np.testing.assert_array_equal(scored.clearance, [50.0, math.nan])
     assert (scored.least, scored.struck(5.0), scored.struck(50.1)) == (50.0, math.inf, 0.0)
+
+
+def test_clearances_count_from_the_corners_of_the_hull() -> None:
+    """Banks 50 m to either side of 2 m to starboard, a hull of 30 m beam 12 m off the line: 45 m and 25 m."""
+    asked = []
+
+    def room(x: float, draft: float) -> SimpleNamespace:
+        asked.append((x, draft))
+        return SimpleNamespace(middle=2.0, width=100.0)
+
+    way = SimpleNamespace(room=room, line=SimpleNamespace(length=1000.0))
+    hull = SimpleNamespace(length=200.0, beam=30.0, draft=11.0)
+    for x in (-5.0, 400.0, 1007.0):
+        now = SimpleNamespace(ready=True, values={"x": x, "y": 12.0, "psi": 0.0})
+        assert clearances(hull, way, now) == pytest.approx((45.0, 25.0))
+    assert asked == [(0.0, 11.0), (400.0, 11.0), (1000.0, 11.0)]
+    turned = SimpleNamespace(ready=True, values={"x": 0.0, "y": 2.0, "psi": math.radians(-30.0)})
+    reach = 100.0 * 0.5 + 15.0 * math.sqrt(0.75)
+    assert clearances(hull, way, turned) == pytest.approx((50.0 - reach, 50.0 - reach))
+    assert clearances(hull, way, SimpleNamespace(ready=False)) == (math.inf, math.inf)

@@ -1,0 +1,68 @@
+"""The parts of a safe envelope by hand: areas, edges, causes; nothing is sailed here."""
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from narrows.safety import headline
+from narrows.safety.caveats import IN_KNOTS
+from narrows.safety.headline import cause, crossing, first_run, largest_rectangle
+from narrows.safety.request import wind_force
+
+
+def test_the_first_run_ends_before_the_first_gap() -> None:
+    for given, ends in (("0011010", (2, 3)), ("1110", (0, 2)), ("0111", (1, 3)), ("0001", (3, 3)), ("000", None)):
+        assert first_run(np.array([sign == "1" for sign in given])) == ends
+
+
+def test_the_largest_rectangle_is_that_of_all_rectangles() -> None:
+    """On an uneven grid: a cell is as wide as half of what lies between its neighbours; at an end, as it is far."""
+    y, u = np.array([-3.0, 0.0, 1.0, 5.0]), np.array([1.0, 2.0, 4.0])
+    wide, high = np.array([3.0, 2.0, 2.5, 4.0]), np.array([1.0, 1.5, 2.0])
+    draw = np.random.default_rng(0)
+    for _ in range(30):
+        safe = draw.random((4, 3)) < 0.7
+        blocks = [
+            np.s_[first:last, low:high_end]
+            for first, last in combinations(range(5), 2)
+            for low, high_end in combinations(range(4), 2)
+        ]
+        largest = max(wide[rows].sum() * high[columns].sum() for rows, columns in blocks if safe[rows, columns].all())
+        rows, columns = largest_rectangle(safe, y, u)
+        assert wide[rows].sum() * high[columns].sum() == pytest.approx(largest)
+        assert safe[rows, columns].all()
+    assert largest_rectangle(np.zeros((4, 3), bool), y, u) is None
+
+
+def test_a_share_crosses_its_least_straight_between_two_places() -> None:
+    """From 1.0 at 10 m to 0.8 at 14 m: 0.95 lies a quarter of the way out."""
+    y, share = np.array([10.0, 14.0, 20.0]), np.array([1.0, 0.8, 0.96])
+    assert crossing(y, share, 0, 1, 0.95) == pytest.approx(11.0)
+    assert crossing(y, share, 0, 2, 0.95) == 10.0
+
+
+AROUND = {"clear": True, "held": 0.5, "known": 0.5, "certain": 0.5, "rudder_likely": 0.1, "clearance": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("here", "name"),
+    [
+        ({"clear": False, "driven": False}, "ENGINE"), ({"clear": False, "clearance": math.nan}, "CHOKED"),
+        ({"clear": False}, "AGROUND"), ({"held": 0.95}, "TESTS"), ({"known": 0.95}, "PILOT"),
+        ({"certain": 0.95}, "KNOWLEDGE"), ({"rudder_likely": math.nan}, "NONE"),
+        ({"rudder_likely": -0.31}, "RUDDER"), ({"rudder_likely": 0.3}, "UPSET"),
+    ],
+)  # fmt: skip
+def test_the_cause_is_the_first_that_is_short_of_its_share(here: dict, name: str) -> None:
+    assert cause({**AROUND, **here}, 0.95, 0.3) == getattr(headline, name)
+
+
+def test_speeds_on_a_bridge_are_in_knots() -> None:
+    assert IN_KNOTS["speed"].scale == pytest.approx(3600 / 1852)
+
+
+def test_the_wind_pushes_with_the_square_of_its_speed() -> None:
+    """1.225 kg/m3 is the density of the standard atmosphere at sea level (ISO 2533)."""
+    assert wind_force(10.0, 100.0, 0.8) == pytest.approx(0.5 * 1.225 * 0.8 * 100.0 * 10.0**2)
