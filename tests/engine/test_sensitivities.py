@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
+from narrows.codegen.free_motion import INPUTS as PUSHES
 from narrows.simulation.sensitivities import TangentMarch
 
 PILOT = nw.Autopilot(0.3, (0.15, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01)
@@ -201,7 +202,9 @@ def test_the_tangent_sails_the_voyage(name: str) -> None:
     voyage = {"y": 0.4, "u": 1.0, **told}
     sailed = nw.simulate(model, **voyage, duration=2.5, dt=0.05)
     march = TangentMarch.of(model, by, voyage)
-    states, _ = march._marched(sailed.t)
+    pushed = dict(zip(PUSHES.values(), march._pushes(sailed.t).T, strict=True))
+    whole = np.array([0, len(sailed.t) - 1])
+    states, _ = march.segments(np.array([march.start]), march.start_slopes()[None], whole, pushed, np.diff(sailed.t))
     kept = march.march.choices.kept
     for column in ("x", "y", "u", "v", "r"):
         np.testing.assert_allclose(states[:, kept.index(column)], sailed[column], rtol=1e-10, atol=1e-12)

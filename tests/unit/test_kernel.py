@@ -328,8 +328,8 @@ class TestOutcomes:
 def test_what_single_precision_cannot_count_is_refused() -> None:
     with pytest.raises(nw.InputError, match="single precision counts fewer"):
         fleet(SimulatedShip(DTC), y=0.5, dt=1e-8, duration=10.0, precision="float32")
-    with pytest.raises(nw.InputError, match="precision 'float16' is unknown"):
-        fleet(SimulatedShip(DTC), y=0.5, precision="float16")
+    with pytest.raises(nw.InputError, match="precision = 'float16' is unknown"):
+        nw.ensemble(DTC, y=0.5, precision="float16")
     way = nw.straight_waterway(nw.Canal(7.0), 100.0)
     with pytest.raises(nw.InputError, match="leave precision at float64"):
         fleet(SimulatedShip(DTC), y=0.5, precision="float32", waterway=way)
