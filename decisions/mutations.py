@@ -49,6 +49,7 @@ TESTS = {
 }
 PACKAGES = [name for name in TESTS if "/" not in name or name.startswith("identification")]
 TIME_LIMIT = 300  # [s], after which a mutation counts as noticed: it made something endless
+NOT_RUN = 70  # exit code of a child in which pytest itself fails
 ROUNDING = 1e-6  # a smaller number guards against rounding: twice as much is as good
 SWAPS: dict[type, type] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Lt: ast.GtE, ast.GtE: ast.Lt,
@@ -175,10 +176,14 @@ def succeed(tests: list[str], source: Path) -> bool:
     """Whether tests pass, in a process of its own, which shares the libraries that are loaded already."""
     child = os.fork()
     if not child:
-        os._exit(run_tests(tests, source))
+        try:
+            os._exit(run_tests(tests, source))
+        finally:
+            os._exit(NOT_RUN)
     status = os.waitpid(child, 0)[1]
-    if os.WIFEXITED(status) and os.WEXITSTATUS(status) in (4, 5):
-        raise SystemExit(f"pytest finds no tests in {', '.join(tests)}")
+    # 0: all pass; 1: one fails; 2: none can be collected, as where an import fails. Others tell nothing of the code.
+    if os.WIFEXITED(status) and os.WEXITSTATUS(status) > 2:
+        raise SystemExit(f"pytest does not run {', '.join(tests)} (exit code {os.WEXITSTATUS(status)})")
     return status == 0
 
 
