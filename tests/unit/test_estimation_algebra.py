@@ -182,10 +182,10 @@ def test_gates_refuse_as_often_as_they_say(size: int) -> None:
 
 
 def test_squares_of_innovations_are_those_by_hand() -> None:
-    """Of two readings: the inverse of [[2, 1], [1, 2]] is [[2, -1], [-1, 2]] / 3."""
+    """Of two readings: the inverse of [[2, 0.5], [0.5, 1]] is [[1, -0.5], [-0.5, 2]] / 1.75."""
     assert normalised_innovation_squared(np.array([3.0]), np.array([[4.0]])) == pytest.approx(9 / 4)
-    pair = normalised_innovation_squared(np.array([3.0, 1.0]), np.array([[2.0, 1.0], [1.0, 2.0]]))
-    assert pair == pytest.approx((2 * 9 - 2 * 3 + 2 * 1) / 3)
+    pair = normalised_innovation_squared(np.array([3.0, 1.0]), np.array([[2.0, 0.5], [0.5, 1.0]]))
+    assert pair == pytest.approx((9 - 2 * 0.5 * 3 + 2 * 1) / 1.75)
     three = normalised_innovation_squared(np.array([1.0, 2.0, 3.0]), np.diag([1.0, 2.0, 3.0]))
     assert three == pytest.approx(1.0 + 2.0 + 3.0)
 

@@ -32,7 +32,7 @@ from narrows.warning.alerts.alert import (
     Thresholds,
 )
 from narrows.warning.alerts.alert_log import AlertLog, logged
-from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt
+from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt, notifications
 from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
 
 SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:2018
@@ -120,6 +120,19 @@ def test_a_silence_lasts_30_seconds() -> None:
     assert desk.update(34.9, {}) == []
     (again,) = desk.update(35.0, {})
     assert (again.state, again.sounds) == (AlertState.UNACKNOWLEDGED, True)
+
+
+def test_signal_k_is_told_what_is_seen_and_what_sounds() -> None:
+    """Signal K, notifications: methods visual and sound, of an alarm that is raised, silenced, acknowledged."""
+    desk, methods = AlertDesk(), []
+    (raised,) = desk.update(0.0, {BANK: Condition(Priority.ALARM, "text")})
+    for command in (Command.REPEAT, Command.SILENCE, Command.ACKNOWLEDGE):
+        desk.command(1.0, BANK.identifier, raised.instance, command)
+        (update,) = notifications(desk, 0.0)["updates"]
+        (told,) = (one["value"] for one in update["values"] if one["path"].endswith("bankContact"))
+        methods.append(told["method"])
+        assert (told["state"], told["message"]) == ("alarm", "text")
+    assert methods == [["visual", "sound"], ["visual"], []]
 
 
 def test_what_nobody_acknowledges_sounds_anew_and_is_counted() -> None:
