@@ -11,7 +11,7 @@ import numpy as np
 import narrows as nw
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
-from narrows.identification.bundled_ship import bundled_ship
+from narrows.identification.conditions import bundled_ship
 from narrows.simulation.controllers import Asked
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from _extension.markdown import table
-from narrows.captive.formats.layouts import LAYOUTS
+from narrows.captive.formats import LAYOUTS
 from narrows.estimation.sensors import SENSORS
 from narrows.export.writing import EXPORTERS
 from narrows.logbook.checking.check_log import CHECKS

@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.columns import COLUMNS
-from narrows.captive.formats.layouts import LAYOUTS, Layout, translated
+from narrows.captive.formats import LAYOUTS, Layout, translated
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD
 from tables import frame_of

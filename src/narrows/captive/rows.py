@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.captive import check
+from narrows.captive import check, formats
 from narrows.captive.check import MotionColumns, check_kinematics
 from narrows.captive.columns import COLUMNS, columns_with
-from narrows.captive.formats import layouts
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source
@@ -48,7 +47,7 @@ def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, .
     table, where = asked.table, asked.where
     mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
     early = chosen_early(mapped, where, table)
-    frame, of_layout = layouts.translated(mapped if early is None else mapped[early], where or "", table)
+    frame, of_layout = formats.translated(mapped if early is None else mapped[early], where or "", table)
     if early is None and where:
         frame = frame[chosen_late(raw, frame, where, table, asked.known)]
     return frame, (*notes, *of_layout)

@@ -2,12 +2,17 @@
 
 from typing import Any
 
-from narrows.captive.read import as_tests
+from narrows.captive.measured import measured_files
+from narrows.captive.read import as_tests, read_captive
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
+from narrows.model.froude import scale_model
+from narrows.model.model import Model
 from narrows.ship.ship_file import ShipSource
+from narrows.terms.tables import STEERED
+from narrows.terms.term import TermTable
 
 
 def identify_conditions(
@@ -57,3 +62,18 @@ def the_condition(tests: Tests, condition: str | None) -> Tests:
         hint = did_you_mean(condition, known) if known else "; it names none, select rows instead"
         raise InputError(f"the table has no condition {condition!r}{hint}")
     return parts[condition]
+
+
+# A ship at full size from the tests that come with the package, for demonstrations.
+ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
+
+# 50 % under the keel; of the water [kg/m3].
+CONDITION, DENSITY = "C0101A02", 1025.0
+
+
+def bundled_ship(length: float, width: float, depth: float | None = None, terms: TermTable = STEERED) -> Model:
+    """Return the KCS as identified from the bundled tests, with its rudder, at another size."""
+    # length [m]; width [m]; depth [m]
+    table, ship = measured_files("kcs")
+    fit = identify_conditions(read_captive(table, ship, ROWS), terms=terms)[CONDITION]
+    return scale_model(fit.model, length, DENSITY, width=width, depth=depth).model

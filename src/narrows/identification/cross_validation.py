@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import Score, scores_of, squared_error
+from narrows.identification.regression.solve import solve_many
 from narrows.terms.term import TermTable
 
 

@@ -21,12 +21,11 @@ from narrows.identification.identifiability.verdict import IDENTIFIED, Verdict, 
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.plausibility import Judged, implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
-from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.design_matrix import design_rows
 from narrows.identification.regression.normal_equations import NormalEquations, count
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import Score, score
-from narrows.identification.regression.solve import Solution
+from narrows.identification.regression.solve import Solution, solve_many
 from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.uncertainty.bootstrap import Bootstrap, resampled
 from narrows.identification.uncertainty.bootstrap import Kind as DrawnBy

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.regression.batch import RIDGE
 from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.solve import RIDGE
 
 # Correlation of two estimates beyond which they are named as a pair.
 STRONG = 0.9

@@ -6,8 +6,8 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.solve import solve_many
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 

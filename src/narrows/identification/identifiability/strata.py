@@ -6,27 +6,34 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.identification.identifiability.later_half import of_later_half
 from narrows.identification.identifiability.other_estimates import Alternative, Kind
 from narrows.identification.motions import EDGE, DistinctMotions
 from narrows.identification.regression.problem import Problem
-from narrows.identification.uncertainty.error_model import pseudo_inverse, whitened
+from narrows.identification.uncertainty.error_model import covariance, pseudo_inverse, whitened
 from narrows.identification.uncertainty.linear_estimator import SecondEstimate, compared_with, estimator
-from narrows.identification.uncertainty.second_level import SecondLevel
+from narrows.identification.uncertainty.second_level import SecondLevel, in_halves
 from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 # Share of a column that is left beside others under which it cannot be told from them.
 LOST = 1e-6
+
 OFFSET = "offset"
+
 STEADY_RUNS, HARMONIC_RUNS = TYPES = "steady runs", "harmonic runs"
+
 LATER = "told by the later half of each run alone"
+
 WHERE = {"speed": "runs at {:.3g} m/s", "depth": "runs in {:.4g} m of water"}
+
 # Of the offset, its sign kept, as which a force may go that is no bank's; as y itself a bank's goes.
 POWERS = (1.5, 2, 3)
+
 # How often columns are projected: the second time takes off what rounding left the first time.
 TWICE = 2
+
 # Share of a column that is in a cell up to which it is not there at all.
 ABSENT = 1e-12
+
 # The same of a column that is added: under it what is left is rounding.
 RESOLVED = 1e-8
 
@@ -267,3 +274,15 @@ def _products(z: np.ndarray) -> np.ndarray:
 
 def _size(weights: np.ndarray, v: np.ndarray) -> float:
     return float(np.sqrt(max((weights * (v @ weights[..., None])[..., 0]).sum(), 0.0)))
+
+
+# The fit to the later half of each run: forces that settle, and gauges that drift within a run, make it another.
+def of_later_half(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> SecondEstimate:
+    """Compare the fit with that to the later half of each run."""
+    # Both halves have a run's gain and zero, so that these do not part the two fits; a form error of each half does.
+    level = in_halves(model.level, motions, problem).less(model.theta, model.held)
+    later = level.d.copy()
+    later[:, : model.level.d.shape[1]] = 0.0
+    fitted = level.d @ model.theta
+    v, shown = (covariance(level, fitted, model.errors, factor) for factor in (model.factor, model.factor_shown))
+    return compared_with(level.d @ model.best.inverse.T, estimator(later), level.y, v, shown)

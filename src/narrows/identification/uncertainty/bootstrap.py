@@ -8,8 +8,8 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.solve import solve_many
 from narrows.identification.uncertainty.interval import LEVEL, bounded_interval
 from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 from narrows.terms.term import TermTable

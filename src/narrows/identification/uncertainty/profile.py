@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.regression.batch import solve_many
 from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.solve import solve_many
 from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 
 POINTS = 61

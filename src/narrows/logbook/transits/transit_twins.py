@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.bundled_ship import bundled_ship
+from narrows.identification.conditions import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.logbook.settings import AIM_STEP, CURRENT, MOST_DRAWS, MOST_SHIPS, ORDER_INTERVAL, PUSH_STEP
 from narrows.logbook.ship_log import ShipLog

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from narrows.control.track_pilot import track_pilot
-from narrows.identification.bundled_ship import bundled_ship
+from narrows.identification.conditions import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_hearing import Entry, Hearing
