@@ -174,7 +174,7 @@ class Effects:
 
     def _unexcited_sway(self, column: str) -> np.ndarray:
         """Force of a heading of one radian on a usual hull, where no test has sway that would show this one's."""
-        # Clarke, Gedling, Hine (1983): Y'v about pi T/L + 1.4 CB B/L. N'v is 0.14 to 0.41 in tests of the KCS and the DTC.
+        # Clarke, Gedling, Hine (1983): Y'v about pi T/L + 1.4 CB B/L. N'v is 0.14 to 0.41 in tests of KCS and DTC.
         rows, ship = self.rows, self.configuration.ship
         if np.abs(rows.shift("heading")).max(initial=0.0) > 0 and rows.rms(rows.raw("column v")) > 1e-6:
             return np.zeros(rows.each * rows.count)

@@ -11,8 +11,8 @@ import numpy as np
 
 from narrows.captive.tests import Block, Span, Tests
 from narrows.errors import InputError
-from narrows.identification.effect_columns import EffectDesign
 from narrows.identification.regression.design_matrix import DesignMatrix
+from narrows.identification.regression.effect_columns import EffectDesign
 from narrows.identification.regression.normal_equations import Balance, NormalEquations
 from narrows.model.data_range import DataRange, Range
 from narrows.quantities.names import Number
