@@ -204,7 +204,7 @@ class MixedModel:
         slope[2] += (2 * scale[2] ** 2 * to_shape[:, 1])[e.is_mean].sum()
         slope[3] += (2 * scale[3] ** 2 * e.scatter * to_row).sum()
         np.add.at(slope, e.zero_group, 2 * scale[e.zero_group] ** 2 / e.runs * to_shape[:, 2])
-        return slope
+        return np.asarray(slope)
 
     @cached_property
     def _learned(self) -> np.ndarray:
