@@ -204,8 +204,11 @@ def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.nd
     rng = np.random.default_rng(SEED)
     edges = np.round(np.cumsum(weights) * (DRAWS // 2)).astype(int)
     which = np.repeat(np.arange(len(weights)), np.diff(edges, prepend=0))
-    values, vectors = np.linalg.eigh(spreads)
-    roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    # Symmetric roots of correlations: units, and the signs that a library gives eigenvectors, do not change the draws.
+    size = np.sqrt(np.diagonal(spreads, axis1=1, axis2=2).max(axis=0))
+    size = np.where(size > 0, size, 1.0)
+    values, vectors = np.linalg.eigh(spreads / np.outer(size, size))
+    roots = (vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]) @ np.swapaxes(vectors, 1, 2) * size[:, None]
     half = np.einsum("nij,nj->ni", roots[which], rng.standard_normal((len(which), means.shape[1])))
     return np.concatenate([means[which] + half, means[which] - half])
 

@@ -224,7 +224,7 @@ class MixedModel:
         bounds = [(LOWEST, HIGHEST) if prior > 0 else (0.0, 0.0) for prior in self.prior]
         of_effects = np.isin(np.arange(len(self.prior)), self.group)
         starts = [np.where(self.prior > 0, start, 0.0) for start in (-1.0, np.where(of_effects, 1.5, -1.5))]
-        options = {"maxiter": 30, "ftol": 1e-5}
+        options = {"maxiter": 100, "ftol": 1e-9}
         found = [minimize(descend, at, jac=True, method="L-BFGS-B", bounds=bounds, options=options) for at in starts]
         found.sort(key=lambda one: float(one.fun))
         apart = np.abs(found[0].x - found[1].x).max() > APART and found[1].fun - found[0].fun < LESS_LIKELY
@@ -266,7 +266,8 @@ class MixedModel:
         curvature = np.array(hessian)
         values, vectors = np.linalg.eigh(0.5 * (curvature + curvature.T))
         scale = 1 / np.sqrt(np.maximum(values, LEAST_CURVATURE))
-        return vectors * scale, (vectors / scale).T
+        # The symmetric root: it does not change with the signs and the order that a library gives eigenvectors.
+        return (vectors * scale) @ vectors.T, (vectors / scale) @ vectors.T
 
 
 def _log_t(apart: np.ndarray, root: np.ndarray, inverse: np.ndarray) -> np.ndarray:
