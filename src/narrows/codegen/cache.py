@@ -13,7 +13,7 @@ from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
-from threading import Lock
+from threading import RLock
 from types import ModuleType
 
 FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
@@ -25,7 +25,7 @@ LAST_LINE = "# end of a module made by narrows\n"
 # stale; the name of a file says all of its text, so two processes that write it at once must not seem to change it.
 SAME_TIME = 946_684_800
 
-_LOCK = Lock()
+_LOCK = RLock()  # A kernel imports the functions that kernels share.
 _TEXTS: dict[Path, str] = {}
 _MODULES: dict[Path, ModuleType] = {}
 

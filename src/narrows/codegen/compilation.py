@@ -25,7 +25,7 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
     """Counts functions of generated modules as Numba compiles them; its lock lets in one thread at a time."""
 
     def __init__(self) -> None:
-        self.depth = 0
+        self.depth, self.file = 0, ""
         self.shown = ExitStack()
         self.advance: Callable[[int], None] = lambda done: None
 
@@ -37,13 +37,14 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
             logging.getLogger("narrows").info(
                 "compiling these equations, which takes some seconds and is kept for the next time ..."
             )
+            self.file = _file(event)
             self.advance = self.shown.enter_context(bar(total, is_shown(), "compiling"))
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
         """Count a function, and end the bar with the outermost."""
         if _file(event) in FUNCTIONS:
-            self.advance(1)
+            self.advance(_file(event) == self.file)  # What several files share is in the count of none.
             self.depth -= 1
             if self.depth == 0:
                 self.shown.close()

@@ -1,7 +1,6 @@
 """The kernel of a fleet: the text of one file that Numba compiles, a step over a block of lanes and its bookkeeping."""
 
 from collections.abc import Mapping
-from importlib.util import find_spec
 from pathlib import Path
 
 from narrows.codegen.choices import ROW, Choices
@@ -29,21 +28,33 @@ def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) ->
     printer = Arithmetic(NUMBER[precision], column="{:.1f}".format)
     body = "\n\n".join([_room_text(lanes, choices, printer), lanes.text(printer, choices.leaves)])
     exact = choices.waterway and choices.contact not in (MIDSHIP, OPEN)
-    room = _module_text("narrows.waterway.room", "called") if exact else ABSENT
     return "\n\n".join(
         [
             HEADER.format(version=version, precision=precision),
             _places(lanes, choices, exact),
             elementary_text(body, precision),
             body,
-            room,
-            _module_text("narrows.codegen.kernels.event", "called"),
+            SHARED_FUNCTIONS + (EXACT_ROOM if exact else ABSENT),
             Path(__file__).with_name("kernels").joinpath("queue.py").read_text(encoding="utf-8"),
         ]
     )
 
 
+# What is the same in every kernel is compiled once for all: it would be a fourth of what a kernel takes to compile.
+SHARED_FUNCTIONS = """
+from narrows.codegen.cache import compiled_loops
+from narrows.codegen.kernels import event
+from narrows.codegen.kernels.event import BACK, CLOCK, CLOSED, COUNT, FINISHED, LOST, NEXT, TRIES
+
+begin, cleared, judge = compiled_loops(event).begin, compiled_loops(event).cleared, compiled_loops(event).judge
+"""
+EXACT_ROOM = """
+from narrows.waterway import room as banks
+
+exact_room = compiled_loops(banks).exact_room
+"""
 ABSENT = """
+
 @jit
 def exact_room(track, step, s, n, cosine, sine, outline):
     return inf, 0.0
@@ -74,16 +85,6 @@ def _room_text(lanes: Lanes, choices: Choices, printer: Arithmetic) -> str:
     body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
     body.append(f"return {printer.doprint(room)}, {printer.doprint(lean)}")
     return "\n    ".join(["@jit\ndef room_of(block, lane, table, shared):", *body]) + "\n"
-
-
-def _module_text(name: str, decorator: str) -> str:
-    """The text of a module of plain functions, each compiled; its imports are the kernel's."""
-    spec = find_spec(name)
-    assert spec is not None
-    assert spec.origin is not None
-    text = Path(spec.origin).read_text(encoding="utf-8")
-    kept = [line for line in text.splitlines() if not line.startswith(("from ", "import "))]
-    return "\n".join(kept).replace("\ndef ", f"\n@{decorator}\ndef ")
 
 
 # The plain module of a system: constants, rates, step and room as functions of floats or columns.

@@ -1,8 +1,9 @@
 """The bookkeeping of a block of lanes: who sails in which, who has arrived, and where a hull met a bank.
 
 Never imported: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba
-keeps the whole as one file. A vessel is one lane's work until something ends its voyage; then the lane takes the next
-vessel of the queue. Locating a contact costs a few lane-steps beside its neighbours' whole ones.
+keeps the whole as one file; it calls what all kernels share. A vessel is one lane's work until something ends its
+voyage; then the lane takes the next vessel of the queue. Locating a contact costs a few lane-steps beside its
+neighbours' whole ones.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -186,7 +187,8 @@ def sail(
     """Sail every vessel to its end; return the lane-steps that it took."""
     first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
     block = memory[first : first + FIELDS * LANES]  # a vector that straddles two cache lines costs twice
-    active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
+    # Numba would compile ``load_lane`` for the literal 0 too.
+    active, lane_steps, queue, vessels = 0, 0, FIRST, len(codes)
     for lane in range(LANES):
         who[lane] = -1
         load_lane(block, lane, book, FIRST, start, times, vessel_inputs, table, shared, track, outline, limits)
