@@ -1,8 +1,8 @@
 """What becomes of a voyage when a step has closed a room or run out of sane numbers: one rule for every engine.
 
-A voyage in Python calls these functions as they stand; all kernels call one compiled copy. A step that went through a bank
-is gone back on and tried shorter, by the secant of the room; what was sane and clear is kept, and the next try starts
-from there. So a contact is located within the step, also where the suction grows without end towards it.
+A voyage in Python calls these functions as they stand; all kernels call one compiled copy. A step that went through a
+bank is gone back on and tried shorter, by the secant of the room; what was sane and clear is kept, and the next try
+starts from there. So a contact is located within the step, also where the suction grows without end towards it.
 """
 
 from typing import Any

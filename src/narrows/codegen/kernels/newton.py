@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     def balance(drift: float, angle: float, inputs: Array) -> Any:
         """Accelerations in sway and yaw, and their slopes."""
+elif __name__ == "narrows.codegen.kernels.newton":  # Imported alone, by who walks over all modules.
+    cached = staticmethod
 
 
 ROUNDS = 40

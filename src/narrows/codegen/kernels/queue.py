@@ -1,6 +1,6 @@
 """The bookkeeping of a block of lanes: who sails in which, who has arrived, and where a hull met a bank.
 
-Never imported: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba
+Not to be called: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba
 keeps the whole as one file; it calls what all kernels share. A vessel is one lane's work until something ends its
 voyage; then the lane takes the next vessel of the queue. Locating a contact costs a few lane-steps beside its
 neighbours' whole ones.
@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 
     def step(block: Array, table: Array, shared: Array) -> bool:
         """Step every lane; return whether any wants attention."""
+elif __name__ == "narrows.codegen.kernels.queue":  # Imported alone, by who walks over all modules.
+    called = cached = staticmethod
 
 
 RUNNING, AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED = -1, 0, 1, 2, 3, 4, 5

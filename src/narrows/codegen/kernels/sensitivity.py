@@ -1,6 +1,6 @@
 """A voyage and its slopes: segments, each from its own start, sailed from sample to sample.
 
-Never imported: its text ends every generated tangent module, below ``step`` of that model.
+Not to be called: its text ends every generated tangent module, below ``step`` of that model.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     def step(z: Array, block: Array, inputs: Array, table: Array) -> None:
         """Take a step, and its slopes along every direction of the block, in place."""
+elif __name__ == "narrows.codegen.kernels.sensitivity":  # Imported alone, by who walks over all modules.
+    cached = staticmethod
 
 
 @cached
