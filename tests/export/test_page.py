@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from exported import model_of
-from pages import opened, settled
+from opened_pages import opened, settled
 
 import narrows as nw
 from browsers import chromium

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from exported import model_of
-from pages import answer, fleet_ends, needs_node, needs_zig, on_page, wasm_here
+from opened_pages import answer, fleet_ends, needs_node, needs_zig, on_page, wasm_here
 
 import narrows as nw
 from narrows.export.page.assembly import bundled, helm_of

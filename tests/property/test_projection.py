@@ -12,6 +12,8 @@ QUARTER_MERIDIAN = 10_001_965.7293
 """From the equator to the pole of WGS84 [m]."""
 SAME_PLACE = 2e-7
 """PROJ rounds the meridian to 15 digits, which is 5e-8 m."""
+LATITUDES = numbers(-89, 89).map(lambda degrees: round(degrees, 9))
+"""PROJ takes an origin 1e-11 degrees off the equator for one on it."""
 
 
 def proj(origin: np.ndarray) -> Transformer:
@@ -25,7 +27,7 @@ def test_the_pole_is_a_quarter_meridian_from_the_equator() -> None:
     np.testing.assert_allclose(place, [0.0, QUARTER_MERIDIAN], atol=1e-4)
 
 
-@given(longitude=numbers(-180, 180), latitude=numbers(-89, 89), east=numbers(-50, 50), north=numbers(-50, 50))
+@given(longitude=numbers(-180, 180), latitude=LATITUDES, east=numbers(-50, 50), north=numbers(-50, 50))
 @example(longitude=180.0, latitude=52.0, east=0.1, north=0.0)
 @example(longitude=7.0, latitude=0.0, east=90.5, north=0.0)
 def test_places_are_those_of_proj(longitude: float, latitude: float, east: float, north: float) -> None:
