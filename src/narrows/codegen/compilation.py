@@ -73,34 +73,29 @@ SIZE = hashlib.sha256().digest_size
 
 
 class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
-    """Numba's index and data files, each behind the hash of what it holds."""
+    """A file for each signature of a function, named by it, behind the hash of what it holds.
 
-    def _load_index(self) -> dict[Any, str]:
-        try:
-            version, stamp, overloads = self._read(self._index_path)
-        except OSError:
-            return {}
-        return overloads if (version, stamp) == (self._version, self._source_stamp) else {}
+    Numba numbers them in an index: two processes that compile two signatures at once then take the same number, and one
+    of them runs the other's code.
+    """
 
-    def _save_index(self, overloads: dict[Any, str]) -> None:
-        self._write(self._index_path, (self._version, self._source_stamp, overloads))
+    def save(self, key: Any, data: Any) -> None:
+        """Write the code of a signature."""
+        kept = self._dump((self._version, self._source_stamp, key, data))
+        with self._open_for_write(self._place(key)) as file:
+            file.write(hashlib.sha256(kept).digest() + kept)
 
-    def _load_data(self, name: str) -> Any:
-        return self._read(self._data_path(name))
+    def load(self, key: Any) -> Any:
+        """Read the code of a signature; None where it is absent, damaged or of another version."""
+        with suppress(OSError):
+            content = Path(self._place(key)).read_bytes()
+            if hashlib.sha256(content[SIZE:]).digest() == content[:SIZE]:
+                *known, data = pickle.loads(content[SIZE:])
+                return data if known == [self._version, self._source_stamp, key] else None
+        return None
 
-    def _save_data(self, name: str, data: Any) -> None:
-        self._write(self._data_path(name), data)
-
-    def _read(self, path: str) -> Any:
-        content = Path(path).read_bytes()
-        if hashlib.sha256(content[SIZE:]).digest() != content[:SIZE]:
-            raise OSError(f"{path} is damaged")  # which Numba takes for absent
-        return pickle.loads(content[SIZE:])
-
-    def _write(self, path: str, value: Any) -> None:
-        data = self._dump(value)
-        with self._open_for_write(path) as file:
-            file.write(hashlib.sha256(data).digest() + data)
+    def _place(self, key: Any) -> str:
+        return str(self._data_path(self._data_name(int(hashlib.sha256(repr(key).encode()).hexdigest()[:12], 16))))
 
 
 class CheckedCache:
