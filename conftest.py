@@ -33,6 +33,19 @@ def in_large_frame(function: Callable[..., Any], *arguments: Any) -> Any:
 in_large_frame.__code__ = in_large_frame.__code__.replace(co_stacksize=1 << 16)
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Run the blocks of a page that stand before this one, where another worker has run them."""
+    if not isinstance(item, SybilItem):
+        return
+    page, seen = item.example.document, item.example.namespace["_seen"]
+    for other in (own.example for own in item.session.items if isinstance(own, SybilItem)):
+        if other.document is page and other.start < item.example.start and other.start not in seen:
+            seen.add(other.start)
+            other.evaluate()
+    seen.add(item.example.start)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> object:
     """Run a test with its fixtures below the large frame."""
@@ -70,6 +83,7 @@ def mark_whole(config: pytest.Config, items: list[pytest.Item]) -> None:
 def enter(namespace: dict[str, Any]) -> None:
     """Open a page in a folder of its own: what it writes is not written into the tree."""
     namespace["_folder"], namespace["_before"] = TemporaryDirectory(prefix="narrows-page-"), Path.cwd()
+    namespace["_seen"] = set()
     console.fill(Path(namespace["_folder"].name))
     os.chdir(namespace["_folder"].name)
 
