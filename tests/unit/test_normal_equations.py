@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.identifiability.diagnosis import diagnose
+from narrows.identification.diagnosis import diagnose
 from narrows.identification.motions import distinct_motions
 from narrows.identification.regression.accumulation import PART_ROWS, PARTS, accumulate, products
 from narrows.identification.regression.normal_equations import ONE, count

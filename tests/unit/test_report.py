@@ -35,7 +35,7 @@ def page(kcs_fits: dict[int, nw.Fit], tmp_path_factory: pytest.TempPathFactory) 
 def test_page_needs_nothing_else(page: str) -> None:
     assert not re.findall(r"(?:src|href)=\"(?!#)", page.replace("xlink:href", "").replace('href="#', ""))
     assert "<script" not in page
-    assert page.count("<figure") == 20
+    assert page.count("<figure") == 22
     assert len(page) < 4_000_000
 
 

@@ -44,7 +44,7 @@ class FittingOptions:
     pool: Annotated[str | None, typer.Option(help="'depth': hulls of their own at each depth, one bank.")] = None
 
     def options(self) -> dict[str, Any]:
-        from narrows.identification.uncertainty.run_errors import run_errors_of
+        from narrows.identification.run_errors import run_errors_of
         from narrows.terms.tables import table_named
 
         read = {"terms": table_named(self.terms), "pass_over": tuple(filter(None, self.pass_over.split(",")))}

@@ -51,7 +51,7 @@ class AimOptions:
 
     def options(self, terms: "TermTable") -> dict[str, Any]:
         """What ``plan_tests`` is told of it."""
-        from narrows.identification.uncertainty.run_errors import run_errors_of
+        from narrows.identification.run_errors import run_errors_of
 
         targets = tuple(filter(None, self.targets.split(",")))
         errors = run_errors_of(self.run_errors)

@@ -9,12 +9,8 @@ import numpy as np
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import Run, StraightRun, motion_of
 from narrows.errors import InputError
-from narrows.identification.identifiability.evidence import ONE_TEST
 from narrows.identification.regression.problem import slots
-from narrows.identification.uncertainty.error_model import pseudo_inverse
-from narrows.identification.uncertainty.interval import t_quantile
-from narrows.identification.uncertainty.run_errors import RunErrors
-from narrows.identification.uncertainty.second_level import roots
+from narrows.identification.run_errors import RunErrors
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
@@ -105,30 +101,47 @@ def planned_run(
     return PlannedRun(d, one, v, int(zero))
 
 
-def expected_errors(runs: Sequence[PlannedRun], known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return standard errors, variance inflations and half widths of the 95 % intervals of a fit, each (p,)."""
-    # known (2, p, p)
-    # The interval is that of the error model, or of leaving out each run where that reaches farther, as ``identify``
-    # has it. All are infinite where the runs do not determine a parameter.
-    plain = np.array([run.plain for run in runs])
-    gram, middle = known + plain.sum(axis=0)
+# Of the largest eigenvalue of scaled products: below it a direction holds rounding.
+DIRECTION = 1e-9
+
+
+def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Factor stacks of products, H = R'R: R (m, k, k), its inverse from the left for H z = g, and which rows live."""
+    # gram (m, k, k)
+    size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 0.0))
+    full, size = size > 0, np.where(size > 0, size, 1.0)
+    values, vectors = np.linalg.eigh(gram / (size[:, :, None] * size[:, None, :]))
+    live = values > DIRECTION * np.maximum(values[:, -1:], 1e-300)
+    root = np.sqrt(np.where(live, values, 0.0))
+    back = np.where(live, 1 / np.where(live, root, 1.0), 0.0)
+    turned = np.swapaxes(vectors, 1, 2) * full[:, None, :]  # an empty column stays empty, rounding and all
+    return root[:, :, None] * turned * size[:, None, :], back[:, :, None] * turned / size[:, None, :], live
+
+
+def inflation(runs: Sequence[PlannedRun], known: np.ndarray | None = None) -> np.ndarray:
+    """Variance inflation of each parameter under some runs, (p,); infinite where they do not determine it."""
+    # known (p + zeros, p + zeros): of tests that were made before
+    gram = np.sum([run.plain[0] for run in runs], axis=0)
+    if known is not None:
+        gram = gram + known[: len(gram), : len(gram)]
     inverse, determined = pseudo_inverse(gram)
-    model = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
-    inflation = np.diag(inverse) * np.diag(gram)
-    others, left = pseudo_inverse(gram - plain[:, 0])
-    # What leaving out a run moves is a sum over runs k of (other - all) D_k'e_k, without the run itself.
-    count = len(runs)
-    change = np.tile((others - inverse)[:, None], (1, count, 1, 1))
-    change[np.arange(count), np.arange(count)] = -inverse
-    moved = np.einsum("mkij,kjl,nkil->imn", change, plain[:, 1], change, optimize=True)
-    trace, square = np.trace(moved, axis1=1, axis2=2), (moved**2).sum(axis=(1, 2))
-    freedom = trace**2 / np.where(square > 0, square, np.inf)
-    grown = np.diagonal(others @ (middle - plain[:, 1]) @ others, axis1=1, axis2=2)
-    rests = (~left | (grown * (1 - ONE_TEST) > model**2)).any(axis=0)
-    farther = t_quantile(freedom + 1) * np.sqrt((count - 1) / count * np.maximum(trace, 0.0))
-    half = t_quantile(np.inf) * model
-    half = np.where(rests, half, np.maximum(half, farther))
-    return tuple(np.where(determined, found, np.inf) for found in (model, inflation, half))  # type: ignore[return-value]
+    return np.asarray(np.where(determined, np.diag(inverse) * np.diag(gram), np.inf))
+
+
+def pseudo_inverse(h: np.ndarray, empty: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the inverse of symmetric matrices (..., p, p) over what has data, and which parameters that determines."""
+    # h (..., p, p)
+    size = np.sqrt(np.maximum(np.diagonal(h, axis1=-2, axis2=-1), 0.0))
+    full = size**2 > empty
+    size = np.where(full, size, 1.0)
+    outer = size[..., :, None] * size[..., None, :]
+    h = h * (full[..., :, None] & full[..., None, :])
+    values, vectors = np.linalg.eigh(h / outer)
+    kept = values > DIRECTION * np.maximum(values[..., -1:], 1e-300)
+    inverse = np.where(kept, 1 / np.where(kept, values, 1.0), 0.0)
+    known = (vectors**2 * kept[..., None, :]).sum(axis=-1) > 1 - 1e-5
+    product = (vectors * inverse[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    return product / outer, known & full
 
 
 # The best few of many runs for some coefficients, whatever the form of the bank: greedy choice, then exchanges.

@@ -11,23 +11,25 @@ from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
+from narrows.experiment_design.expected_fit import expected_std, half_width
 from narrows.experiment_design.information import (
     CRITERIA,
+    ZEROS,
     Forces,
     PlannedRun,
     choose,
-    expected_errors,
+    inflation,
     planned_run,
-    zero_columns,
     zero_of,
 )
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
+from narrows.identification.regression.normal_equations import ONE
 from narrows.identification.regression.problem import slots
-from narrows.identification.uncertainty.error_model import whitened
-from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.identification.run_errors import RunErrors
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
+from narrows.model.model import Model
 from narrows.model.model_file import published
 from narrows.results import Tabulated
 from narrows.ship.particulars import Configuration
@@ -43,6 +45,9 @@ if TYPE_CHECKING:
 UNITS = {
     "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
 }  # fmt: skip
+
+# Runs after which the standard errors of a plan are worked out, at most.
+MOST_STEPS = 24
 
 # Straight runs that a plan for the bank begins with.
 SEPARATING = 4
@@ -208,7 +213,7 @@ def plan_tests(
         for run in offered
     ]
     adds = np.array([[run.information for run in forms] for forms in told])
-    known, known_plain = known_information(made, tables, adds.shape[1:])
+    known = known_information(made, adds.shape[1:])
     index = [slots(terms)[name] for name in names]
     parameters = sorted(set(index))  # tied coefficients are one
     best = _separating(offered, adds, known, min(runs, SEPARATING) * bool(_bank(terms) & set(names)), parameters)
@@ -217,19 +222,38 @@ def plan_tests(
     best = [*best, *rest[more].tolist()]
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     usual = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)]
-    std, inflation, half = _predicted([told[i][0] for i in best], known_plain, index)
-    usual_std, usual_inflation, _ = _predicted([told[i][0] for i in usual], known_plain, index)[:, -1:]
+    assumed = (_truth(configuration), terms, noise, correlation_time, errors, made[0] if made else None)
+    std = _std_after_each(best, offered, told, known[0], index, names, assumed)
+    usual_std = _std(usual, offered, told, known[0], index, names, assumed)
+    after, before = (inflation([told[i][0] for i in chosen])[index] for chosen in (best, usual))
     return Plan(
         tuple(offered[i] for i in best),
         names,
-        dict(zip(names, std.T, strict=True)),
-        dict(zip(names, inflation[-1].tolist(), strict=True)),
-        dict(zip(names, half[-1].tolist(), strict=True)),
-        dict(zip(names, usual_std[0].tolist(), strict=True)),
-        dict(zip(names, usual_inflation[0].tolist(), strict=True)),
+        {name: np.array([one[name] for one in std]) for name in names},
+        dict(zip(names, after.tolist(), strict=True)),
+        {name: half_width(std[-1][name]) for name in names},
+        {name: usual_std[name] for name in names},
+        dict(zip(names, before.tolist(), strict=True)),
         len(offered),
         (_assumed(noise, correlation_time, tank, configuration), _differing(errors), *limits),
     )
+
+
+def _std_after_each(best: list[int], *known: Any) -> list[dict[str, float]]:
+    """Standard errors after each run; of long plans after some, those between as after the next of these."""
+    after = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int))
+    found = {int(count): _std(best[:count], *known) for count in after}
+    return [found[int(after[np.searchsorted(after, k + 1)])] for k in range(len(best))]
+
+
+def _std(
+    chosen: list[int], offered: list[Run], told: list[list[PlannedRun]], known: np.ndarray, index: list[int],
+    names: tuple[str, ...], assumed: tuple[Any, ...],
+) -> dict[str, float]:  # fmt: skip
+    """Standard error of each target after some runs; infinite where they do not determine it."""
+    found = expected_std([offered[i] for i in chosen], *assumed)
+    lost = ~np.isfinite(inflation([told[i][0] for i in chosen], known)[index])
+    return {name: float("inf") if gone else found[name] for name, gone in zip(names, lost, strict=True)}
 
 
 def _bank(terms: TermTable) -> set[str]:
@@ -299,18 +323,16 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def _predicted(runs: list[PlannedRun], known: np.ndarray, index: list[int]) -> np.ndarray:
-    """Standard errors, variance inflations and half intervals after each run, (3, runs, targets)."""
-    after = [expected_errors(runs[: i + 1], known) for i in range(len(runs))]
-    return np.array([[errors[part][index] for errors in after] for part in range(3)])
-
-
 # About what forces a run would have: errors of gain and zero are shares of them.
 def expected_forces(configuration: Configuration) -> Forces:
     """Return about what forces a motion would have: those of the published model by Froude's law."""
-    scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
-    model = replace(scaled, configuration=configuration)
+    model = _truth(configuration)
     return lambda motion, _: model.forces(motion)
+
+
+def _truth(configuration: Configuration) -> Model:
+    scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
+    return replace(scaled, configuration=configuration)
 
 
 def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
@@ -344,20 +366,21 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
     return tank, tuple(notes)
 
 
-def known_information(
-    made: list[Fit], tables: list[TermTable], shape: tuple[int, ...]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return information of tests that were made, and D'D and D'VD of the first table, by the errors of fits."""
-    count = max(slots(tables[0]).values()) + 1
-    information, grams = np.zeros(shape), np.zeros((2, count, count))
+def known_information(made: list[Fit], shape: tuple[int, ...]) -> np.ndarray:
+    """Return the information of tests that were made, of each table, (tables, p + zeros, p + zeros)."""
+    information = np.zeros(shape)
     for i, fit in enumerate(made):
-        model, level = fit.error_model, fit.error_model.level
-        d = level.d * fit.problem.scale
         zero = zero_of(fit.motions.steady, fit.motions.features["side"])
-        columns = np.concatenate([d, zero_columns(level.one, level.force, zero[level.motion])], axis=2)
-        white = whitened(model.covariance, columns).reshape(-1, columns.shape[2])
-        information[i] = white.T @ white
-        if i == 0:
-            flat = d.reshape(-1, d.shape[2])
-            grams[0], grams[1] = flat.T @ flat, flat.T @ (model.covariance @ d).reshape(flat.shape)
-    return information, grams
+        fitted = [force for force, part in fit.terms.forces.items() if part]
+        for part in fit.estimates.forces:
+            rows, model = part.rows, part.posterior.model
+            for f, force in enumerate(rows.blocks.forces):
+                own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.blocks.is_mean[rows.blocks.block]]
+                columns = np.zeros((len(own), shape[-1]))
+                columns[:, rows.slots] = rows.x[own]
+                number = fitted.index(force) * ZEROS + zero[rows.blocks.motion[rows.blocks.block]][own - f * rows.each]
+                one = rows.raw(ONE)[own - f * rows.each]
+                columns[np.arange(len(own)), shape[-1] - ZEROS * len(fitted) + number] = one
+                errors = model.covariance_of(part.posterior.mode, own)
+                information[i] += columns.T @ np.linalg.solve(errors, columns)
+    return information

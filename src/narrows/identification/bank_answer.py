@@ -1,4 +1,4 @@
-"""What a fit says of the banks, in three sentences: how large, whether to trust it, and which runs to make next."""
+"""What a fit says first: a sentence on the hull, one on the bank, whether to trust it, and which runs to make next."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from narrows.captive.tests import CaptiveTests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.identifiability.verdict import IDENTIFIED
+from narrows.identification.verdict import IDENTIFIED
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
@@ -28,9 +28,9 @@ class Answer:
     preferred: Fit | None  # Of the hull's terms that err least on what was left out, where these are others
 
     @property
-    def sentences(self) -> tuple[str, str, str]:
-        """The bank's coefficients, whether they can be trusted, and what to run next."""
-        return self._coefficients(), self._trust(), self._next_runs()
+    def sentences(self) -> tuple[str, ...]:
+        """How well the hull is known, the bank's coefficients, whether to trust them, and what to run next."""
+        return self._hull(), self._coefficients(), self._trust(), self._next_runs()
 
     def to_dict(self) -> dict[str, object]:
         """Give the sentences, and the terms that the tests prefer."""
@@ -44,6 +44,14 @@ class Answer:
         names = bank_names(self.fit)
         certain = all(fit.verdicts[name].status == IDENTIFIED for fit in fits for name in names)
         return bool(names) and certain and not self.fit.implausible and not self._apart()
+
+    def _hull(self) -> str:
+        """How many hull coefficients are identified, and how well left-out motions are predicted."""
+        hull = [term.name for term in self.fit.terms.terms if not term.from_bank]
+        known = sum(self.fit.verdicts[name].status == IDENTIFIED for name in hull)
+        first = f"{known} of {len(hull)} hull coefficients are identified"
+        parts = [f"{one.force} to +- {one.half:.2g} {UNITS[one.force]}" for one in self.fit.predictiveness]
+        return f"{first}; motions left out in turn are predicted {', '.join(parts)} (95 %)." if parts else f"{first}."
 
     def _coefficients(self) -> str:
         if not bank_names(self.fit):
@@ -61,13 +69,19 @@ class Answer:
             return f"They cannot be trusted, as something is wrong with the tests: {self.fit.implausible[0]}"
         if self.settled:
             return (
-                "They can be trusted as far as these terms hold; no test tells a gain that all runs share, or a force "
-                "that grows with y as a bank's does."
+                f"They are identified as far as these terms hold: {'; '.join(self._tipping())}. No test tells a gain "
+                "that all runs share."
             )
         if not bank_names(self.fit):
             known = sum(verdict.status == IDENTIFIED for verdict in self.fit.verdicts.values())
             return f"{known} of {len(self.fit.terms.names)} coefficients are identified."
-        return f"They cannot be trusted: {'; '.join(self._doubts())}."
+        return f"They are not all identified: {'; '.join(self._doubts())}."
+
+    def _tipping(self) -> list[str]:
+        """What would overturn each coefficient of the bank."""
+        told = [(name, self.fit.verdicts[name].tipping) for name in bank_names(self.fit)]
+        parts = [f"{name} would be overturned by {' or '.join(tipping)}" for name, tipping in told if tipping]
+        return parts or ["no usual error of a campaign overturns them"]
 
     def _doubts(self) -> list[str]:
         doubts = []
@@ -174,8 +188,7 @@ def _listed(fit: Fit) -> str:
 
 
 def _doubt(fit: Fit, name: str) -> str:
-    words = fit.verdicts[name].words
-    return f"{name} {words}" if words.startswith("rests") else f"{name} is {words}"
+    return f"{name} is {fit.verdicts[name].words}"
 
 
 def _why_none(fit: Fit) -> str:

@@ -8,9 +8,9 @@ from narrows.captive.read import as_tests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.identifiability.verdict import CONFOUNDED
 from narrows.identification.regression.normal_equations import Balance
 from narrows.identification.regression.problem import Weights
+from narrows.identification.verdict import NOT_SEPARABLE
 from narrows.results import Shown
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.bank_forms import FORMS, OPEN_WATER
@@ -102,7 +102,7 @@ def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
         "table": name,
         "force": force,
         "coefficients": len(names),
-        "confounded": sum(fit.verdicts[name].status == CONFOUNDED for name in names),
+        "not_separable": sum(fit.verdicts[name].status == NOT_SEPARABLE for name in names),
         "rmse": fit.scores[force].rmse,
         "rmse_left_out": fit.left_out[force].rmse,
         "rmse_other_speeds": speeds.rmse if speeds else float("nan"),

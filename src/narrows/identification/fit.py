@@ -11,28 +11,27 @@ from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, did_you_mean
 from narrows.identification import shapley
 from narrows.identification.acceleration_noise import noise_bias, noise_sentence
+from narrows.identification.bootstrap import Bootstrap, resampled
+from narrows.identification.bootstrap import Kind as DrawnBy
+from narrows.identification.correlation import CorrelatedPair, correlated_pairs
 from narrows.identification.cross_validation import Validation, left_out_by_speed
-from narrows.identification.identifiability.correlation import CorrelatedPair, correlated_pairs
-from narrows.identification.identifiability.depths import DepthTest, depth_test
-from narrows.identification.identifiability.diagnostics import Diagnostics
-from narrows.identification.identifiability.evidence import Evidence
-from narrows.identification.identifiability.influence import Influence, influence
-from narrows.identification.identifiability.verdict import IDENTIFIED, Verdict, verdicts
+from narrows.identification.depths import DepthTest, depth_tests
+from narrows.identification.diagnostics import Diagnostics
+from narrows.identification.estimates import Estimates, estimates, scales_of
+from narrows.identification.influence import Influence, influence
+from narrows.identification.left_out import LeftOutMotion, Predictiveness, left_out_motions, predictiveness
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.plausibility import Judged, implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
+from narrows.identification.profile import Profile, profile
 from narrows.identification.regression.design_matrix import design_rows
-from narrows.identification.regression.normal_equations import NormalEquations, count
+from narrows.identification.regression.normal_equations import ONE, NormalEquations, count
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import Score, score
 from narrows.identification.regression.solve import Solution, solve_many
+from narrows.identification.run_errors import RunErrors
 from narrows.identification.shapley import Kind as ShareKind
-from narrows.identification.uncertainty.bootstrap import Bootstrap, resampled
-from narrows.identification.uncertainty.bootstrap import Kind as DrawnBy
-from narrows.identification.uncertainty.interval import bounded_interval, t_quantile
-from narrows.identification.uncertainty.profile import Profile, profile
-from narrows.identification.uncertainty.run_errors import RunErrors
-from narrows.identification.uncertainty.unbounded_fit import ErrorModel, UnboundedFit, error_model, unbounded_fit
+from narrows.identification.verdict import IDENTIFIED, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.terms.pooled import AT
@@ -99,7 +98,7 @@ class Fit(Prediction):
 
     @cached_property
     def coefficients(self) -> dict[str, float]:
-        """The best values within the bounds, each in its term's SI unit."""
+        """The optimum of the paper's constrained problem, each in its term's SI unit: the model's values."""
         return self.problem.named(self.solution.z)
 
     @property
@@ -126,43 +125,52 @@ class Fit(Prediction):
         return left_out_by_speed(self.problem, self.normal_equations, self.motions)
 
     @cached_property
-    def error_model(self) -> ErrorModel:
-        """The fit on distinct motions, the errors of runs about it, and how well the terms fit within these."""
-        return error_model(self.problem, self.normal_equations, self.motions, self.errors)
+    def estimates(self) -> Estimates:
+        """The posterior of the mixed model: estimates, intervals, tipping points, and how large each error is."""
+        known = (self.normal_equations, self.motions, self.problem, self.errors)
+        return estimates(*known, self.tests.configuration).containing(self.coefficients)
+
+    @property
+    def error_scales(self) -> dict[str, dict[str, float]]:
+        """How large the errors of runs and of the campaign are, by the forces that are fitted together."""
+        return {" and ".join(part.rows.blocks.forces): dict(scales_of(part)) for part in self.estimates.forces}
 
     @cached_property
-    def evidence(self) -> Evidence:
-        """What speaks for and against coefficients: fits within strata, without each motion, otherwise weighted."""
-        return Evidence(self.problem, self.motions, self.error_model)
+    def left_out_motions(self) -> list[LeftOutMotion]:
+        """Forces of each motion as the others predict them, with their predictive intervals."""
+        if len(self.motions) < 2:
+            return []
+        return [one for part in self.estimates.forces for one in left_out_motions(part)]
 
-    @cached_property
-    def unbounded(self) -> UnboundedFit:
-        """Estimates that do not know the bounds, and their standard errors by the errors of runs."""
-        return unbounded_fit(self.problem, self.error_model, self.evidence.errors, self.evidence.counts)
+    @property
+    def predictiveness(self) -> tuple[Predictiveness, ...]:
+        """How well the model predicts motions that it has not seen, by force."""
+        return predictiveness(self.left_out_motions)
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance (n, n) by the errors of runs, as in ``terms.names``: what ensembles and the envelope draw from.
+        """Covariance (n, n) of the coefficients within their bounds, as in ``terms.names``.
 
-        That of the error model, each force's block times one number: the median, over its coefficients, of ``std`` over
-        the error model's, squared. So what coefficients determine together stays determined, and its diagonal is not
-        the square of ``std`` where only some intervals reach farther; zero where a rejected bound is held.
+        Ensembles and the envelope draw from it; it is zero of coefficients held at a bound that the data reject.
         """
-        return self.unbounded.covariance
+        return self.estimates.covariance
 
     @cached_property
     def std(self) -> dict[str, float]:
-        """Standard error of each coefficient by the errors of runs; NaN where the tests do not determine it."""
-        sizes = zip(self.terms.names, self.unbounded.std, strict=True)
+        """Standard error of each coefficient, errors of runs included; NaN where the tests do not determine it."""
+        sizes = zip(self.terms.names, self.estimates.std, strict=True)
         return {name: float(size) if self.diagnostics.determined(name) else float("nan") for name, size in sizes}
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 % confidence interval of each coefficient within its bounds; the bounds where it is not determined."""
-        seen = zip(self.terms.terms, self.unbounded.values, self.unbounded.counts, strict=True)
+        """95 % interval of each coefficient within its bounds; the bounds where it is not determined.
+
+        That of the posterior, extended to the value of the fit where this lies outside.
+        """
+        ends = zip(self.terms.terms, self.estimates.ends.tolist(), strict=True)
         return {
-            term.name: bounded_interval(float(value), self.std[term.name], term.bound, float(count))
-            for term, value, count in seen
+            term.name: (low, high) if self.diagnostics.determined(term.name) else term.bound
+            for term, (low, high) in ends
         }
 
     @cached_property
@@ -173,26 +181,24 @@ class Fit(Prediction):
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """How far each coefficient can be trusted."""
-        return verdicts(self.diagnostics, self.evidence, self.intervals, self._past_bounds)
+        return verdicts(self.diagnostics, self.estimates, self._past_bounds)
 
     @cached_property
     def implausible(self) -> tuple[str, ...]:
         """What cannot be of this ship, each a sentence with its likely cause: masses, signs of forces and rudder."""
         names = self.terms.names
         errors = {name: std for name, std in self.std.items() if self.diagnostics.determined(name)}
-        rejected = tuple(name for name, held in zip(names, self.unbounded.held, strict=True) if held)
-        alone = dict(zip(names, self.unbounded.values.tolist(), strict=True))
+        rejected = tuple(name for name, held in zip(names, self.estimates.held, strict=True) if held)
+        alone = dict(zip(names, self.estimates.free_values.tolist(), strict=True))
         return implausible(
             Judged(self.tests, self.normal_equations, self.problem, self.coefficients, alone, errors, rejected)
         )
 
     @cached_property
     def depth_tests(self) -> dict[str, DepthTest]:
-        """Of each coefficient of the bank that several depths tell of: whether it is the same at all of them."""
-        counts = t_quantile(self.evidence.freedom + 1)
-        bank = [(i, term.name) for i, term in enumerate(self.terms.terms) if term.from_bank]
-        tests = {name: depth_test(self.evidence.compared(i), 1 / float(counts[i])) for i, name in bank}
-        return {name: test for name, test in tests.items() if test}
+        """Of each coefficient of the bank: whether it is the same at every depth; empty where there is one depth."""
+        known = (self.normal_equations, self.motions, self.problem, self.errors)
+        return depth_tests(*known, self.tests.configuration)
 
     @cached_property
     def correlations(self) -> tuple[CorrelatedPair, ...]:
@@ -202,7 +208,7 @@ class Fit(Prediction):
     @cached_property
     def influence(self) -> Influence:
         """What each distinct motion tells of each coefficient, and how far it moves it."""
-        return influence(self.problem, self.motions, self.error_model)
+        return influence(self.problem, self.motions, self.estimates)
 
     def bootstrap(self, resamples: int = 10_000, kind: DrawnBy = "errors", seed: int = 0) -> Bootstrap:
         """Fit resamples of the tests, each under the constraints.
@@ -222,7 +228,7 @@ class Fit(Prediction):
         InputError
             Where the kind is unknown, or there are fewer than 2 resamples.
         """
-        return resampled(self.problem, self.motions, self.unbounded, resamples, kind, seed)
+        return resampled(self.problem, self.motions, self.estimates, resamples, kind, seed)
 
     def profile(self, name: str) -> Profile | None:
         """Profile the likelihood of a coefficient under the constraints; None where it is not determined.
@@ -241,7 +247,7 @@ class Fit(Prediction):
             raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
         if not self.diagnostics.determined(name):
             return None
-        return profile(self.problem, self.normal_equations.total, self.unbounded, name)
+        return profile(self.problem, self.normal_equations.total, self.estimates, name)
 
     def shapley(
         self, kind: ShareKind = "mse", coefficients: Mapping[str, float] | None = None
@@ -311,6 +317,8 @@ class Fit(Prediction):
             "kkt": self.solution.kkt.to_dict(),
             "tradeoffs": [asdict(pair) for pair in self.correlations],
             "influence": {name: self.influence.of(name) for name in self.terms.names},
+            "predictiveness": [asdict(one) for one in self.predictiveness],
+            "error_scales": self.error_scales,
             "split": self.split,
             "implausible": list(self.implausible),
             "notes": list(self.notes),
@@ -337,8 +345,12 @@ class Fit(Prediction):
             "unit": self.terms[name].dimension.unit,
             "determined": verdict.determined,
             "verdict": verdict.status,
-            "confounded_with": list(verdict.partners),
+            "not_separable_from": list(verdict.partners),
             "reasons": list(verdict.reasons),
+            "tipping_points": [
+                {"error": effect.name, "size": needed * effect.usual, "unit": effect.unit, "usual": effect.usual}
+                for effect, needed in self.estimates.tipping[name]
+            ],
         }
 
     @cached_property
@@ -362,9 +374,9 @@ class Fit(Prediction):
     @cached_property
     def _deviations(self) -> dict[str, float]:
         """Mean absolute deviation of each column, by one more pass over the rows."""
-        total = self.normal_equations.unweighted.sum(axis=0)
-        rows = total[-1, -1]
-        mean = total[:, -1] / rows
+        total, one = self.normal_equations.unweighted.sum(axis=0), self.normal_equations.columns[ONE]
+        rows = total[one, one]
+        mean = total[: one + 1, one] / rows
         sums = sum(np.abs(d - mean[:, None]).sum(axis=1) for _, d in design_rows(self.tests, self.terms))
         return {name: float(np.asarray(sums)[self.normal_equations.columns[name]] / rows) for name in self.terms.names}
 

@@ -19,7 +19,7 @@ from narrows.identification.regression.normal_equations import Balance
 from narrows.identification.regression.problem import Weights, reduced
 from narrows.identification.regression.scores import score
 from narrows.identification.regression.solve import solve
-from narrows.identification.uncertainty.run_errors import RunErrors
+from narrows.identification.run_errors import RunErrors
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.pooled import pooled
 from narrows.terms.tables import PAPER, table_named

@@ -28,15 +28,12 @@ class DistinctMotions:
     # A group is kept against its own first member, never against its last: neighbours do not chain.
 
     sums: np.ndarray  # (motions, m, m) Sums of products over all tests of a motion
-    halves: np.ndarray  # (2, motions, m, m) The same over the first half of each test, and over the later half
     members: tuple[tuple[str, ...], ...]  # The tests of each motion: the first one and its repeats
     # (motions,) ``speed``, ``period``, ``depth`` and ``side`` of each motion, numbered; period 0 holds the steady
     # ones where there are any
     strata: Mapping[str, np.ndarray]
     steady: np.ndarray  # (motions,) Nothing oscillates
     reach: np.ndarray  # (motions,) Offset from the centreline that a motion comes to, about [m]
-    # (motions,) How a force that goes as y cubed compares with one that goes as y: their slope in each motion [m2]
-    cube: np.ndarray
     # (motions,) Mean speed [m/s], period [s], 0 of steady motions, and depth [m] of each
     features: Mapping[str, np.ndarray]
 
@@ -55,20 +52,6 @@ class DistinctMotions:
         sums[1:] += np.cumsum(self.sums[:-1], axis=0)
         sums[:-1] += np.cumsum(self.sums[:0:-1], axis=0)[::-1]
         return sums
-
-    @cached_property
-    def cells(self) -> dict[str, np.ndarray]:
-        """Every stratification with more than one stratum, and their cells: name -> number of each motion's."""
-        several = {name: group for name, group in self.strata.items() if group.max() > 0}
-        if len(several) > 1:
-            _, both = np.unique(np.array(list(several.values())), axis=1, return_inverse=True)
-            return several | {" and ".join(several): both.ravel()}
-        return several
-
-    @cached_property
-    def offsets(self) -> np.ndarray:
-        """Number of each motion's farthest offset from the centreline, (motions,): a hull may feel the walls there."""
-        return numbered(self.reach)
 
     @property
     def by_speed(self) -> list[np.ndarray]:
@@ -97,44 +80,39 @@ def distinct_motions(equations: NormalEquations) -> DistinctMotions:
     """Group tests by what was done in them."""
     runs = _Runs(equations)
     group = _same_motion(runs)
-    firsts = [int(np.flatnonzero(group == g)[0]) for g in range(group.max() + 1)]
+    count = np.bincount(group)
+    mean = {name: np.bincount(group, values) / count for name, values in runs.features_of_motions.items()}
     names = np.array(equations.names, dtype=object)
-    halves = _in_halves(equations, group)
+    test = {name: i for i, name in enumerate(equations.names)}
+    sums = np.zeros((len(count), *equations.sums.shape[1:]))
+    np.add.at(sums, group[[test[name] for name in equations.tests]], equations.sums)
+    strata = {name: mean[name] for name in ("speed", "period", "depth", "side")}
     return DistinctMotions(
-        halves.sum(axis=0),
-        halves,
-        tuple(tuple(names[group == g]) for g in range(len(firsts))),
-        {name: numbered(np.asarray(values)[firsts]) for name, values in runs.strata.items()},
-        runs.steady[firsts],
-        runs.reach[firsts],
-        runs.cube[firsts],
-        {name: np.asarray(values)[firsts] for name, values in runs.strata.items()},
+        sums,
+        tuple(tuple(names[group == g]) for g in range(len(count))),
+        {name: numbered(values) for name, values in strata.items()},
+        mean["steady"] > 0.5,
+        mean["reach"],
+        strata,
     )
-
-
-def _in_halves(equations: NormalEquations, group: np.ndarray) -> np.ndarray:
-    """Sums over the first half of each test and over the later one, of each group of tests, (2, groups, m, m)."""
-    names = equations.names
-    test = np.array([names.index(name) for name in equations.tests])
-    pieces = np.bincount(test)
-    passed = np.array([np.count_nonzero(test[:i] == number) for i, number in enumerate(test)])
-    later = (2 * passed >= pieces[test]) & (pieces[test] > 1)
-    halves = np.zeros((2, group.max() + 1, *equations.sums.shape[1:]))
-    np.add.at(halves, (later.astype(int), group[test]), equations.sums)
-    return halves
 
 
 def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_STRATUM) -> np.ndarray:
     """Number values by the first one that each is within a tolerance of."""
     # values (n,)
-    firsts: list[float] = []
-    numbers = []
-    for value in values:
-        near = [i for i, first in enumerate(firsts) if abs(value - first) <= EDGE * tolerance * abs(first)]
-        if not near:
-            firsts.append(float(value))
-        numbers.append(near[0] if near else len(firsts) - 1)
-    return np.array(numbers)
+    # From the smallest on, so that the order of the tests does not matter.
+    values = np.asarray(values, float)
+    group, first, count = np.zeros(len(values), int), np.nan, 0
+    for i in np.argsort(values, kind="stable"):
+        if not abs(values[i] - first) <= EDGE * tolerance * abs(first):
+            first, count = float(values[i]), count + 1
+        group[i] = count
+    return _in_order_of_appearance(group)
+
+
+def _in_order_of_appearance(group: np.ndarray) -> np.ndarray:
+    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
+    return np.asarray(np.argsort(np.argsort(first))[inverse.ravel()])
 
 
 class _Runs:
@@ -184,18 +162,16 @@ class _Runs:
     def reach(self) -> np.ndarray:
         return np.asarray(np.abs(self.mean("y")) + np.sqrt(2) * self.std("y"))
 
-    @cached_property
-    def cube(self) -> np.ndarray:
-        """Mean of y^4 over mean of y^2, of a sine about a mean."""
-        mean, variance = self.mean("y") ** 2, self.std("y") ** 2
-        fourth = mean**2 + 6 * mean * variance + 1.5 * variance**2
-        return np.asarray(fourth / np.maximum(mean + variance, 1e-12))
-
     @property
     def strata(self) -> dict[str, np.ndarray]:
         side = np.where(np.abs(self.mean("y")) > SIDE * max(self.reach.max(), 1e-9), np.sign(self.mean("y")), 0.0)
         depth = self.mean("depth") if "depth" in self.totals else np.ones(self.count)
         return {"speed": self.speed, "period": self.period, "depth": depth, "side": side}
+
+    @property
+    def features_of_motions(self) -> dict[str, np.ndarray]:
+        """What is known of a motion: its strata, how far it goes, whether nothing oscillates."""
+        return {**self.strata, "reach": self.reach, "steady": self.steady.astype(float)}
 
     def features(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean and amplitude of everything that moved, (tests, features), and the size that each is seen against."""
@@ -212,14 +188,15 @@ class _Runs:
 
 
 def _same_motion(runs: _Runs) -> np.ndarray:
+    """Number of each test's motion; tests are taken by their features, so that their order does not matter."""
     features, sizes = runs.features()
     firsts: list[int] = []
     group = np.zeros(len(features), int)
-    for i, row in enumerate(features):
+    for i in np.lexsort(features.T[::-1]):
         seen = features[firsts]
-        near = np.abs(row - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * sizes)
+        near = np.abs(features[i] - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * sizes)
         same = np.flatnonzero(near.all(axis=1) & (runs.steady[firsts] == runs.steady[i]))
         if not same.size:
-            firsts.append(i)
+            firsts.append(int(i))
         group[i] = same[0] if same.size else len(firsts) - 1
-    return group
+    return _in_order_of_appearance(group)

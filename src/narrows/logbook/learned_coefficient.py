@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.identification.identifiability.verdict import IDENTIFIED
+from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.settings import LEARNED_TO, PAIR_CORRELATION, SHARPENED_TO, TIED_CORRELATION
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model

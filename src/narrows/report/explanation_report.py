@@ -84,12 +84,12 @@ def print_comparison(comparison: Comparison, console: Console | None = None) -> 
     console = console or console_of()
     title = "Tables of terms by their error (RMSE) on what was left out"
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
-    for header in ("terms", "force", "fit", "tests left out", "speeds left out", "confounded"):
+    for header in ("terms", "force", "fit", "tests left out", "speeds left out", "not separable"):
         table.add_column(header, justify="left" if header in ("terms", "force") else "right")
     for row in comparison.rows():
         speeds = row["rmse_other_speeds"]
         errors = (f"{row['rmse']:.3g}", f"{row['rmse_left_out']:.3g}", f"{speeds:.3g}" if np.isfinite(speeds) else "-")
-        table.add_row(row["table"], row["force"], *errors, f"{row['confounded']} of {row['coefficients']}")
+        table.add_row(row["table"], row["force"], *errors, f"{row['not_separable']} of {row['coefficients']}")
     console.print(table)
     for sentence in comparison.summary().splitlines():
         console.print(f"- {sentence}")

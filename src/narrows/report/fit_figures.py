@@ -8,10 +8,11 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Comparison, Fit
-from narrows.identification.identifiability.diagnosis import Diagnosis
-from narrows.identification.identifiability.verdict import CONFOUNDED_VIF, IDENTIFIED, VIF_LIMIT
+from narrows.identification.cross_validation import left_out_coefficients
+from narrows.identification.diagnosis import Diagnosis
+from narrows.identification.estimates import HALF
 from narrows.identification.shapley import KINDS
-from narrows.identification.uncertainty.interval import t_quantile
+from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
 from narrows.report.style import (
@@ -52,6 +53,28 @@ def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
         panel.set_ylabel(label)
     axes[1, 0].legend(frameon=False, ncols=3, loc="upper right")
     axes[-1, 0].set_xlabel("row of the table [1]; dashed: test boundaries")
+    return figure
+
+
+def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
+    """Draw measured forces against those that the other motions predict."""
+    values = {**tests.configuration.values(), **tests.columns}
+    without = left_out_coefficients(fit.problem, fit.motions.without)
+    motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
+    rows = np.repeat([motion[name] for name in tests.names], np.diff(tests.starts))
+    forces = [force for force in ("Y", "N") if fit.terms.forces[force]]
+    figure, axes = panels(1, len(forces), 3.2, Margins(across=0.6))
+    for panel, force in zip(axes[0], forces, strict=True):
+        names = [term.name for term in fit.terms.forces[force]]
+        columns = np.stack([np.broadcast_to(fit.terms[name].column(values), tests.rows) for name in names], axis=1)
+        predicted = (columns * without[rows][:, [fit.terms.names.index(name) for name in names]]).sum(axis=1)
+        measured = tests.columns[force]
+        panel.plot(predicted, measured, ".", color=BLUE, markersize=2, alpha=0.6)
+        ends = [float(measured.min()), float(measured.max())]
+        panel.plot(ends, ends, color=BLACK, linewidth=0.7)
+        unit = "N m" if force == "N" else "N"
+        panel.set(xlabel=f"{force} predicted without the motion [{unit}]", ylabel=f"{force} measured [{unit}]")
+        panel.set_title(f"R2 {fit.left_out[force].r2:.3f}", fontsize=9)
     return figure
 
 
@@ -185,7 +208,7 @@ def inflation_figure(fit: Fit) -> Figure:
         inflation = {n: d.vif[n] for d in by_force.values() for n in d.names}
         style = {"color": COLOURS[i % 6], "marker": MARKERS[i % 6], "linestyle": "none", "markersize": 5}
         panel.plot(range(len(names)), [_finite(inflation[n]) for n in names], label=f"{speed:.2f} m/s alone", **style)
-    for limit, dashes in ((VIF_LIMIT, "--"), (CONFOUNDED_VIF, ":")):
+    for limit, dashes in ((VIF_LIMIT, "--"), (HIGH_VIF, ":")):
         panel.axhline(limit, color=GREY, linestyle=dashes, linewidth=0.9)
     panel.set(yscale="log", ylabel="variance inflation [1]", xlabel="coefficient [-]")
     panel.yaxis.set_major_formatter("{x:g}")
@@ -204,6 +227,8 @@ def _finite(value: float) -> float:
 PANELS_A_ROW, ROW_HEIGHT = 4, 1.45
 
 MOST_TESTS = 60
+# Variance inflation at which a column has a tenth, and a thirtieth, of its own information left.
+VIF_LIMIT, HIGH_VIF = 10.0, 30.0
 
 
 def profiles_figure(fit: Fit) -> Figure | None:
@@ -218,8 +243,7 @@ def profiles_figure(fit: Fit) -> Figure | None:
     for panel in axes.flat[len(profiles) :]:
         panel.set_visible(False)
     for panel, curve in zip(axes.flat, profiles, strict=False):
-        index = fit.terms.names.index(curve.name)
-        limit = float(t_quantile(fit.unbounded.counts[index])) ** 2
+        limit = HALF**2
         panel.plot(curve.values, curve.deviance, color=BLUE, linewidth=1.2)
         panel.axhline(limit, color=GREY, linestyle=":", linewidth=0.9)
         panel.axvline(fit.coefficients[curve.name], color=ORANGE, linestyle="--", linewidth=0.9)

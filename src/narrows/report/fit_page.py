@@ -12,8 +12,8 @@ from narrows.captive.tests import CaptiveTests
 from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.bank_answer import Answer, answer_of
-from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
+from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.quantities.names import name_of
 from narrows.report.fit_figures import (
@@ -24,11 +24,12 @@ from narrows.report.fit_figures import (
     inflation_figure,
     influence_figure,
     intervals_figure,
+    left_out_figure,
     motions_figure,
     profiles_figure,
     shapley_figure,
 )
-from narrows.report.fit_table import heading, kkt_sentence
+from narrows.report.fit_table import best_known_first, heading, kkt_sentence
 from narrows.report.style import interval, readable, svg
 from narrows.ship.particulars import Canal, Configuration, Ship
 
@@ -101,7 +102,9 @@ def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         ],
         "equations": equations(fit),
         "constraints": constraints(fit),
-        "coefficients": [_row(fit, name) for name in fit.terms.names],
+        "coefficients": [_row(fit, name) for name in best_known_first(fit)],
+        "first": _first_picture(fit),
+        "predictiveness": [one.sentence for one in fit.predictiveness],
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
         "scores": [(force, score, fit.left_out[force]) for force, score in fit.scores.items()],
         "split": fit.split,
@@ -113,6 +116,14 @@ def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
         "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": _figures(fit),
     }  # fmt: skip
+
+
+def _first_picture(fit: Fit) -> list[dict[str, str]]:
+    """Measured against predicted forces of left-out motions."""
+    if not isinstance(fit.tests, CaptiveTests) or len(fit.motions) < 2 or fit.split != "test":
+        return []
+    caption = "Measured forces against those predicted by the other motions, each motion left out in turn."
+    return [figure(left_out_figure(fit, fit.tests), caption)]
 
 
 def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:

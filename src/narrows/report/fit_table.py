@@ -6,14 +6,13 @@ from rich.text import Text
 
 from narrows.identification import Fit
 from narrows.identification.bank_answer import Answer, answer_of
-from narrows.identification.identifiability.verdict import IDENTIFIED
 from narrows.identification.shapley import KINDS
+from narrows.identification.verdict import IDENTIFIED, ZERO
 from narrows.report.style import interval, readable
 
 MOST_PAIRS = 5
 COLOURS = {
-    "identified": "green", "weakly identified": "yellow", "at its bound": "yellow", "rests on one test": "yellow",
-    "contradicted": "magenta", "confounded": "magenta",
+    "identified": "green", "zero": "green", "imprecise": "yellow", "at bound": "yellow", "not separable": "magenta",
 }  # fmt: skip
 
 
@@ -27,7 +26,7 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None, answer:
         console.print(sentence)
     console.print()
     console.print(_coefficients(fit))
-    console.print("What these tests cannot say", style="bold")
+    console.print("What these tests do not determine", style="bold")
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
@@ -37,6 +36,19 @@ def print_fit(fit: Fit, label: str = "", console: Console | None = None, answer:
     console.print(_shares(fit))
     for note in (*fit.notes, kkt_sentence(fit)):
         console.print(note, style="dim")
+
+
+def best_known_first(fit: Fit) -> list[str]:
+    """Coefficients by how well they are known: the narrowest interval over the estimate first."""
+    order = {name: i for i, name in enumerate((IDENTIFIED, ZERO))}
+
+    def width(name: str) -> tuple[int, float]:
+        verdict, (low, high) = fit.verdicts[name], fit.intervals[name]
+        if not verdict.determined:
+            return 3, 0.0
+        return order.get(verdict.status, 2), (high - low) / max(abs(fit.coefficients[name]), 1e-300)
+
+    return sorted(fit.terms.names, key=width)
 
 
 def heading(fit: Fit, label: str) -> str:
@@ -59,7 +71,7 @@ def _coefficients(fit: Fit) -> Table:
     for header in ("", "value", "std. error", "95 % interval", "unit", ""):
         number = header in ("value", "std. error", "95 % interval")
         table.add_column(header, justify="right" if number else "left", no_wrap=True)
-    for name in fit.terms.names:
+    for name in best_known_first(fit):
         status, std = fit.verdicts[name].status, fit.std[name]
         colour = COLOURS.get(status, "red")
         known = fit.verdicts[name].determined

@@ -12,6 +12,7 @@ import numpy as np
 from narrows.captive.tests import Block, Span, Tests
 from narrows.errors import InputError
 from narrows.identification.regression.design_matrix import DesignMatrix
+from narrows.identification.regression.effect_columns import EffectDesign
 from narrows.identification.regression.normal_equations import Balance, NormalEquations
 from narrows.model.data_range import DataRange, Range
 from narrows.quantities.names import Number
@@ -56,7 +57,7 @@ def accumulate(
     tests: Tests, terms: TermTable, pieces: int = 1, balance: Balance = "rows"
 ) -> tuple[NormalEquations, DataRange]:
     """Sum over every row, once."""
-    matrix = DesignMatrix(terms)
+    matrix = EffectDesign(terms)
     sums: dict[tuple[str, int], np.ndarray] = defaultdict(lambda: np.zeros((matrix.size, matrix.size)))
     moved: dict[tuple[str, int], dict[str, np.ndarray]] = defaultdict(lambda: defaultdict(lambda: np.zeros(3)))
     data_range = DataRange()

@@ -7,11 +7,11 @@ from typing import Literal, get_args
 import numpy as np
 
 from narrows.errors import InputError
+from narrows.identification.estimates import MANY, Estimates
+from narrows.identification.interval import LEVEL, bounded_interval
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import solve_many
-from narrows.identification.uncertainty.interval import LEVEL, bounded_interval
-from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 from narrows.terms.term import TermTable
 
 Kind = Literal["errors", "tests"]
@@ -29,7 +29,7 @@ class Bootstrap:
     # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
     samples: np.ndarray
     std: np.ndarray  # (n,) Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds
-    unbounded: UnboundedFit  # Of the tests themselves: the middle of the intervals, and the degrees of freedom of each
+    estimates: Estimates  # Of the tests themselves: the middle of the intervals
     kind: str  # ``errors`` or ``tests``
 
     @property
@@ -42,15 +42,14 @@ class Bootstrap:
         # They rest on the spread of fits that do not know the bounds: percentiles of constrained ones miss the truth
         # where a coefficient, or one that it trades against, is near a bound.
         # Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
-        seen = zip(self.terms.terms, self.unbounded.values, self.std, self.unbounded.counts, strict=True)
+        seen = zip(self.terms.terms, self.estimates.free_values, self.std, strict=True)
         return {
-            term.name: bounded_interval(float(value), float(std), term.bound, float(count), level)
-            for term, value, std, count in seen
+            term.name: bounded_interval(float(value), float(std), term.bound, MANY, level) for term, value, std in seen
         }
 
 
 def resampled(
-    problem: Problem, motions: DistinctMotions, unbounded: UnboundedFit, resamples: int, kind: str, seed: int
+    problem: Problem, motions: DistinctMotions, found: Estimates, resamples: int, kind: str, seed: int
 ) -> Bootstrap:
     """Fit resamples of the tests, with the constraints and without."""
     # ``errors`` leaves the tests as they are and perturbs their pull on the fit by errors of the size that the fit
@@ -64,13 +63,13 @@ def resampled(
     if kind == "tests":
         bounded, free = _by_tests(problem, motions, resamples, draw)
     else:
-        bounded, free = _by_errors(problem, motions, unbounded, resamples, draw)
+        bounded, free = _by_errors(problem, motions, found, resamples, draw)
     low, high = np.quantile(problem.coefficients(free), MIDDLE, axis=0)
     std = (high - low) / 2
     if kind == "errors":  # what is drawn is as wide as a force's coefficients are at the median
-        drawn = np.sqrt(np.diag(unbounded.covariance))
-        std = std * np.where(drawn > 0, unbounded.std / np.where(drawn > 0, drawn, 1.0), 1.0)
-    return Bootstrap(problem.terms, problem.coefficients(bounded), std, unbounded, kind)
+        drawn = np.sqrt(np.diag(found.covariance))
+        std = std * np.where(drawn > 0, found.free_std / np.where(drawn > 0, drawn, 1.0), 1.0)
+    return Bootstrap(problem.terms, problem.coefficients(bounded), std, found, kind)
 
 
 def _both(problem: Problem, h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -93,11 +92,11 @@ def _by_tests(
 
 
 def _by_errors(
-    problem: Problem, motions: DistinctMotions, unbounded: UnboundedFit, resamples: int, draw: np.random.Generator
+    problem: Problem, motions: DistinctMotions, found: Estimates, resamples: int, draw: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     h, g = problem.normal(motions.sums.sum(axis=0))
     first = [list(problem.slot.values()).index(slot) for slot in range(len(g))]
-    covariance = unbounded.covariance[np.ix_(first, first)] * np.outer(problem.scale, problem.scale)
+    covariance = found.covariance[np.ix_(first, first)] * np.outer(problem.scale, problem.scale)
     values, vectors = np.linalg.eigh(covariance)
     errors = draw.standard_normal((resamples, len(g))) * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
     return _both(problem, h, g + errors @ h)

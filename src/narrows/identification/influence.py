@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
+from narrows.identification.estimates import Estimates
+from narrows.identification.left_out import information_gone
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import solve_many
-from narrows.identification.uncertainty.unbounded_fit import ErrorModel
 
 
 @dataclass(frozen=True)
@@ -44,18 +45,12 @@ class Influence:
         return self.names.index(name)
 
 
-def influence(problem: Problem, motions: DistinctMotions, model: ErrorModel) -> Influence:
+def influence(problem: Problem, motions: DistinctMotions, found: Estimates) -> Influence:
     """Leave out each distinct motion in turn."""
     h, g = problem.normal(np.concatenate([motions.sums.sum(axis=0)[None], motions.without]))
     z = solve_many(h, g, problem.lower, problem.upper)
-    variance = np.diag(model.of_theta)
-    shares = [_gone(variance, one.known, np.diag(one.covariance(model.covariance))) for one in model.left_out]
+    gone = np.zeros((len(motions), len(problem.scale)))
+    for part in found.forces:
+        gone[:, part.slots] = information_gone(part, motions)
     slots = [problem.slot[name] for name in problem.terms.names]
-    moved = problem.coefficients(z[0] - z[1:])
-    return Influence(motions.labels, problem.terms.names, np.array(shares)[:, slots], moved)
-
-
-def _gone(whole: np.ndarray, known: np.ndarray, without: np.ndarray) -> np.ndarray:
-    """Share of what is known of each parameter that goes with a motion."""
-    share = 1 - whole / np.where(without > 0, without, np.inf)
-    return np.where(whole > 0, np.where(known, np.clip(share, 0.0, 1.0), 1.0), 0.0)
+    return Influence(motions.labels, problem.terms.names, gone[:, slots], problem.coefficients(z[0] - z[1:]))

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.identification.identifiability.diagnosis import Diagnosis, diagnose
+from narrows.identification.diagnosis import Diagnosis, diagnose
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.terms.term import TermTable

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.identification.estimates import Estimates
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import solve_many
-from narrows.identification.uncertainty.unbounded_fit import UnboundedFit
 
 POINTS = 61
 # Standard errors on either side.
@@ -25,18 +25,18 @@ class Profile:
     others: np.ndarray  # (points, n) All coefficients along the way, each in its own unit
 
 
-def profile(problem: Problem, total: np.ndarray, unbounded: UnboundedFit, name: str) -> Profile | None:
+def profile(problem: Problem, total: np.ndarray, found: Estimates, name: str) -> Profile | None:
     """Hold one coefficient at a range of values and fit the others."""
     # total (m, m)
     index, slot = problem.terms.names.index(name), problem.slot[name]
-    std = unbounded.std[index] * problem.scale[slot]
+    std = found.free_std[index] * problem.scale[slot]
     h, g = problem.normal(total)
     if not std > 0 or h[slot, slot] == 0:
         return None
     free = np.arange(len(h)) != slot
     lower, upper = problem.lower[free], problem.upper[free]
     reduced = h[np.ix_(free, free)]
-    middle = unbounded.values[index] * problem.scale[slot]
+    middle = found.values[index] * problem.scale[slot]
     held = np.unique(np.clip(middle + np.linspace(-SPAN, SPAN, POINTS) * std, *_bounds(problem, slot)))
     rest = solve_many(reduced, g[free] - held[:, None] * h[free, slot], lower, upper)
     z = np.insert(rest, slot, held, axis=1)

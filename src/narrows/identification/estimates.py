@@ -1,0 +1,221 @@
+"""Estimate, standard error and interval of every coefficient: the posterior of the mixed model, within the bounds."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from narrows.identification.force_rows import ForceRows
+from narrows.identification.interval import bounded_interval
+from narrows.identification.mixed_model import Posterior
+from narrows.identification.motions import DistinctMotions
+from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.regression.problem import Problem
+from narrows.identification.regression.solve import solve
+from narrows.identification.run_blocks import run_blocks
+from narrows.identification.run_errors import RunErrors
+from narrows.identification.systematic_effects import Effect, assemble
+from narrows.ship.particulars import Configuration
+
+# Standard errors beyond a bound at which the data reject it: the coefficient is held there.
+CERTAIN = 2.0
+# Draws from the posterior; fewer than LEAST within the bounds are too few to rest on.
+DRAWS, LEAST, SEED = 8000, 200, 26
+# Clusters that Student's t counts: intervals hold the uncertainty of the scales already.
+MANY = 1e6
+# Half width of a 95 % interval over the standard error.
+HALF = 1.959963985
+
+
+@dataclass(frozen=True)
+class ForcePosterior:
+    """The posterior of the coefficients of one force, or of several that share coefficients or errors."""
+
+    rows: ForceRows
+    effects: list[Effect]
+    unit: np.ndarray  # (p,) unit of each scaled coefficient
+    posterior: Posterior
+
+    @property
+    def slots(self) -> list[int]:
+        """Which parameters these are."""
+        return self.rows.slots
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """What the tests say of the coefficients, in the order of ``terms.names``."""
+
+    problem: Problem
+    forces: tuple[ForcePosterior, ...]
+    values: np.ndarray  # (n,)
+    std: np.ndarray  # (n,)
+    covariance: np.ndarray  # (n, n), zero where a coefficient is held at a bound
+    free_values: np.ndarray  # (n,) where the bounds are let go, but for those that the data reject
+    free_half: np.ndarray  # (n,) half width of the 95 % interval without bounds
+    ends: np.ndarray  # (n, 2) 95 % interval within the bounds
+    held: np.ndarray  # (n,) held at a bound that the data reject
+
+    @property
+    def free_std(self) -> np.ndarray:
+        """Standard errors that make the free intervals, (n,)."""
+        return self.free_half / HALF
+
+    def containing(self, values: Mapping[str, float]) -> "Estimates":
+        """The same with intervals that reach to other estimates: where these differ, the terms do not fit well."""
+        other = np.array([values[name] for name in self.problem.terms.names])
+        low, high = np.minimum(self.ends[:, 0], other), np.maximum(self.ends[:, 1], other)
+        return replace(self, values=other, ends=np.stack([low, high], axis=1))
+
+    @cached_property
+    def tipping(self) -> dict[str, list[tuple[Effect, float]]]:
+        """How large each shared error must be to bring a coefficient's interval to 0, the least unusual first."""
+        names = self.problem.terms.names
+        result: dict[str, list[tuple[Effect, float]]] = {name: [] for name in names}
+        for part in self.forces:
+            shifts = part.posterior.shifts * part.unit[:, None]
+            for i, name in enumerate(names):
+                slot = self.problem.slot[name]
+                low, high = self.ends[i]
+                if slot in part.slots and (low > 0 or high < 0) and not self.held[i]:
+                    near = low if low > 0 else -high
+                    result[name] = _tipping(part.effects, shifts[part.slots.index(slot)], near)
+        return result
+
+
+def _tipping(effects: list[Effect], shifts: np.ndarray, distance: float) -> list[tuple[Effect, float]]:
+    needed = distance / np.maximum(np.abs(shifts), 1e-300)
+    order = [i for i in np.argsort(needed) if effects[i].told and needed[i] < 1e4]
+    return [(effects[i], float(needed[i])) for i in order]
+
+
+def estimates(
+    equations: NormalEquations,
+    motions: DistinctMotions,
+    problem: Problem,
+    errors: RunErrors,
+    configuration: Configuration,
+) -> Estimates:
+    """Fit the mixed model of every force and put its posterior together."""
+    parts = tuple(
+        _posterior(equations, motions, problem, errors, configuration, forces) for forces in _together(problem)
+    )
+    size = len(problem.scale)
+    free, free_half = np.zeros(size), np.full(size, np.inf)
+    values, std, covariance = np.zeros(size), np.zeros(size), np.zeros((size, size))
+    ends, held = np.zeros((size, 2)), np.zeros(size, bool)
+    for part in parts:
+        at = np.array(part.slots)
+        bounds = np.stack([problem.lower, problem.upper], axis=1)[at] / problem.scale[at, None]
+        one = _within_bounds(part, bounds)
+        free[at], free_half[at], values[at], std[at], ends[at], held[at] = one[:6]
+        covariance[np.ix_(at, at)] = one[6]
+    order = np.array([problem.slot[name] for name in problem.terms.names])
+    return Estimates(
+        problem, parts, values[order], std[order], covariance[np.ix_(order, order)], free[order], free_half[order],
+        ends[order], held[order],
+    )  # fmt: skip
+
+
+def _together(problem: Problem) -> list[tuple[str, ...]]:
+    """Forces that share coefficients, and Y and N, which share errors of the motion."""
+    groups = [[force] for force, part in problem.terms.forces.items() if part]
+    slots = {force: {problem.slot[term.name] for term in part} for force, part in problem.terms.forces.items()}
+    joined: list[list[str]] = []
+    for group in groups:
+        force = group[0]
+        near = [one for one in joined if any(slots[force] & slots[f] for f in one) or (force == "N" and "Y" in one)]
+        joined = [one for one in joined if one not in near] + [[f for one in near for f in one] + group]
+    return [tuple(one) for one in joined]
+
+
+def _posterior(
+    equations: NormalEquations,
+    motions: DistinctMotions,
+    problem: Problem,
+    errors: RunErrors,
+    configuration: Configuration,
+    forces: tuple[str, ...],
+) -> ForcePosterior:
+    blocks = run_blocks(equations, motions, forces)
+    rows = ForceRows(blocks, motions, problem, equations.columns)
+    model, effects, unit = assemble(rows, errors, configuration)
+    return ForcePosterior(rows, effects, unit, model.posterior())
+
+
+def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Free estimates and half widths, then values, standard errors, ends, held and covariance within the bounds."""
+    unit = part.unit
+    means = part.posterior.means * unit
+    spreads = part.posterior.covariances * np.outer(unit, unit)
+    weights = part.posterior.weights
+    held = np.zeros(len(unit), bool)
+    for _ in range(len(unit)):
+        mean = weights @ means
+        std = np.sqrt(weights @ (np.diagonal(spreads, axis1=1, axis2=2) + (means - mean) ** 2))
+        beyond = np.maximum(bounds[:, 0] - mean, mean - bounds[:, 1]) / np.maximum(std, 1e-300)
+        beyond[held] = -np.inf
+        if beyond.max() < CERTAIN:
+            break
+        worst = int(beyond.argmax())
+        edge = bounds[worst, 0] if mean[worst] < bounds[worst, 0] else bounds[worst, 1]
+        means, spreads = _conditioned(means, spreads, worst, edge)
+        held[worst] = True
+    draws = _draws(means, spreads, weights)
+    inside = draws[((draws >= bounds[:, 0]) & (draws <= bounds[:, 1]) | held).all(axis=1)]
+    inside = inside if len(inside) >= LEAST else np.clip(draws, bounds[:, 0], bounds[:, 1])
+    free = weights @ means
+    free_half = 0.5 * np.diff(np.quantile(draws, [0.025, 0.975], axis=0), axis=0)[0]
+    low, high = np.quantile(inside, [0.025, 0.975], axis=0)
+    ends = np.stack([low, high], axis=1)
+    for i in np.flatnonzero(np.isfinite(bounds).any(axis=1) & ~held):
+        # Near a bound the unified interval holds a truth that lies on it; a truncated quantile never does.
+        ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]), MANY)
+    covariance_free = np.atleast_2d(np.cov(draws.T))
+    covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
+    values = _nearest(weights @ means, covariance_free, bounds)
+    ends = np.stack([np.minimum(ends[:, 0], values), np.maximum(ends[:, 1], values)], axis=1)
+    return free, free_half, values, np.sqrt(np.diag(covariance)), ends, held, covariance
+
+
+def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """The values within the bounds that are most likely: nearest to the mean by the inverse of the covariance."""
+    if ((mean >= bounds[:, 0]) & (mean <= bounds[:, 1])).all():
+        return mean
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-10, hermitian=True)
+    z = solve(inverse, inverse @ (mean / size), *(bounds / size[:, None]).T).z * size
+    return np.where(size > 1e-140, np.clip(z, bounds[:, 0], bounds[:, 1]), mean)
+
+
+def _conditioned(means: np.ndarray, spreads: np.ndarray, i: int, value: float) -> tuple[np.ndarray, np.ndarray]:
+    """Gaussians given the value of one coefficient."""
+    slope = spreads[:, :, i] / spreads[:, i, i][:, None]
+    moved = means + slope * (value - means[:, [i]])
+    moved[:, i] = value
+    left = spreads - slope[:, :, None] * spreads[:, [i], :]
+    left[:, i, :] = left[:, :, i] = 0.0
+    return moved, left
+
+
+def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Draws from a mixture of Gaussians: as many of each as its weight says, each with its mirror image."""
+    rng = np.random.default_rng(SEED)
+    edges = np.round(np.cumsum(weights) * (DRAWS // 2)).astype(int)
+    which = np.repeat(np.arange(len(weights)), np.diff(edges, prepend=0))
+    # Symmetric roots of correlations: units, and the signs that a library gives eigenvectors, do not change the draws.
+    size = np.sqrt(np.diagonal(spreads, axis1=1, axis2=2).max(axis=0))
+    size = np.where(size > 0, size, 1.0)
+    values, vectors = np.linalg.eigh(spreads / np.outer(size, size))
+    roots = (vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]) @ np.swapaxes(vectors, 1, 2) * size[:, None]
+    half = np.einsum("nij,nj->ni", roots[which], rng.standard_normal((len(which), means.shape[1])))
+    return np.concatenate([means[which] + half, means[which] - half])
+
+
+def scales_of(part: ForcePosterior) -> Mapping[str, float]:
+    """Size of each error as the tests show it: shares of the force, and multiples of the usual sizes."""
+    names = ["gain", "form", "bank form", "scatter", *(f"zero of {force}" for force in part.rows.blocks.forces)]
+    groups = dict.fromkeys(effect.group for effect in part.effects if effect.learned)
+    found = part.posterior.model.prior * np.exp(part.posterior.weights @ part.posterior.log_scales)
+    return dict(zip([*names, *groups], found.tolist(), strict=True))

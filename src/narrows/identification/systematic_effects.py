@@ -1,0 +1,270 @@
+"""Errors that several runs share, each with a name, a unit and a usual size: the random effects of the mixed model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identification.force_rows import ForceRows
+from narrows.identification.mixed_model import BlockErrors, MixedModel
+from narrows.identification.regression.normal_equations import ONE
+from narrows.identification.run_errors import RunErrors
+from narrows.ship.particulars import Configuration
+
+DEGREE = np.pi / 180
+# Groups of effects; those of a group share one learned scale, so that rival explanations count alike.
+DAMPING, INERTIA, HULL, BANK = "damping", "inertia", "hull form", "bank form"
+TYPES, STRAIGHT, CAMPAIGN, CLOCK = "types of run", "straight runs", "campaign", "clock"
+# Effects whose columns hold measured forces: learning their scale would explain the forces by themselves.
+FIXED = "fixed"
+# Usual sizes, by which the scales' priors are stated: shares of a term or of a force's level, or the effect's unit.
+SIZES = {
+    "damping by speed": 0.3, "damping by period": 0.05, "damping by depth": 0.3,  # power, per octave, power
+    "inertia by speed": 0.04, "inertia by period": 0.05, "inertia by depth": 0.2,
+    "damping in straight runs": 0.03, "other hull terms": 0.02, "walls": 0.01,
+    "bank form": 0.01, "type of run": 0.008, "bank lag": 0.05, "straight zero": 0.01, "straight offset": 0.008,
+    "heading": 0.03, "rail": 0.003, "clock": 0.02, "crosstalk": 0.003, "common zero": 0.005, "side force": 0.005,
+    "settling": 0.02, "curvature": 0.002, "mount": 0.005,
+    "force with y": 0.002, "heading with y": 0.02, "rudder with y": 0.1, "crossflow with y": 0.1,
+}  # fmt: skip
+# Degrees of freedom of the half-t priors: errors of one type of runs may be large, added masses hardly change.
+FREEDOM = {TYPES: 1.0, BANK: 2.0, f"{INERTIA} by speed": 10.0, f"{INERTIA} by period": 10.0}
+USUAL_FREEDOM = 3.0
+# Trends of less than this, in logarithms or octaves, are not told from one level.
+ONE_LEVEL = 0.05
+# Side force of a usual rudder [N] per degree at 1 m/s, over density x L x T: area LT/48, slope of the normal force
+# 2.45, of which the hull makes 1.3 times as much.
+RUDDER = 0.5 / 48 * 2.45 * 1.3 * DEGREE
+# Root mean square of a sine over its amplitude's half: offsets at which other forms of the bank are as large as it.
+TYPICAL = 1.5
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An error that several runs share."""
+
+    name: str
+    unit: str
+    usual: float  # size in that unit
+    group: str
+
+    @property
+    def learned(self) -> bool:
+        """Whether the tests say how large it is."""
+        return self.group != FIXED
+
+    @property
+    def told(self) -> bool:
+        """Whether it has a size that a laboratory knows, so that it is a tipping point."""
+        return self.group in (TYPES, STRAIGHT, CAMPAIGN, CLOCK, FIXED) and bool(self.unit)
+
+
+class Effects:
+    """Effects and their columns, in the rows of every force."""
+
+    def __init__(self, rows: ForceRows, errors: RunErrors, configuration: Configuration) -> None:
+        self.rows, self.configuration = rows, configuration
+        self.effects: list[Effect] = []
+        self.columns: list[np.ndarray] = []
+        self.share = {HULL: errors.hull, DAMPING: errors.hull, INERTIA: errors.hull, BANK: errors.bank}
+        self.campaign = errors.campaign
+        if not errors.none:
+            self._hull()
+        if not errors.none and rows.blocks.forces != ("X",):
+            self._bank()
+            self._with_offset()
+            self._motion()
+            self._gauges()
+
+    def add(self, name: str, column: np.ndarray, usual: float, group: str, unit: str = "") -> None:
+        """Add an effect by the column of one unit of it; one without force is left out."""
+        usual *= self.share.get(group.split(" by ")[0], self.campaign)
+        if usual > 0 and np.abs(column).max(initial=0.0) > 0:
+            self.effects.append(Effect(name, unit, usual, group))
+            self.columns.append(column * usual)
+
+    def _hull(self) -> None:
+        """Hull terms that change with speed, period and depth, in straight runs, or are of another form."""
+        rows = self.rows
+        trends = {"speed": rows.speeds, "period": rows.octaves, "depth": rows.depths}
+        for f, term in rows.terms:
+            if term.from_bank:
+                continue
+            slope = rows.of(f, rows.raw(term.name) * rows.size(f, term))
+            kind = INERTIA if any(name.endswith("dot") for name in term.inputs) else DAMPING
+            for name, trend in trends.items():
+                self._trend(f"{term.name} with {name}", slope, rows.all(trend), f"{kind} by {name}")
+            if rows.mixed and kind == DAMPING:
+                still = slope * rows.all(rows.steady)
+                self.add(f"{term.name} in straight runs", still, SIZES["damping in straight runs"], HULL)
+        for f in self._lateral():
+            for name in ("v3", "r3", "|r|v", "|v|r"):
+                self._scaled(f, name, SIZES["other hull terms"], HULL)
+            for name in ("v y2", "r y2"):
+                self._scaled(f, name, SIZES["walls"], HULL)
+
+    def _lateral(self) -> list[int]:
+        """Forces that a side force, an offset or another hull form changes: sway and yaw."""
+        return [f for f, force in enumerate(self.rows.blocks.forces) if force != "X"]
+
+    def _trend(self, name: str, slope: np.ndarray, trend: np.ndarray, group: str) -> None:
+        """A term that changes along a trend, and along its square where there are three levels."""
+        if np.ptp(trend) < ONE_LEVEL:
+            return
+        self.add(name, slope * trend, SIZES[group], group)
+        if len(np.unique(np.round(trend / ONE_LEVEL))) > 2:
+            self.add(f"{name} squared", slope * trend**2, SIZES[group] / 2, group)
+
+    def _scaled(self, f: int, name: str, usual: float, group: str) -> None:
+        """A column scaled to the force's level."""
+        rows = self.rows
+        column = rows.raw(f"column {name}")
+        rms = rows.rms(column)
+        if rms > 1e-9:
+            level = rows.blocks.level[f]
+            self.add(f"{name} in {rows.blocks.forces[f]}", rows.of(f, column / rms * level), usual, group)
+
+    def _bank(self) -> None:
+        """A bank of another form, one that differs by side, speed or type of run, and one that lags."""
+        rows = self.rows
+        typical = max(TYPICAL * rows.rms(rows.raw("column y")), 1e-9)
+        for f, term in rows.terms:
+            if not term.from_bank:
+                continue
+            size, own = rows.size(f, term), rows.raw(term.name)
+            # All are zero at the centreline and in straight runs: there the coefficient is what it is called.
+            forms = {
+                "as y2": rows.raw(f"near of {term.name}") / typical**2,
+                "as the root of y": rows.raw(f"far of {term.name}") / np.sqrt(typical),
+                "by side": rows.raw(f"side of {term.name}"),
+                "with depth": own * rows.depths * (np.ptp(rows.depths) > ONE_LEVEL),
+                "with speed": own * rows.speeds * (np.ptp(rows.speeds) > ONE_LEVEL),
+            }
+            types = {
+                "in harmonic runs": (own * (1 - rows.steady), TYPES),
+                "with period": (own * rows.octaves, STRAIGHT),
+            }
+            for name, column in forms.items():
+                self.add(f"{term.name} {name}", rows.of(f, column * size), SIZES["bank form"], BANK)
+            for name, (column, group) in types.items():
+                self.add(f"{term.name} {name}", rows.of(f, column * size), SIZES["type of run"], group)
+            lag = rows.of(f, rows.raw(f"time of {term.name}") * size)
+            self.add(f"lag of {term.name}", lag, SIZES["bank lag"], STRAIGHT, "s")
+
+    def _with_offset(self) -> None:
+        """What goes with the offset as a bank does: a cable, a trimmed heading or rudder, a crossflow."""
+        rows, place = self.rows, f"at {self.rows.reach:.2g} m"
+        speed = float(np.median(rows.speed))
+        powers: dict[str, tuple[str, float]] = {
+            "y": ("force that goes with y", 1.0),
+            "y u": ("force that goes with y u", speed),
+            "y u2": ("force that goes with y u2", speed**2),
+            "y2 u2": ("force that goes with y2 u2", speed**2 * rows.reach),
+        }
+        for f in self._lateral():
+            force = rows.blocks.forces[f]
+            unit = f"{'N m' if force == 'N' else 'N'} {place}"
+            for name, (words, scale) in powers.items():
+                column = rows.of(f, rows.raw(f"column {name}") / (scale * rows.reach))
+                self.add(f"{words} in {force}", column, SIZES["force with y"] * rows.blocks.level[f], CAMPAIGN, unit)
+        turned = (rows.shift("heading with y") + self._unexcited_sway("column y u2")) / rows.reach
+        self.add("heading that goes with y", turned * DEGREE, SIZES["heading with y"], CAMPAIGN, f"deg {place}")
+        across = turned / rows.all(rows.speed) * 0.01
+        self.add("crossflow that goes with y", across, SIZES["crossflow with y"], CAMPAIGN, f"cm/s {place}")
+        self._rudder(rows.raw("column y u2") / rows.reach, f"deg {place}")
+
+    def _unexcited_sway(self, column: str) -> np.ndarray:
+        """Force of a heading of one radian on a usual hull, where no test has sway that would show this one's."""
+        # Clarke, Gedling, Hine (1983): Y'v about pi T/L + 1.4 CB B/L. N'v is 0.14 to 0.41 in tests of KCS and DTC.
+        rows, ship = self.rows, self.configuration.ship
+        if np.abs(rows.shift("heading")).max(initial=0.0) > 0 and rows.rms(rows.raw("column v")) > 1e-6:
+            return np.zeros(rows.each * rows.count)
+        sway = np.pi * ship.draft / ship.length + 1.4 * ship.block_coefficient * ship.beam / ship.length
+        slopes = {"Y": sway, "N": 0.35 * ship.length}
+        size = 0.5 * self.configuration.water.density * ship.length * ship.draft
+        parts = [
+            rows.of(f, slopes.get(force, 0.0) * size * rows.raw(column)) for f, force in enumerate(rows.blocks.forces)
+        ]
+        return np.asarray(sum(parts))
+
+    def _rudder(self, along: np.ndarray, unit: str) -> None:
+        ship, rows = self.configuration.ship, self.rows
+        force = RUDDER * self.configuration.water.density * ship.length * ship.draft * along
+        levers = {"Y": 1.0, "N": -ship.length / 2}
+        column = sum(rows.of(f, levers.get(name, 0.0) * force) for f, name in enumerate(rows.blocks.forces))
+        self.add("rudder angle that goes with y", np.asarray(column), SIZES["rudder with y"], CAMPAIGN, unit)
+
+    def _motion(self) -> None:
+        """Errors of the motion: heading, rail, clock, mount."""
+        rows = self.rows
+        turned = (rows.shift("heading") + self._unexcited_sway("column u2")) * DEGREE
+        moved = rows.shift("rail")
+        still, side = rows.all(rows.steady) * rows.mixed, rows.all(rows.steady * rows.side)
+        self.add("heading", turned, SIZES["heading"], CAMPAIGN, "deg")
+        self.add("heading of straight runs", turned * still, SIZES["heading"], CAMPAIGN, "deg")
+        self.add("heading of straight runs by side", turned * side, SIZES["heading"] / 2, CAMPAIGN, "deg")
+        self.add("offset of the rail", moved, SIZES["rail"], CAMPAIGN, "m")
+        self.add("offset of straight runs by side", moved * side, SIZES["straight offset"], TYPES, "m")
+        self.add("delay between clocks", rows.rate(), SIZES["clock"], CLOCK, "s")
+        self.add("compliance of the mount", rows.shift("mount") * DEGREE / 20, SIZES["mount"], FIXED, "deg per 20 N m")
+
+    def _gauges(self) -> None:
+        """Errors of the gauges that all runs share, and a side force of the hull."""
+        rows = self.rows
+        fitted, early = rows.fitted(rows.blocks.columns), rows.fitted(rows.blocks.early)
+        for f, (force, level) in enumerate(zip(rows.blocks.forces, rows.blocks.level, strict=True)):
+            one, unit = rows.of(f, rows.raw(ONE)), "N m" if force == "N" else "N"
+            self.add(f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit)
+            if rows.mixed:
+                still = rows.all(rows.steady)
+                straight = one * still
+                self.add(f"zero of {force} in straight runs", straight, SIZES["straight zero"] * level, STRAIGHT, unit)
+                gain = rows.of(f, fitted[f]) * still / 100
+                self.add(f"gain of {force} in straight runs", gain, 100 * SIZES["type of run"], TYPES, "%")
+            self.add(f"settling of {force}", rows.of(f, early[f]), SIZES["settling"], CAMPAIGN)
+            if f in self._lateral():
+                self._scaled(f, "u2", SIZES["side force"], CAMPAIGN)
+            curved = rows.of(f, rows.raw(f"column |{force}|{force}") / (2 * level)) / 100
+            self.add(f"curvature of the gauge of {force}", curved, 100 * SIZES["curvature"], FIXED, "%")
+            for g, other in enumerate(rows.blocks.forces):
+                if g != f:
+                    leak = rows.of(f, fitted[g] * level / rows.blocks.level[g]) / 100
+                    self.add(f"crosstalk of {other} into {force}", leak, 100 * SIZES["crosstalk"], CAMPAIGN, "%")
+
+
+def assemble(
+    rows: ForceRows, errors: RunErrors, configuration: Configuration
+) -> tuple[MixedModel, list[Effect], np.ndarray]:
+    """The mixed model of some forces, its effects, and the unit of each scaled coefficient."""
+    found = Effects(rows, errors, configuration)
+    groups = list(dict.fromkeys(effect.group for effect in found.effects if effect.learned))
+    unit = rows.units()
+    x = np.column_stack([rows.x * unit, *found.columns])
+    bank = SIZES["bank form"] * errors.bank * (not errors.none)
+    scatter = 0.0 if errors.none else errors.scatter
+    runs = [errors.gain, errors.form, bank, scatter, *[errors.zero] * rows.count]
+    places = {name: len(runs) + i for i, name in enumerate([*groups, FIXED])}
+    group = np.array([places[effect.group] for effect in found.effects], int)
+    prior = np.array([*runs, *[1.0] * len(groups)])
+    freedom = np.array([USUAL_FREEDOM] * len(runs) + [FREEDOM.get(name, USUAL_FREEDOM) for name in groups])
+    return MixedModel(x, rows.y, len(rows.slots), group, _block_errors(rows), prior, freedom), found.effects, unit
+
+
+def _block_errors(rows: ForceRows) -> BlockErrors:
+    blocks, count = rows.blocks, rows.count
+    one = np.outer(blocks.level, blocks.reference[:, rows.names[ONE]])
+    fitted, bank = rows.fitted(blocks.reference), rows.fitted(blocks.reference, bank=True)
+    shapes = np.column_stack([fitted.ravel(), bank.ravel(), one.ravel()])
+    measured = [blocks.reference[:, rows.names[force]] for force in blocks.forces]
+    # A form error spreads half along the force itself and half over all directions.
+    form = [0.5 * np.add.reduceat(force**2, blocks.starts) / blocks.sizes for force in measured]
+    share = rows.length[blocks.starts] ** 2 / blocks.sizes / blocks.runs
+    return BlockErrors(
+        starts=np.concatenate([blocks.starts + f * rows.each for f in range(count)]),
+        shapes=shapes,
+        noise=np.concatenate([noise / blocks.runs for noise in blocks.noise]),
+        form=np.concatenate(form),
+        scatter=np.outer(blocks.level**2, share).ravel(),
+        runs=np.tile(blocks.runs, count),
+        is_mean=np.tile(blocks.is_mean, count),
+        zero_group=np.repeat(4 + np.arange(count), len(blocks.runs)),
+    )

@@ -1,0 +1,149 @@
+"""How well each coefficient is known: one word from the posterior, one plain sentence, and its tipping points."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.identification.diagnosis import INVOLVED, Diagnosis
+from narrows.identification.diagnostics import Diagnostics
+from narrows.identification.estimates import HALF, Estimates
+from narrows.terms.term import Term, TermTable
+
+IDENTIFIED, IMPRECISE, NOT_SEPARABLE, ZERO = "identified", "imprecise", "not separable", "zero"
+AT_BOUND, NOT_EXCITED, NOT_IDENTIFIABLE = "at bound", "not excited", "not identifiable"
+# Half width of the interval over the estimate, below which a coefficient is identified.
+PRECISE = 0.5
+# Share of the force that a term makes, below which its coefficient is zero for practical purposes.
+NEGLIGIBLE = 0.02
+# Posterior correlation of two coefficients beyond which the tests do not separate them.
+INSEPARABLE = 0.9
+# Tipping points that are told with a verdict.
+MOST_TOLD = 3
+# Sizes beyond which an error is none that a laboratory could overlook.
+MOST_SAID = {"%": 50.0, "m": 0.5, "s": 5.0, "deg": 10.0}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How well a coefficient is known.
+
+    Parameters
+    ----------
+    status : str
+        ``identified``, ``imprecise``, ``not separable``, ``zero``, ``at bound``, ``not identifiable`` or
+        ``not excited``.
+    reasons : tuple of str
+        Why, each a clause.
+    partners : tuple of str
+        Coefficients from which the tests do not separate it.
+    tipping : tuple of str
+        The least unusual errors of a campaign that would bring the interval to 0, each with its size.
+    """
+
+    status: str
+    reasons: tuple[str, ...] = ()
+    partners: tuple[str, ...] = ()
+    tipping: tuple[str, ...] = ()
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data determine the coefficient at all."""
+        return self.status not in (NOT_EXCITED, NOT_IDENTIFIABLE)
+
+    @property
+    def words(self) -> str:
+        """The status, and the coefficients from which the tests do not separate it."""
+        word = NOT_IDENTIFIABLE if self.status == NOT_EXCITED else self.status
+        return f"{word} from {' and '.join(self.partners)}" if self.partners else word
+
+    def sentence(self, name: str) -> str:
+        """Say it of a coefficient."""
+        tipped = (f"overturned by {' or '.join(self.tipping)}",) * bool(self.tipping)
+        clauses = "; ".join((*self.reasons, *tipped))
+        return f"{name} is {self.words}" + (f": {clauses}." if clauses else ".")
+
+
+def verdicts(diagnostics: Diagnostics, found: Estimates, at_bound: Mapping[str, float]) -> dict[str, Verdict]:
+    """Judge every coefficient of a fit."""
+    terms = diagnostics.terms
+    judged = {}
+    for force, part in terms.forces.items():
+        for term in part:
+            index, known = terms.names.index(term.name), diagnostics.determined(term.name)
+            verdict = _without_data(term, diagnostics.overall[force], known)
+            judged[term.name] = verdict or _judged(term, index, terms, found, at_bound)
+    return judged
+
+
+def _without_data(term: Term, overall: Diagnosis, known: bool) -> Verdict | None:
+    """A coefficient that its own force's columns do not determine; one that is tied may be known by its partner."""
+    if known:
+        return None
+    if term.name in overall.empty:
+        what = term.inputs[0] if len(term.inputs) == 1 else "its regressor"
+        return Verdict(NOT_EXCITED, (f"{what} is 0 in every test",))
+    for direction in overall.missing:
+        if abs(direction[overall.names.index(term.name)]) > INVOLVED:
+            return Verdict(NOT_IDENTIFIABLE, (_combination(overall, direction),))
+    return None
+
+
+def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
+    """Name the coefficients of a direction without data; what is known is orthogonal to it."""
+    involved = [name for name, part in zip(overall.names, direction, strict=True) if abs(part) > INVOLVED]
+    return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"
+
+
+def _judged(term: Term, index: int, terms: TermTable, found: Estimates, at_bound: Mapping[str, float]) -> Verdict:
+    value, (low, high) = float(found.values[index]), found.ends[index].tolist()
+    half = (high - low) / 2
+    if found.held[index]:
+        beyond = at_bound.get(term.name, float(found.free_values[index]))
+        return Verdict(AT_BOUND, (f"the data alone would put it beyond, at {beyond:.3g}",))
+    known = f"{value:.3g} +- {half:.2g}"
+    if (low > 0 or high < 0) and half < PRECISE * abs(value):
+        return Verdict(IDENTIFIED, (f"{known}, {half / abs(value):.0%}",), (), _tipping(term.name, found))
+    if max(abs(low), abs(high)) < NEGLIGIBLE * _usual(term.name, found):
+        return Verdict(ZERO, (f"{low:.2g} to {high:.2g} makes less than {NEGLIGIBLE:.0%} of the force",))
+    partner = _partner(index, terms, found)
+    if partner is not None:
+        return Verdict(NOT_SEPARABLE, (_direction(index, partner, terms, found),), (terms.names[partner],))
+    return Verdict(IMPRECISE, (f"{known}, its 95 % interval is {low:.3g} to {high:.3g}",))
+
+
+def _usual(name: str, found: Estimates) -> float:
+    """Value at which the term is as large as its force."""
+    slot = found.problem.slot[name]
+    return next(float(part.unit[part.slots.index(slot)]) for part in found.forces if slot in part.slots)
+
+
+def _tipping(name: str, found: Estimates) -> tuple[str, ...]:
+    """The least unusual errors that would bring the interval to 0, one of each kind."""
+    by_kind: dict[str, str] = {}
+    for effect, needed in found.tipping[name]:
+        size = needed * effect.usual
+        if size < MOST_SAID.get(effect.unit, np.inf):
+            by_kind.setdefault(effect.name.split(" ")[0], f"{size:.2g} {effect.unit} of {effect.name}")
+    return tuple(by_kind.values())[:MOST_TOLD]
+
+
+def _partner(index: int, terms: TermTable, found: Estimates) -> int | None:
+    """The coefficient whose estimate is most correlated with this one's."""
+    size = np.sqrt(np.diag(found.covariance))
+    if not size[index] > 0:
+        return None
+    correlation = np.abs(found.covariance[index]) / np.where(size > 0, size * size[index], np.inf)
+    slots = np.array([found.problem.slot[name] for name in terms.names])
+    correlation[slots == slots[index]] = 0.0
+    most = int(correlation.argmax())
+    return most if correlation[most] > INSEPARABLE else None
+
+
+def _direction(index: int, partner: int, terms: TermTable, found: Estimates) -> str:
+    """The combination of two coefficients that the tests determine."""
+    c, names = found.covariance, terms.names
+    slope = -c[index, partner] / c[partner, partner]
+    value = found.values[index] + slope * found.values[partner]
+    half = HALF * float(np.sqrt(max(c[index, index] + slope * c[index, partner], 0.0)))
+    return f"the tests determine {names[index]} {slope:+.3g} {names[partner]} = {value:.3g} +- {half:.2g}"

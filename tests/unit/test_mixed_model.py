@@ -1,0 +1,188 @@
+"""The mixed model against published fits, dense algebra, and twins whose errors are known."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.captive.tests import CaptiveTests
+from narrows.identification.mixed_model import BlockErrors, MixedModel
+from narrows.identification.motions import numbered
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
+from trust_kinds import honest, zero_of_a_day
+from trust_tank import DOZEN, NONE, Tank, law, measured, straight
+
+# Yield of dyestuff by batch, Davies and Goldsmith (1972), as in lme4's data set Dyestuff.
+DYESTUFF = np.array(
+    [
+        [1545, 1440, 1440, 1520, 1580], [1540, 1555, 1490, 1560, 1495], [1595, 1550, 1605, 1510, 1560],
+        [1445, 1440, 1595, 1465, 1545], [1595, 1630, 1515, 1635, 1625], [1520, 1455, 1450, 1480, 1445],
+    ], float,
+)  # fmt: skip
+
+
+def grouped(x: np.ndarray, y: np.ndarray, z: np.ndarray, noise: float) -> MixedModel:
+    """A model with one group of random effects, whose scale has the prior 1, and independent errors."""
+    rows = len(y)
+    nothing = np.zeros(1)
+    errors = BlockErrors(
+        np.array([0]), np.zeros((rows, 3)), np.array([noise]), nothing, nothing, np.ones(1), np.array([True]),
+        np.array([4]),
+    )  # fmt: skip
+    group = np.full(z.shape[1], 5)
+    prior = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    return MixedModel(np.column_stack([x, z]), y, x.shape[1], group, errors, prior, np.full(6, 1e9))
+
+
+def test_dyestuff_as_lme4_prints_it() -> None:
+    """lmer(Yield ~ 1 | Batch): REML criterion 319.7, mean 1527.50 (19.38), scales 42.00 and 49.51."""
+    y = DYESTUFF.ravel()
+    model = grouped(np.full((30, 1), 1000.0), y, np.kron(np.eye(6), np.ones((5, 1))), 49.51**2)
+
+    def criterion(scale: float) -> float:
+        at = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.log(scale)])
+        prior = np.log(scale) - 0.5 * scale**2  # half-normal, over the logarithm
+        others = -2.5  # priors of the five scales that are 0
+        constant = 29 * np.log(2 * np.pi) - 2 * np.log(1000.0)  # the column is 1000
+        return -2 * (model.at(at).log_density - prior - others) + constant
+
+    assert criterion(42.00) == pytest.approx(319.65, abs=0.05)
+    assert criterion(42.00) < min(criterion(38.0), criterion(46.0))
+    found = model.at(np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.log(42.00)]))
+    assert 1000 * found.mean[0] == pytest.approx(1527.50, abs=0.01)
+    assert 1000 * np.sqrt(found.covariance[0, 0]) == pytest.approx(19.38, abs=0.01)
+
+
+@pytest.fixture(scope="module")
+def fit() -> nw.Fit:
+    return nw.identify(honest(np.random.default_rng(1), 0.02)[0])
+
+
+@pytest.fixture(scope="module")
+def model(fit: nw.Fit) -> MixedModel:
+    return fit.estimates.forces[-1].posterior.model
+
+
+def test_coefficients_are_those_of_dense_generalised_least_squares(model: MixedModel) -> None:
+    at = np.full(len(model.prior), -0.5)
+    scale = model.scales(at)[model.group]
+    x, z = model.x[:, : model.fixed], model.x[:, model.fixed :] * scale
+    v = model.covariance_of(at, np.arange(len(model.y))) + z @ z.T
+    information = x.T @ np.linalg.solve(v, x)
+    expected = np.linalg.solve(information, x.T @ np.linalg.solve(v, model.y))
+    found = model.at(at)
+    np.testing.assert_allclose(found.mean[: model.fixed], expected, rtol=1e-5)
+    covariance = np.linalg.inv(information)
+    size = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(
+        found.covariance[: model.fixed, : model.fixed] / np.outer(size, size),
+        covariance / np.outer(size, size),
+        atol=1e-5,
+    )
+
+
+def test_the_gradient_is_that_of_the_log_density(model: MixedModel) -> None:
+    at, step = np.full(len(model.prior), -0.7), 1e-4
+    slopes = [
+        (model.at(at + step * e).log_density - model.at(at - step * e).log_density) / (2 * step)
+        for e in np.eye(len(at))
+    ]
+    np.testing.assert_allclose(model.at(at, gradient=True).gradient, slopes, atol=1e-3)
+
+
+def test_a_shift_is_the_bias_that_the_effect_makes(fit: nw.Fit, model: MixedModel) -> None:
+    """An effect of one added to the forces moves the estimates, at given scales, by what its shift says."""
+    at = np.full(len(model.prior), -0.5)
+    names = [effect.name for effect in fit.estimates.forces[-1].effects]
+    i = names.index("heading that goes with y")
+    moved = MixedModel(
+        model.x,
+        model.y + model.x[:, model.fixed + i],
+        model.fixed,
+        model.group,
+        model.errors,
+        model.prior,
+        model.freedom,
+    )
+    found = (moved.at(at).mean - model.at(at).mean)[: model.fixed]
+    covariance, scale = model.at(at).covariance, model.scales(at)[model.group]
+    expected = -covariance[: model.fixed, model.fixed + i] / scale[i] ** 2
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-8)
+
+
+def reordered(tests: CaptiveTests, order: np.ndarray, names: tuple[str, ...] = ()) -> CaptiveTests:
+    rows = np.concatenate([np.arange(tests.starts[i], tests.starts[i + 1]) for i in order])
+    starts = np.concatenate([[0], np.cumsum(np.diff(tests.starts)[order])])
+    columns = {name: column[rows] for name, column in tests.columns.items()}
+    return CaptiveTests(columns, names or tuple(tests.names[i] for i in order), starts, tests.configuration)
+
+
+def test_neither_order_nor_copies_of_tests_matter(fit: nw.Fit) -> None:
+    count = len(fit.tests.names)
+    turned = nw.identify(reordered(fit.tests, np.random.default_rng(0).permutation(count)))
+    twice = np.tile(np.arange(count), 2)
+    copied = nw.identify(reordered(fit.tests, twice, tuple(f"{fit.tests.names[i]} {k}" for k, i in enumerate(twice))))
+    for name in ("b_bank", "c_bank", "b_v", "c_rdot"):
+        low, high = fit.intervals[name]
+        for other in (turned, copied):
+            assert other.intervals[name] == pytest.approx((low, high), abs=0.1 * (high - low))
+            assert other.verdicts[name].status == fit.verdicts[name].status
+
+
+def test_levels_do_not_depend_on_order() -> None:
+    assert numbered([0.8, 0.82, 0.85, 0.88, 0.9]).tolist() == [0, 0, 1, 1, 2]
+    assert numbered([0.9, 0.88, 0.85, 0.82, 0.8]).tolist() == [0, 1, 1, 2, 2]
+    assert numbered([-1.0, 0.0, 1.0, 0.0]).tolist() == [0, 1, 2, 1]
+
+
+def test_a_bank_is_identified_and_none_is_not() -> None:
+    for seed in range(3):
+        tests, truth = honest(np.random.default_rng(seed), 0.02)
+        found = nw.identify(tests)
+        for name in ("b_bank", "c_bank"):
+            low, high = found.intervals[name]
+            assert low <= truth[name] <= high
+            assert high - low < 0.15 * truth[name]
+            assert found.verdicts[name].status == "identified"
+            assert found.verdicts[name].tipping
+        tests, _ = zero_of_a_day(np.random.default_rng(seed), 2.0)
+        found = nw.identify(tests)
+        assert all(found.verdicts[name].status != "identified" for name in ("b_bank", "c_bank"))
+
+
+def test_a_cable_is_not_larger_than_its_tipping_point() -> None:
+    """No bank and a cable of 3 N at 1.7 m: where a bank is identified, less than that cable overturns it."""
+    for seed in range(3):
+
+        def cable(_: np.random.Generator, i: int, record: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+            return {**record, "Y": record["Y"] + 3.0 * record["y"] / 1.7}
+
+        tests = measured(np.random.default_rng(seed), DOZEN, law(NONE), Tank(gain=0.01, spoil=cable))
+        found = nw.identify(tests)
+        if found.verdicts["b_bank"].status == "identified":
+            tipping = {effect.name: needed * effect.usual for effect, needed in found.estimates.tipping["b_bank"]}
+            assert tipping["force that goes with y in Y"] < 3.0 * found.motions.reach.max() / 1.7
+
+
+def test_tests_of_the_kcs_are_predicted_by_the_others(kcs_fits: dict[int, nw.Fit]) -> None:
+    held, motions = 0.0, 0
+    for fit in kcs_fits.values():
+        for one in fit.predictiveness:
+            if one.force != "X":
+                held, motions = held + one.held * one.motions, motions + one.motions
+                assert one.relative < 0.6
+    assert 0.88 < held / motions < 0.99
+
+
+def test_more_honest_runs_do_not_widen_the_interval() -> None:
+    more = [*DOZEN, straight(0.7), straight(-0.7), straight(1.4), straight(-1.4)]
+    widths = []
+    for runs in (DOZEN, more):
+        ends = [
+            nw.identify(measured(np.random.default_rng(s), runs, law(), Tank(gain=0.02))).intervals for s in range(4)
+        ]
+        widths.append(np.mean([one["b_bank"][1] - one["b_bank"][0] for one in ends]))
+    assert widths[1] < 1.05 * widths[0]
