@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.interval import bounded_interval
@@ -90,6 +91,8 @@ def _tipping(effects: list[Effect], shifts: np.ndarray, distance: float) -> list
     return [(effects[i], float(needed[i])) for i in order]
 
 
+# Matrices of a few hundred rows: threads of BLAS cost more than they save, a hundred times as much on busy cores.
+@threadpool_limits.wrap(limits=1)
 def estimates(
     equations: NormalEquations,
     motions: DistinctMotions,
