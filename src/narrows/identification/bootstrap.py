@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.estimates import MANY, Estimates
+from narrows.identification.estimates import MANY, CoefficientEstimates
 from narrows.identification.interval import LEVEL, bounded_interval
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
@@ -29,7 +29,7 @@ class Bootstrap:
     # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
     samples: np.ndarray
     std: np.ndarray  # (n,) Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds
-    estimates: Estimates  # Of the tests themselves: the middle of the intervals
+    estimates: CoefficientEstimates  # Of the tests themselves: the middle of the intervals
     kind: str  # ``errors`` or ``tests``
 
     @property
@@ -49,7 +49,7 @@ class Bootstrap:
 
 
 def resampled(
-    problem: Problem, motions: DistinctMotions, found: Estimates, resamples: int, kind: str, seed: int
+    problem: Problem, motions: DistinctMotions, found: CoefficientEstimates, resamples: int, kind: str, seed: int
 ) -> Bootstrap:
     """Fit resamples of the tests, with the constraints and without."""
     # ``errors`` leaves the tests as they are and perturbs their pull on the fit by errors of the size that the fit
@@ -92,7 +92,7 @@ def _by_tests(
 
 
 def _by_errors(
-    problem: Problem, motions: DistinctMotions, found: Estimates, resamples: int, draw: np.random.Generator
+    problem: Problem, motions: DistinctMotions, found: CoefficientEstimates, resamples: int, draw: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     h, g = problem.normal(motions.sums.sum(axis=0))
     first = [list(problem.slot.values()).index(slot) for slot in range(len(g))]

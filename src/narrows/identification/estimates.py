@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.interval import bounded_interval
-from narrows.identification.mixed_model import Posterior
+from narrows.identification.mixed_model import ScaleMixture
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
@@ -36,7 +36,7 @@ class ForcePosterior:
     rows: ForceRows
     effects: list[Effect]
     unit: np.ndarray  # (p,) unit of each scaled coefficient
-    posterior: Posterior
+    posterior: ScaleMixture
 
     @property
     def slots(self) -> list[int]:
@@ -45,7 +45,7 @@ class ForcePosterior:
 
 
 @dataclass(frozen=True)
-class Estimates:
+class CoefficientEstimates:
     """What the tests say of the coefficients, in the order of ``terms.names``."""
 
     problem: Problem
@@ -63,7 +63,7 @@ class Estimates:
         """Standard errors that make the free intervals, (n,)."""
         return self.free_half / HALF
 
-    def containing(self, values: Mapping[str, float]) -> "Estimates":
+    def containing(self, values: Mapping[str, float]) -> "CoefficientEstimates":
         """The same with intervals that reach to other estimates: where these differ, the terms do not fit well."""
         other = np.array([values[name] for name in self.problem.terms.names])
         low, high = np.minimum(self.ends[:, 0], other), np.maximum(self.ends[:, 1], other)
@@ -99,7 +99,7 @@ def estimates(
     problem: Problem,
     errors: RunErrors,
     configuration: Configuration,
-) -> Estimates:
+) -> CoefficientEstimates:
     """Fit the mixed model of every force and put its posterior together."""
     parts = tuple(
         _posterior(equations, motions, problem, errors, configuration, forces) for forces in _together(problem)
@@ -115,7 +115,7 @@ def estimates(
         free[at], free_half[at], values[at], std[at], ends[at], held[at] = one[:6]
         covariance[np.ix_(at, at)] = one[6]
     order = np.array([problem.slot[name] for name in problem.terms.names])
-    return Estimates(
+    return CoefficientEstimates(
         problem, parts, values[order], std[order], covariance[np.ix_(order, order)], free[order], free_half[order],
         ends[order], held[order],
     )  # fmt: skip

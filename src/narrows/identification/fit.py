@@ -17,7 +17,7 @@ from narrows.identification.correlation import CorrelatedPair, correlated_pairs
 from narrows.identification.cross_validation import Validation, left_out_by_speed
 from narrows.identification.depths import DepthTest, depth_tests
 from narrows.identification.diagnostics import Diagnostics
-from narrows.identification.estimates import Estimates, estimates, scales_of
+from narrows.identification.estimates import CoefficientEstimates, estimates, scales_of
 from narrows.identification.influence import Influence, influence
 from narrows.identification.left_out import LeftOutMotion, Predictiveness, left_out_motions, predictiveness
 from narrows.identification.motions import DistinctMotions
@@ -125,7 +125,7 @@ class Fit(Prediction):
         return left_out_by_speed(self.problem, self.normal_equations, self.motions)
 
     @cached_property
-    def estimates(self) -> Estimates:
+    def estimates(self) -> CoefficientEstimates:
         """The posterior of the mixed model: estimates, intervals, tipping points, and how large each error is."""
         known = (self.normal_equations, self.motions, self.problem, self.errors)
         return estimates(*known, self.tests.configuration).containing(self.coefficients)

@@ -16,6 +16,8 @@ VELOCITIES = {"vdot": "column v", "rdot": "column r"}
 SMALL = 0.1
 # Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
 RIDGE = 4e-6
+# Value of a coefficient beyond which no force of a towing tank puts it [SI]: its column is empty but for rounding.
+MOST_UNIT = 1e12
 
 
 class ForceRows:
@@ -90,7 +92,7 @@ class ForceRows:
         for f, term in self.terms:
             own = self.blocks.level[f] / max(self.rms(self.raw(term.name)), 1e-13 * self.blocks.level[f])
             unit[self.place(term)] = min(unit[self.place(term)], own)
-        return np.where(np.isfinite(unit) & (unit < 1e12), unit, 1.0)  # of an empty column any will do
+        return np.where(unit < MOST_UNIT, unit, 1.0)  # of an empty column any will do
 
     def shift(self, prefix: str) -> np.ndarray:
         """Force of the first fit along a derivative of its regressors, in the rows of every force."""
@@ -123,7 +125,9 @@ class ForceRows:
         weight = mean / (level * self.all(self.length))
         x, y = self.x * weight[:, None], self.y * weight
         count = self.blocks.is_mean.sum()
-        size = np.maximum(np.sqrt((x**2).sum(axis=0) / count), 1e-300)
+        size = np.sqrt((x**2).sum(axis=0) / count)
+        # What rounding leaves of an empty column would have a coefficient of any size.
+        size = np.where(size * MOST_UNIT > 1, size, np.inf)
         z = x / size
         return np.asarray(np.linalg.solve(z.T @ z + RIDGE * count * np.eye(len(size)), z.T @ y) / size)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.identification.estimates import Estimates
+from narrows.identification.estimates import CoefficientEstimates
 from narrows.identification.left_out import information_gone
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
@@ -45,7 +45,7 @@ class Influence:
         return self.names.index(name)
 
 
-def influence(problem: Problem, motions: DistinctMotions, found: Estimates) -> Influence:
+def influence(problem: Problem, motions: DistinctMotions, found: CoefficientEstimates) -> Influence:
     """Leave out each distinct motion in turn."""
     h, g = problem.normal(np.concatenate([motions.sums.sum(axis=0)[None], motions.without]))
     z = solve_many(h, g, problem.lower, problem.upper)

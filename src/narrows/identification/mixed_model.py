@@ -230,11 +230,11 @@ class MixedModel:
         apart = np.abs(found[0].x - found[1].x).max() > APART and found[1].fun - found[0].fun < LESS_LIKELY
         return [np.asarray(one.x) for one in found[: 1 + apart]]
 
-    def posterior(self, points: int = POINTS) -> "Posterior":
+    def posterior(self, points: int = POINTS) -> "ScaleMixture":
         """Average over the scales: weighted draws about each mode, from Student's t with mirror images."""
         if not self._learned.size:
             nothing = np.zeros(len(self.prior))
-            return Posterior(self, nothing, nothing[None], np.ones(1), [self.at(nothing)])
+            return ScaleMixture(self, nothing, nothing[None], np.ones(1), [self.at(nothing)])
         rng = np.random.default_rng(SEED)
         modes = self.modes()
         spreads = [self._spread(mode) for mode in modes]
@@ -252,7 +252,7 @@ class MixedModel:
         log_weight = np.array([one.log_density for one in solved]) - proposal
         weight = np.exp(log_weight - log_weight.max())
         weight = np.minimum(weight, np.sqrt(points) * weight.mean())
-        return Posterior(self, modes[0], drawn, weight / weight.sum(), solved)
+        return ScaleMixture(self, modes[0], drawn, weight / weight.sum(), solved)
 
     def _spread(self, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Root of the covariance of the log scales, and its inverse: differences of the gradient at the mode."""
@@ -284,7 +284,10 @@ def _factored(m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return raised, np.linalg.cholesky(raised)
         except np.linalg.LinAlgError:
             continue
-    raise np.linalg.LinAlgError("the normal equations of the mixed model are not positive definite")
+    # Beyond that the matrix is rounding in some direction: there its eigenvalues are raised.
+    values, vectors = np.linalg.eigh(m)
+    raised = (vectors * np.maximum(values, JITTERS[-1])) @ vectors.T
+    return raised, np.linalg.cholesky(raised + JITTERS[1] * np.eye(len(m)))
 
 
 @dataclass(frozen=True)
@@ -310,7 +313,7 @@ class Conditional:
 
 
 @dataclass(frozen=True)
-class Posterior:
+class ScaleMixture:
     """A mixture of Gaussians, one for each draw of the scales."""
 
     model: MixedModel

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.estimates import Estimates
+from narrows.identification.estimates import CoefficientEstimates
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import solve_many
 
@@ -25,7 +25,7 @@ class Profile:
     others: np.ndarray  # (points, n) All coefficients along the way, each in its own unit
 
 
-def profile(problem: Problem, total: np.ndarray, found: Estimates, name: str) -> Profile | None:
+def profile(problem: Problem, total: np.ndarray, found: CoefficientEstimates, name: str) -> Profile | None:
     """Hold one coefficient at a range of values and fit the others."""
     # total (m, m)
     index, slot = problem.terms.names.index(name), problem.slot[name]

@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.identification.diagnosis import INVOLVED, Diagnosis
 from narrows.identification.diagnostics import Diagnostics
-from narrows.identification.estimates import HALF, Estimates
+from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.terms.term import Term, TermTable
 
 IDENTIFIED, IMPRECISE, NOT_SEPARABLE, ZERO = "identified", "imprecise", "not separable", "zero"
@@ -64,7 +64,7 @@ class Verdict:
         return f"{name} is {self.words}" + (f": {clauses}." if clauses else ".")
 
 
-def verdicts(diagnostics: Diagnostics, found: Estimates, at_bound: Mapping[str, float]) -> dict[str, Verdict]:
+def verdicts(diagnostics: Diagnostics, found: CoefficientEstimates, at_bound: Mapping[str, float]) -> dict[str, Verdict]:
     """Judge every coefficient of a fit."""
     terms = diagnostics.terms
     judged = {}
@@ -95,7 +95,7 @@ def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
     return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"
 
 
-def _judged(term: Term, index: int, terms: TermTable, found: Estimates, at_bound: Mapping[str, float]) -> Verdict:
+def _judged(term: Term, index: int, terms: TermTable, found: CoefficientEstimates, at_bound: Mapping[str, float]) -> Verdict:
     value, (low, high) = float(found.values[index]), found.ends[index].tolist()
     half = (high - low) / 2
     if found.held[index]:
@@ -112,13 +112,13 @@ def _judged(term: Term, index: int, terms: TermTable, found: Estimates, at_bound
     return Verdict(IMPRECISE, (f"{known}, its 95 % interval is {low:.3g} to {high:.3g}",))
 
 
-def _usual(name: str, found: Estimates) -> float:
+def _usual(name: str, found: CoefficientEstimates) -> float:
     """Value at which the term is as large as its force."""
     slot = found.problem.slot[name]
     return next(float(part.unit[part.slots.index(slot)]) for part in found.forces if slot in part.slots)
 
 
-def _tipping(name: str, found: Estimates) -> tuple[str, ...]:
+def _tipping(name: str, found: CoefficientEstimates) -> tuple[str, ...]:
     """The least unusual errors that would bring the interval to 0, one of each kind."""
     by_kind: dict[str, str] = {}
     for effect, needed in found.tipping[name]:
@@ -128,7 +128,7 @@ def _tipping(name: str, found: Estimates) -> tuple[str, ...]:
     return tuple(by_kind.values())[:MOST_TOLD]
 
 
-def _partner(index: int, terms: TermTable, found: Estimates) -> int | None:
+def _partner(index: int, terms: TermTable, found: CoefficientEstimates) -> int | None:
     """The coefficient whose estimate is most correlated with this one's."""
     size = np.sqrt(np.diag(found.covariance))
     if not size[index] > 0:
@@ -140,7 +140,7 @@ def _partner(index: int, terms: TermTable, found: Estimates) -> int | None:
     return most if correlation[most] > INSEPARABLE else None
 
 
-def _direction(index: int, partner: int, terms: TermTable, found: Estimates) -> str:
+def _direction(index: int, partner: int, terms: TermTable, found: CoefficientEstimates) -> str:
     """The combination of two coefficients that the tests determine."""
     c, names = found.covariance, terms.names
     slope = -c[index, partner] / c[partner, partner]
