@@ -17,7 +17,7 @@ SMALL = 0.1
 # Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
 RIDGE = 4e-6
 # Value of a coefficient beyond which no force of a towing tank puts it [SI]: its column is empty but for rounding.
-MOST_UNIT = 1e12
+MOST_UNIT = 1e16
 
 
 class ForceRows:
@@ -90,7 +90,7 @@ class ForceRows:
         """Value of each coefficient at which its term is as large as the force."""
         unit = np.full(len(self.slots), np.inf)
         for f, term in self.terms:
-            own = self.blocks.level[f] / max(self.rms(self.raw(term.name)), 1e-13 * self.blocks.level[f])
+            own = self.blocks.level[f] / max(self.rms(self.raw(term.name)), 1e-300)
             unit[self.place(term)] = min(unit[self.place(term)], own)
         return np.where(unit < MOST_UNIT, unit, 1.0)  # of an empty column any will do
 
