@@ -14,6 +14,7 @@ DEGREE = np.pi / 180
 # Groups of effects; those of a group share one learned scale, so that rival explanations count alike.
 DAMPING, INERTIA, HULL, BANK = "damping", "inertia", "hull form", "bank form"
 TYPES, STRAIGHT, CAMPAIGN, CLOCK = "types of run", "straight runs", "campaign", "clock"
+SETTLING, CROSSTALK = "settling", "crosstalk"
 # Effects whose columns hold measured forces: learning their scale would explain the forces by themselves.
 FIXED = "fixed"
 # Usual sizes, by which the scales' priors are stated: shares of a term or of a force's level, or the effect's unit.
@@ -27,7 +28,7 @@ SIZES = {
     "force with y": 0.002, "heading with y": 0.02, "rudder with y": 0.1, "crossflow with y": 0.1,
 }  # fmt: skip
 # Degrees of freedom of the half-t priors: errors of one type of runs may be large, added masses hardly change.
-FREEDOM = {TYPES: 1.0, BANK: 2.0, f"{INERTIA} by speed": 10.0, f"{INERTIA} by period": 10.0}
+FREEDOM = {TYPES: 1.0, BANK: 2.0, SETTLING: 1.0, CROSSTALK: 1.0, f"{INERTIA} by speed": 10.0, f"{INERTIA} by period": 10.0}
 USUAL_FREEDOM = 3.0
 # Trends of less than this, in logarithms or octaves, are not told from one level.
 ONE_LEVEL = 0.05
@@ -55,7 +56,7 @@ class Effect:
     @property
     def told(self) -> bool:
         """Whether it has a size that a laboratory knows, so that it is a tipping point."""
-        return self.group in (TYPES, STRAIGHT, CAMPAIGN, CLOCK, FIXED) and bool(self.unit)
+        return self.group in (TYPES, STRAIGHT, CAMPAIGN, CLOCK, SETTLING, CROSSTALK, FIXED) and bool(self.unit)
 
 
 class Effects:
@@ -141,7 +142,7 @@ class Effects:
             }
             types = {
                 "in harmonic runs": (own * (1 - rows.steady), TYPES),
-                "with period": (own * rows.octaves, STRAIGHT),
+                "with period": (own * rows.octaves, TYPES),
             }
             for name, column in forms.items():
                 self.add(f"{term.name} {name}", rows.of(f, column * size), SIZES["bank form"], BANK)
@@ -220,7 +221,7 @@ class Effects:
                 self.add(f"zero of {force} in straight runs", straight, SIZES["straight zero"] * level, STRAIGHT, unit)
                 gain = rows.of(f, fitted[f]) * still / 100
                 self.add(f"gain of {force} in straight runs", gain, 100 * SIZES["type of run"], TYPES, "%")
-            self.add(f"settling of {force}", rows.of(f, early[f]), SIZES["settling"], CAMPAIGN)
+            self.add(f"settling of {force}", rows.of(f, early[f]), SIZES["settling"], SETTLING)
             if f in self._lateral():
                 self._scaled(f, "u2", SIZES["side force"], CAMPAIGN)
             curved = rows.of(f, rows.raw(f"column |{force}|{force}") / (2 * level)) / 100
@@ -228,7 +229,7 @@ class Effects:
             for g, other in enumerate(rows.blocks.forces):
                 if g != f:
                     leak = rows.of(f, fitted[g] * level / rows.blocks.level[g]) / 100
-                    self.add(f"crosstalk of {other} into {force}", leak, 100 * SIZES["crosstalk"], CAMPAIGN, "%")
+                    self.add(f"crosstalk of {other} into {force}", leak, 100 * SIZES["crosstalk"], CROSSTALK, "%")
 
 
 def assemble(
