@@ -7,6 +7,8 @@ interval misses the truth, how often b_bank is called identified, and how often 
 """
 
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import numpy as np
 from pages import markdown, publish
@@ -38,7 +40,8 @@ def judged(kind: Kind, strength: float, seed: int) -> list[tuple[bool, bool]]:
 
 def row(kind: Kind, strength: float, twins: int = TWINS) -> tuple[str, ...]:
     """One strength of a kind."""
-    seen = np.array([judged(kind, strength, FIRST + i) for i in range(twins)])
+    with ProcessPoolExecutor() as pool:
+        seen = np.array(list(pool.map(partial(judged, kind, strength), range(FIRST, FIRST + twins))))
     missed = (seen[:, :, 0] & ~seen[:, :, 1]).any(axis=1).mean()
     shares = (missed, *(seen[:, i, j].mean() for i in (0, 1) for j in (0, 1)))
     word = (kind.__doc__ or "").strip().rstrip(".")
