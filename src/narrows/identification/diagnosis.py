@@ -12,8 +12,6 @@ from narrows.terms.term import Term
 
 # A column takes part in a direction of unit length where its share is larger than this.
 INVOLVED = 1e-3
-# Of the columns that stand in for another: those with at least this part of the largest share, and how many.
-PARTNER_SHARE, MOST_PARTNERS = 0.5, 2
 
 
 @dataclass(frozen=True)
@@ -40,16 +38,6 @@ class Diagnosis:
         row[index] = 0.0
         most = int(np.abs(row).argmax())
         return self.names[most], float(row[most])
-
-    def partners(self, name: str) -> tuple[str, ...]:
-        """Return the coefficients whose columns between them stand in for this one's, the largest share first."""
-        live = [i for i, other in enumerate(self.names) if other not in self.empty]
-        index = live.index(self.names.index(name))
-        inverse = np.linalg.pinv(self.alignment[np.ix_(live, live)], rcond=RANK_TOLERANCE**2, hermitian=True)
-        share = np.abs(inverse[index])
-        share[index] = 0.0
-        order = [i for i in np.argsort(-share) if share[i] >= PARTNER_SHARE * share.max() > 0]
-        return tuple(self.names[live[i]] for i in order[:MOST_PARTNERS])
 
     def to_dict(self) -> dict[str, Any]:
         """Give rank, number of columns, condition and variance inflations."""

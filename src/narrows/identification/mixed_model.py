@@ -30,68 +30,30 @@ RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so wea
 
 @dataclass(frozen=True)
 class BlockErrors:
-    """What the errors of a block's rows are made of.
+    """What the errors of a block's rows are made of; all arrays but ``shapes`` have a value for each block."""
 
-    Parameters
-    ----------
-    starts : array (blocks,) of int
-        First row of each block.
-    shapes : array (rows, 3)
-        Force of the fit, force of its bank, and a constant of the force's root mean square.
-    noise : array (blocks,)
-        Variance of each row by the noise within runs.
-    form : array (blocks,)
-        Variance of each row for a form error of one.
-    scatter : array (blocks,)
-        Variance of each row for a scatter from run to run of one.
-    runs : array (blocks,)
-        How many runs are averaged.
-    is_mean : array (blocks,) of bool
-        Whether the block is a motion's mean; repeats share errors of form.
-    zero_group : array (blocks,) of int
-        Which scale is the zero's; gain has scale 0, form 1, the bank's form 2, scatter 3.
-    """
-
-    starts: np.ndarray
-    shapes: np.ndarray
-    noise: np.ndarray
-    form: np.ndarray
-    scatter: np.ndarray
-    runs: np.ndarray
-    is_mean: np.ndarray
-    zero_group: np.ndarray
+    starts: np.ndarray  # first row
+    shapes: np.ndarray  # (rows, 3) force of the fit, force of its bank, a constant of the force's root mean square
+    noise: np.ndarray  # variance of each row by the noise within runs
+    form: np.ndarray  # variance of each row for a form error of one
+    scatter: np.ndarray  # variance of each row for a scatter from run to run of one
+    runs: np.ndarray  # how many runs are averaged
+    is_mean: np.ndarray  # whether it is a motion's mean; repeats share errors of form
+    zero_group: np.ndarray  # which scale is the zero's; gain has scale 0, form 1, the bank's form 2, scatter 3
 
 
 @dataclass(frozen=True)
 class MixedModel:
-    """The data and the priors.
+    """The data and the priors."""
 
-    Parameters
-    ----------
-    x : array (rows, p + q)
-        Columns of coefficients, then of effects, each of about unit size.
-    y : array (rows,)
-        Measured.
-    fixed : int
-        Number p of coefficients.
-    group : array (q,) of int
-        The scale of each effect; the number of scales for effects whose scale is not learned.
-    errors : BlockErrors
-        Errors that rows share.
-    prior : array (scales,)
-        Scale of each half-t prior: gain, form, the bank's form, scatter, zeros, then groups of effects; 0 leaves one
-        out.
-    freedom : array (scales,)
-        Degrees of freedom of each prior; many make it half-normal.
-    """
-
-    x: np.ndarray
-    y: np.ndarray
-    fixed: int
-    group: np.ndarray
-    errors: BlockErrors
+    x: np.ndarray  # (rows, p + q) columns of coefficients, then of effects, each of about unit size
+    y: np.ndarray  # (rows,) measured
+    fixed: int  # number p of coefficients
+    group: np.ndarray  # (q,) the scale of each effect; the number of scales for effects whose scale is not learned
+    errors: BlockErrors  # that rows share
+    # (scales,) of each half-t prior: gain, form, the bank's form, scatter, zeros, groups of effects; 0 leaves one out
     prior: np.ndarray
-    freedom: np.ndarray
+    freedom: np.ndarray  # (scales,) degrees of freedom of each prior; many make it half-normal
 
     @cached_property
     def _joined(self) -> np.ndarray:
@@ -292,24 +254,12 @@ def _factored(m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True)
 class Conditional:
-    """Coefficients and effects at given scales.
+    """Coefficients and effects at given scales."""
 
-    Parameters
-    ----------
-    log_density : float
-        Logarithm of the scales' posterior density, up to a constant.
-    mean : array (p + q,)
-        Of coefficients and effects.
-    covariance : array (p + q, p + q)
-        Of both.
-    gradient : array (scales,)
-        Of the log density; empty unless asked for.
-    """
-
-    log_density: float
-    mean: np.ndarray
-    covariance: np.ndarray
-    gradient: np.ndarray
+    log_density: float  # of the scales' posterior, up to a constant
+    mean: np.ndarray  # (p + q,)
+    covariance: np.ndarray  # (p + q, p + q)
+    gradient: np.ndarray  # (scales,) of the log density; empty unless asked for
 
 
 @dataclass(frozen=True)

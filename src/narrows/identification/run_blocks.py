@@ -17,42 +17,18 @@ LEAST_NOISE = 1e-6  # of a force's root mean square: noise where the rows show n
 
 @dataclass(frozen=True)
 class RunBlocks:
-    """Rows of every motion and force, sorted by block; blocks of repeats hold what differs from their motion's mean.
+    """Rows of every motion and force, sorted by block; blocks of repeats hold what differs from their motion's mean."""
 
-    Parameters
-    ----------
-    columns : array (rows, m)
-        Every column of the sums, forces and the constant among them.
-    reference : array (rows, m)
-        The same of the motion's mean, to which errors of gain are proportional.
-    early : array (rows, m)
-        The same with the first stretches of each run counted alone.
-    block : array (rows,) of int
-        The block of each row.
-    motion : array (blocks,) of int
-        The motion of each block.
-    runs : array (blocks,)
-        How many runs are averaged.
-    is_mean : array (blocks,) of bool
-        Whether it is the mean of a motion's runs; otherwise it is a difference between repeats.
-    noise : array (forces,)
-        Variance of a row of one run by the noise within it.
-    forces : tuple of str
-        The forces.
-    level : array (forces,)
-        Root mean square of each force.
-    """
-
-    columns: np.ndarray
-    reference: np.ndarray
-    early: np.ndarray
-    block: np.ndarray
-    motion: np.ndarray
-    runs: np.ndarray
-    is_mean: np.ndarray
-    noise: np.ndarray
+    columns: np.ndarray  # (rows, m) every column of the sums, forces and the constant among them
+    reference: np.ndarray  # (rows, m) the same of the motion's mean, to which errors of gain are proportional
+    early: np.ndarray  # (rows, m) the same with the first stretches of each run counted alone
+    block: np.ndarray  # (rows,) the block of each row
+    motion: np.ndarray  # (blocks,) the motion of each block
+    runs: np.ndarray  # (blocks,) how many runs are averaged
+    is_mean: np.ndarray  # (blocks,) the mean of a motion's runs; otherwise a difference between repeats
+    noise: np.ndarray  # (forces,) variance of a row of one run by the noise within it
     forces: tuple[str, ...]
-    level: np.ndarray
+    level: np.ndarray  # (forces,) root mean square of each force
 
     @property
     def sizes(self) -> np.ndarray:

@@ -28,7 +28,14 @@ SIZES = {
     "force with y": 0.002, "heading with y": 0.02, "rudder with y": 0.1, "crossflow with y": 0.1,
 }  # fmt: skip
 # Degrees of freedom of the half-t priors: errors of one type of runs may be large, added masses hardly change.
-FREEDOM = {TYPES: 1.0, BANK: 2.0, SETTLING: 1.0, CROSSTALK: 1.0, f"{INERTIA} by speed": 10.0, f"{INERTIA} by period": 10.0}
+FREEDOM = {
+    TYPES: 1.0,
+    BANK: 2.0,
+    SETTLING: 1.0,
+    CROSSTALK: 1.0,
+    f"{INERTIA} by speed": 10.0,
+    f"{INERTIA} by period": 10.0,
+}
 USUAL_FREEDOM = 3.0
 # Trends of less than this, in logarithms or octaves, are not told from one level.
 ONE_LEVEL = 0.05

@@ -64,7 +64,9 @@ class Verdict:
         return f"{name} is {self.words}" + (f": {clauses}." if clauses else ".")
 
 
-def verdicts(diagnostics: Diagnostics, found: CoefficientEstimates, at_bound: Mapping[str, float]) -> dict[str, Verdict]:
+def verdicts(
+    diagnostics: Diagnostics, found: CoefficientEstimates, at_bound: Mapping[str, float]
+) -> dict[str, Verdict]:
     """Judge every coefficient of a fit."""
     terms = diagnostics.terms
     judged = {}
@@ -95,7 +97,9 @@ def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
     return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"
 
 
-def _judged(term: Term, index: int, terms: TermTable, found: CoefficientEstimates, at_bound: Mapping[str, float]) -> Verdict:
+def _judged(
+    term: Term, index: int, terms: TermTable, found: CoefficientEstimates, at_bound: Mapping[str, float]
+) -> Verdict:
     value, (low, high) = float(found.values[index]), found.ends[index].tolist()
     half = (high - low) / 2
     if found.held[index]:
