@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.interval import bounded_interval
@@ -17,6 +16,7 @@ from narrows.identification.regression.solve import solve
 from narrows.identification.run_blocks import run_blocks
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.systematic_effects import Effect, assemble
+from narrows.identification.threads import one_thread
 from narrows.ship.particulars import Configuration
 
 # Standard errors beyond a bound at which the data reject it: the coefficient is held there.
@@ -91,8 +91,7 @@ def _tipping(effects: list[Effect], shifts: np.ndarray, distance: float) -> list
     return [(effects[i], float(needed[i])) for i in order]
 
 
-# Matrices of a few hundred rows: threads of BLAS cost more than they save, a hundred times as much on busy cores.
-@threadpool_limits.wrap(limits=1)
+@one_thread
 def estimates(
     equations: NormalEquations,
     motions: DistinctMotions,

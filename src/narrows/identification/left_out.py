@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from narrows.identification.estimates import HALF, ForcePosterior
 from narrows.identification.mixed_model import Conditional
 from narrows.identification.motions import DistinctMotions
+from narrows.identification.threads import one_thread
 
 # Draws of the scales that predictions average over: those of most weight.
 MOST_DRAWS = 8
@@ -58,7 +58,7 @@ def predictiveness(left_out: list[LeftOutMotion]) -> tuple[Predictiveness, ...]:
     return tuple(result)
 
 
-@threadpool_limits.wrap(limits=1)
+@one_thread
 def left_out_motions(part: ForcePosterior) -> list[LeftOutMotion]:
     """Predict each motion by the others, at the scales that all motions together show."""
     rows, blocks = part.rows, part.rows.blocks
@@ -77,7 +77,7 @@ def left_out_motions(part: ForcePosterior) -> list[LeftOutMotion]:
     return result
 
 
-@threadpool_limits.wrap(limits=1)
+@one_thread
 def information_gone(part: ForcePosterior, motions: DistinctMotions) -> np.ndarray:
     """Share of what is known of each coefficient that is gone without each motion, (motions, p)."""
     gone = np.zeros((len(motions), len(part.slots)))
