@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.identification.estimates import HALF, ForcePosterior
-from narrows.identification.mixed_model import Conditional
+from narrows.identification.mixed_model import RIDGE, Conditional
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.threads import one_thread
 
@@ -119,6 +119,8 @@ def _without(
     x = model.x[own]
     weighted = np.linalg.solve(errors, x)
     less = precision - x.T @ weighted
+    # Where no other motion knows of a coefficient its prior is all that is left, and rounding may take that.
+    np.fill_diagonal(less, np.maximum(np.diag(less), RIDGE))
     unit = 1 / np.sqrt(np.diag(less))
     without = np.linalg.inv(less * np.outer(unit, unit)) * np.outer(unit, unit)
     mean = without @ (precision @ conditional.mean - weighted.T @ model.y[own])
