@@ -32,8 +32,8 @@ def write(folder: Path) -> None:
     full = nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model
     nw.save_model(full, folder / "full.toml")
     (folder / "held.csv").write_text(HELD)
-    twin = TransitTwin(full, 4.5, 900.0)
-    transits_of(full, sensor_grade("vdr"), 1, 1, twin).to_csv(folder / "bridge.csv")
+    twin = TransitTwin(full, 4.5, 1800.0)
+    transits_of(full, sensor_grade("rtk"), 3, 1, twin).to_csv(folder / "bridge.csv")
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})

@@ -72,7 +72,7 @@ def measured(run: Any) -> Any:
 
 
 def planned(tank: nw.Tank) -> Any:
-    plan = nw.plan_tests(shallow().configuration, 4, tank=tank, terms=shallow().terms, targets=("b_bank", "c_r"))
+    plan = nw.plan_tests(shallow().configuration, 6, tank=tank, terms=shallow().terms, targets=("b_bank", "c_r"))
     return plan.rows(), plan.notes
 
 
@@ -216,7 +216,7 @@ def built() -> dict[str, Built]:
         ),
         "Tank": Built(
             nw.Tank(), planned,
-            {"run_length": 30.0, "clearance": 2.5, "heading": 20.0, "speeds": (0.6,), "depths": (0.3, 0.5),
+            {"run_length": 30.0, "clearance": 2.5, "heading": 5.0, "speeds": (0.6,), "depths": (0.3, 0.5),
              "reach": 0.5},
         ),
         "Waterway": Built(

@@ -103,8 +103,8 @@ def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
     assert not told["fitted_on_this_table"]
     assert set(told["tables"][0]) >= {"table", "force", "rmse_left_out", "rmse_other_speeds", "bank"}
     assert set(told["profiles"]["b_bank"]) == {"value", "deviance"}
-    # Harmonic runs alone do not part the bank from a hull that changes with the period.
-    assert told["these_tests"]["coefficients"]["b_bank"]["verdict"] != "identified"
+    # Harmonic runs of a hull that does not change with speed or period tell the bank.
+    assert told["these_tests"]["coefficients"]["b_bank"]["verdict"] == "identified"
     assert {"tradeoffs", "influence"} <= set(told["these_tests"])
 
 

@@ -66,7 +66,7 @@ def by_bank(bank: float, coefficients: dict[str, float]) -> nw.Model:
 @pytest.mark.parametrize("coefficients", ["considered", "estimated"])
 def test_every_lane_is_a_voyage(coefficients: str) -> None:
     """Of eight members and of the most likely run, in every case: one after the other by the plain engine."""
-    now, one, met = estimate(85.0, 0.06, coefficients=coefficients), forecaster(coefficients), 0
+    now, one, met = estimate(100.0, 0.16, coefficients=coefficients), forecaster(coefficients), 0
     one(now, {"rudder": 0.02})
     drawn = one._members.drawn(now), one._members.likely(now)
     ends = one._lanes([one._ships(ships, 0.02) for ships in drawn])
@@ -88,7 +88,7 @@ def test_every_lane_is_a_voyage(coefficients: str) -> None:
 @pytest.mark.parametrize("coefficients", ["considered", "estimated", "certain"])
 def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
     now = estimate(60.0, 0.02, coefficients=coefficients)
-    drawn = Members(estimator(coefficients).filter, 4000, 0).drawn(now)
+    drawn = Members(estimator(coefficients).filter, 16000, 0).drawn(now)
     np.testing.assert_allclose(drawn.states.mean(axis=0), now.normal.mean, rtol=1e-9, atol=1e-12)
     size = np.sqrt(np.diag(now.covariance))
     off = (np.cov(drawn.states.T) - now.covariance) / np.outer(size, size)

@@ -170,7 +170,7 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
     """Choose runs, each at most once: the order is that of their use."""
     # runs (n, forms, p, p); known (forms, p, p)
     # Fedorov (1972), Theory of optimal experiments: the exchange.
-    scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0))
+    scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0, initial=0.0))
     scale[scale == 0] = 1.0
     outer = scale[:, :, None] * scale[:, None, :]
     runs, known = runs / outer, known / outer

@@ -221,7 +221,8 @@ def plan_tests(
     more = choose(adds[rest], known + adds[best].sum(axis=0), runs - len(best), parameters, criterion)
     best = [*best, *rest[more].tolist()]
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
-    usual = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)]
+    # In a tank without room for harmonic runs there is nothing else to compare the plan with.
+    usual = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
     assumed = (_truth(configuration), terms, noise, correlation_time, errors, made[0] if made else None)
     std = _std_after_each(best, offered, told, known[0], index, names, assumed)
     usual_std = _std(usual, offered, told, known[0], index, names, assumed)
