@@ -17,6 +17,8 @@ from sybil.parsers.myst import CodeBlockParser, PythonCodeBlockParser
 
 import console
 
+UNMATCHED = pytest.StashKey[set[str]]()
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Compile once a run: one cache for all workers and for the commands they start, kept for the next run."""
@@ -65,19 +67,33 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def mark_whole(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark what tests/whole.txt names; where all tests are collected, each of its patterns names one."""
+    """Mark what tests/whole.txt names, and note which of its patterns match no test."""
     lines = (Path(__file__).parent / "tests" / "whole.txt").read_text(encoding="utf-8").splitlines()
-    unused = {
+    patterns = {
         line: re.compile(fnmatch.translate(line.replace("[", "[[]"))) for line in lines if line and line[0] != "#"
     }
-    patterns = dict(unused)
+    unmatched = set(patterns)
     for item in items:
-        for line, pattern in patterns.items():
-            if pattern.match(item.nodeid):
+        name = whole_name(item)
+        for pattern_text, pattern in patterns.items():
+            if pattern.match(name):
                 item.add_marker(pytest.mark.whole)
-                unused.pop(line, None)
-    if config.args == config.getini("testpaths") and unused:
-        raise pytest.UsageError(f"tests/whole.txt names tests that are gone: {', '.join(unused)}")
+                unmatched.discard(pattern_text)
+    is_complete = config.args == config.getini("testpaths")
+    config.stash[UNMATCHED] = unmatched if is_complete else set()
+
+
+def whole_name(item: pytest.Item) -> str:
+    """Name of a test in tests/whole.txt: a block of a page by its first line, for line numbers change."""
+    if not isinstance(item, SybilItem):
+        return item.nodeid
+    return f"{item.nodeid.partition('::')[0]}::{str(item.example.parsed).strip().partition(chr(10))[0]}"
+
+
+@pytest.fixture
+def unmatched_patterns(pytestconfig: pytest.Config) -> set[str]:
+    """Patterns of tests/whole.txt that match no test, where all tests are collected."""
+    return pytestconfig.stash[UNMATCHED]
 
 
 def enter(namespace: dict[str, Any]) -> None:
