@@ -1,7 +1,8 @@
 """What a step holds: contact, section, control law, forces from outside. No symbol is made here."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE
 from narrows.codegen.tape import Tape
@@ -26,10 +27,25 @@ MIDSHIP_LEAVES = 0.9
 Pushed = Literal["never", "always", "until"]
 
 
+# First-order stages by which a gear hears an order late: more make the delay sharper and each step dearer.
+STAGES = 4
+
+
 @dataclass(frozen=True)
 class Actuated:
     name: str  # Of its position
     angle: bool  # Whether it enters the terms as cosine and sine
+    late: bool = False  # Whether it has a dead time, a lag or a dead band beside its limit and its rate
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """What is kept of orders on their way to it, the earliest last."""
+        return tuple(f"{self.name}_heard_{stage}" for stage in range(STAGES)) if self.late else ()
+
+
+def stages_at(actuators: Iterable[Actuated], position: Callable[[str], Any]) -> dict[str, Any]:
+    """Return what is kept of orders on their way where the last was the position."""
+    return {stage: position(actuator.name) for actuator in actuators for stage in actuator.stages}
 
 
 @dataclass(frozen=True)
@@ -55,7 +71,10 @@ class Choices:
         law = self.law
         timed = self.pushed == "until" or (law is not None and TIME in law.tape.inputs)
         state = (*STATE, *(COUNTED,) * (self.contact == OPEN), *(TIME,) * timed)
-        return (*state, *(actuator.name for actuator in law.ordered), *law.memory) if law else state
+        if law is None:
+            return state
+        stages = (stage for actuator in law.ordered for stage in actuator.stages)
+        return (*state, *(actuator.name for actuator in law.ordered), *stages, *law.memory)
 
     @property
     def leaves(self) -> float:

@@ -10,7 +10,7 @@ from functools import partial
 
 import sympy
 
-from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Choices
+from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Actuated, Choices
 from narrows.codegen.free_motion import CORNERS, INPUTS, MIDSHIP, OPEN, STATE, Expr, exact_number, point_names
 from narrows.codegen.lines import FUNCTIONS, Lines, clipped, greatest, least, real
 from narrows.codegen.rates import Rates
@@ -90,13 +90,40 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
     results = choices.law.tape.replay(inputs, exact_number, {**FUNCTIONS, **water})
     moves, out = {}, {}
-    for name in (actuator.name for actuator in choices.law.ordered):
+    for actuator in choices.law.ordered:
+        name = actuator.name
         wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))
         furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
-        whole = lines.put(f"{name}_whole", clipped(wanted - z[name], furthest))
+        away = _away(lines, actuator, z, wanted, out) if actuator.late else wanted - z[name]
+        whole = lines.put(f"{name}_whole", clipped(away, furthest))
         moves[name] = lines.put(f"{name}_move", real(SHARE) * whole)
         out[name] = lines.put(f"{name}_new", z[name] + moves[name])
     return moves, out | {name: lines.put(f"{name}_new", results[name]) for name in choices.law.memory}
+
+
+# Times shorter than this are none [s]: it keeps quotients of two times finite where both are 0.
+NO_TIME = 1e-12
+
+
+def _away(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: Expr, out: dict[str, Expr]) -> Expr:
+    """Write how far a gear with dead time, lag and dead band would move an actuator in the step; stages into out."""
+    # A stage passes on a share of what reaches it; where the step is longer than its part of the dead time it passes
+    # on all of it, weighed between the start of the step and its end. Either way a ramp comes late by exactly the dead
+    # time, at any length of the step.
+    name, count = actuator.name, len(actuator.stages)
+    dead, lag, h = real(f"{name}_dead_time"), real(f"{name}_lag"), real(LENGTH)
+    passing = lines.put(f"{name}_passing", count * h)
+    share = lines.put(f"{name}_share", passing / greatest(dead, passing, sympy.Float(NO_TIME)))
+    late = lines.put(f"{name}_late", least(dead / greatest(passing, sympy.Float(NO_TIME)), sympy.Integer(1)))
+    heard = wanted
+    for stage in actuator.stages:
+        after = lines.put(f"{stage}_new", z[stage] + share * (heard - z[stage]))
+        heard = lines.put(f"{stage}_out", after + late * (z[stage] - after))
+        out[stage] = after
+    left = lines.put(f"{name}_left", heard - z[name])
+    moved = FUNCTIONS["choice"](abs(left) - real(f"{name}_dead_band"), left, 0)
+    followed = 1 - sympy.exp(-lines.put(f"{name}_lags", h / greatest(lag, sympy.Float(NO_TIME))))
+    return lines.put(f"{name}_away", moved * lines.put(f"{name}_followed", followed))
 
 
 def _controls(

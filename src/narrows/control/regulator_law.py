@@ -11,7 +11,7 @@ from narrows.control.settings import SLOWEST
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.results import Described
-from narrows.simulation.controllers import EARLY, Named
+from narrows.simulation.controllers import EARLY, LAST_ORDER, Named
 
 FELT = ("y", "psi", "v", "r", "rudder", "integral")
 TURNED = ("psi", "v", "rudder")
@@ -126,11 +126,11 @@ class Regulator(Described):
         return numbers
 
     def memory(self, start: Named) -> Named:
-        """Return the integral of the offset, as it is at the start."""
-        return {"integral": self.integral}
+        """Return the integral of the offset and the last order, as they are at the start."""
+        return {"integral": self.integral, LAST_ORDER: start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the rudder's angle a step ahead, and the integral."""
+        """Return the rudder's angle a step ahead, the integral, and that order."""
         speed = maximum(at.u, SLOWEST * at.made_for)
         pace, share = at.u + at.current, speed / at.made_for
         turn = at.water("curvature", at.x + at.lead * pace) * pace
@@ -138,7 +138,10 @@ class Regulator(Described):
         off_y = at.y - held["held_y"]
         off_psi = at.psi - held["held_psi"] - held["turn_psi"] * turn / share
         off_v = at.v - held["held_v"] * share - held["turn_v"] * turn
-        off_rudder = at.rudder - held["held_rudder"] - held["turn_rudder"] * turn / share
+        # From its own last order, not from the indicated angle, which lags it by the delay of the gear: an order that
+        # counts on from there asks for dt / (dt + delay) of the rate.
+        last = getattr(at, LAST_ORDER)
+        off_rudder = last - held["held_rudder"] - held["turn_rudder"] * turn / share
         by_integral = held["by_integral"] * share * share
         wanted = -(
             share * (held["by_y"] * off_y + held["by_psi"] * off_psi + held["by_rudder"] * off_rudder)
@@ -146,9 +149,9 @@ class Regulator(Described):
         )  # fmt: skip
         # The rudder's own term as it will be at the end of the step: a long step does not overshoot.
         move = at.dt * wanted / (1 + at.dt * share * held["by_rudder"])
-        order = clip(at.rudder + clip(move, at.dt * at.rudder_rate), at.rudder_limit)
-        wound = (move - (order - at.rudder)) / (by_integral * at.unwinding)
-        return {"rudder": order}, {"integral": at.integral + at.dt * off_y + wound}
+        order = clip(last + clip(move, at.dt * at.rudder_rate), at.rudder_limit)
+        wound = (move - (order - last)) / (by_integral * at.unwinding)
+        return {"rudder": order}, {"integral": at.integral + at.dt * off_y + wound, LAST_ORDER: order}
 
     def _now(self, at: Any, name: str) -> Any:
         """A number of the line that is held now."""

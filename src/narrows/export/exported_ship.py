@@ -33,6 +33,12 @@ FORCES_FROM_OUTSIDE = {
 }
 CURRENT = Quantity("m/s", "current along the line of the waterway")
 OF_LAW = Quantity("SI", "of the law that steers")
+# Unit and meaning of what holds an actuator back, by what its name ends in.
+GEAR = {
+    "limit": ("{}", "largest size"), "rate": ("{}/s", "fastest change"), "dead_time": ("s", "dead time"),
+    "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
+}  # fmt: skip
+HEARD = "order on its way to the {}: begin where the actuator is"
 
 
 @dataclass(frozen=True)
@@ -109,9 +115,9 @@ class ExportedShip:
             term = terms[name]
             return Quantity(term.dimension.unit, f"coefficient {name}, {term.kind.value}")
         of_gear = {
-            f"{one.name}_{end}": Quantity(unit, f"{meaning} of the {one.name}")
+            f"{one.name}_{of}": Quantity(unit.format(one.unit), f"{meaning} of the {one.name}")
             for one in actuators
-            for end, unit, meaning in (("limit", one.unit, "largest size"), ("rate", f"{one.unit}/s", "fastest change"))
+            for of, (unit, meaning) in GEAR.items()
         }
         known = {**REGRESSOR_INPUTS, **of_gear, SURGE_INERTIA: Quantity("kg", "added to the mass in surge")}
         for actuator in actuators:
@@ -142,6 +148,8 @@ class ExportedShip:
         """What goes from step to step, at rest on the line."""
         known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
+        for actuator in self.ship.actuators:
+            known |= dict.fromkeys(actuator.stages, Quantity(known[actuator.name].unit, HEARD.format(actuator.name)))
         kept = ((name, known.get(name, OF_LAW)) for name in self.portable.kept)
         return tuple(ExportedNumber(name, float(name == "cos_psi"), *quantity) for name, quantity in kept)
 

@@ -156,17 +156,29 @@ class Rudder(Part):
 class SteeringGear(Part):
     """What turns the rudder; unless said otherwise as slow as the rules allow a ship.
 
+    The gear hears an order after the dead time, moves the rudder towards it by a first-order lag no faster than its
+    rate, and stays still while the rudder is within the dead band of the order.
+
     Parameters
     ----------
     limit_deg : float [deg]
         Largest rudder angle.
     rate_deg : float [deg/s]
-        Of the rudder.
+        Of the rudder, with both pumps.
+    dead_time : float [s]
+        From an order to the first motion of the rudder.
+    lag : float [s]
+        Time constant of the servo: the rudder turns at what is left to the order, over this time.
+    dead_band_deg : float [deg]
+        Difference of order and rudder that moves nothing.
+    pumps : int
+        Running, 1 or 2: one alone turns the rudder half as fast.
 
     Raises
     ------
     InputError
-        Where a value is not a positive number, or the limit is beyond 90 degrees.
+        Where the limit or rate is not a positive number, the limit is beyond 90 degrees, a time or the dead band is
+        negative, or there are other than 1 or 2 pumps.
 
     References
     ----------
@@ -178,11 +190,19 @@ class SteeringGear(Part):
     NUMBERS: ClassVar[Mapping[str, Quantity]] = {
         "limit_deg": Quantity("deg", "largest rudder angle"),
         "rate_deg": Quantity("deg/s", "rate of the rudder"),
+        "dead_time": Quantity("s", "from an order to the first motion of the rudder"),
+        "lag": Quantity("s", "time constant of the steering gear"),
+        "dead_band_deg": Quantity("deg", "difference of order and rudder that moves nothing"),
+        "pumps": Quantity("1", "pumps that run"),
     }
     ASKED: ClassVar[bool] = False
 
     limit_deg: float = 35.0
     rate_deg: float = 65 / 28
+    dead_time: float = 0.0
+    lag: float = 0.0
+    dead_band_deg: float = 0.0
+    pumps: int = 2
 
     @classmethod
     def known_as(cls, number: str) -> str:
@@ -202,12 +222,23 @@ class SteeringGear(Part):
 
     @property
     def rate(self) -> float:
-        """Rate of the rudder [rad/s]."""
-        return math.radians(self.rate_deg)
+        """Rate of the rudder with the pumps that run [rad/s]."""
+        return math.radians(self.rate_deg) * self.pumps / 2
+
+    @property
+    def delay(self) -> float:
+        """Dead time and lag together [s]: how late a slow order is followed."""
+        return self.dead_time + self.lag
+
+    @property
+    def follows_at_once(self) -> bool:
+        """Whether nothing but limit and rate is between an order and the rudder."""
+        return not (self.dead_time or self.lag or self.dead_band_deg)
 
     def values(self) -> dict[str, float]:
-        """Limit [rad] and rate [rad/s] of the rudder."""
-        return {"rudder_limit": self.limit, "rudder_rate": self.rate}
+        """Limit [rad], rate [rad/s], dead time, lag [s] and dead band [rad] of the rudder."""
+        slow = {"dead_time": self.dead_time, "lag": self.lag, "dead_band": math.radians(self.dead_band_deg)}
+        return {"rudder_limit": self.limit, "rudder_rate": self.rate, **{f"rudder_{n}": v for n, v in slow.items()}}
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,11 @@ RULES = (
     ),
     Rule(("block_coefficient",), lambda value: value <= 1, "{block_coefficient} is over 1; it is a fraction"),
     Rule(("limit_deg",), lambda value: value <= 90, "{limit_deg} is beyond 90 degrees; check it"),
+    *(
+        Rule((name,), lambda value: value >= 0, f"{{{name}}} is negative; give a number from 0")
+        for name in ("dead_time", "lag", "dead_band_deg")
+    ),
+    Rule(("pumps",), lambda value: (value == 1) | (value == 2), "{pumps}: a steering gear runs 1 pump or 2"),
     Rule(
         ("propeller_wake",),
         lambda value: (value >= 0) & (value < 1),

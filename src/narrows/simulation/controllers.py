@@ -320,6 +320,10 @@ class Asked(_WithoutMemory):
         return {"rudder": at.order}, {}
 
 
+# What a law calls the rudder order that it gave last, where it counts on from it: whatever steers instead of the law
+# keeps it up to date, so that the law takes over without a jump.
+LAST_ORDER = "last_order"
+
 # A control law that is switched on, by hand or at a time; until then the rudder stays where it is put.
 # Numbers beside those of the law: the switch, over 0 where it is on; the time; and the angle that is ordered before.
 STEERS, SINCE, ORDERED = "steers", "since", "ordered"
@@ -327,7 +331,7 @@ STEERS, SINCE, ORDERED = "steers", "since", "ordered"
 
 @dataclass(frozen=True)
 class SwitchedLaw:
-    """Any control law, where it is on; where it is not, an angle is ordered and the law's memory stays."""
+    """Any control law, where it is on; where it is not, an angle is ordered, and of the law's memory its last order alone changes."""
 
     law: ControlLaw  # What steers where it is on
     angle: Any = 0.0  # That is ordered where it is not [rad]
@@ -346,7 +350,8 @@ class SwitchedLaw:
         """Return the law's orders or the angle, and the memory."""
         orders, memory = self.law.orders(at)
         on = self._on(at)
-        kept = {name: choice(on, value, getattr(at, name)) for name, value in memory.items()}
+        before = {name: at.ordered if name == LAST_ORDER else getattr(at, name) for name in memory}
+        kept = {name: choice(on, value, before[name]) for name, value in memory.items()}
         return {**orders, "rudder": choice(on, orders["rudder"], at.ordered)}, kept
 
     def _on(self, at: Any) -> Number:

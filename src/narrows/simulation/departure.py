@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.choices import COUNTED
+from narrows.codegen.choices import COUNTED, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
@@ -90,6 +90,7 @@ def _start(
     state |= {
         actuator.name: state.get(actuator.name, float(at_rest.get(actuator.name) or 0.0)) for actuator in ship.actuators
     }
+    state |= stages_at(ship.actuators, state.__getitem__)
     memory = steering.memory(state) if steering else {}
     return tuple(float({**state, **memory}[name]) for name in kept)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.cache import lacks_compiler
-from narrows.codegen.choices import COUNTED, LENGTH, SHARE, Pushed
+from narrows.codegen.choices import COUNTED, LENGTH, SHARE, Pushed, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
@@ -244,6 +244,7 @@ class KernelRun:
             state["x"] = 0.0  # a place far along the canal has no room for the distance in single precision
         here = {**self.ship.values(), **values}
         state |= {actuator.name: here.get(actuator.name, 0.0) for actuator in self.ship.actuators}
+        state |= stages_at(self.ship.actuators, state.__getitem__)
         return {**state, **(self.steering.memory(state) if self.steering else {})}
 
     @property

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.choices import COUNTED, LENGTH
+from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.lines import FUNCTIONS
 from narrows.codegen.system import System
@@ -267,6 +267,7 @@ class TangentMarch:
         turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: 1.0}
         slopes = {name: self._unit(name) for name in self.march.choices.kept}
         slopes |= {name: factor * self._unit("psi") for name, factor in turned.items()}
+        slopes |= stages_at(self.ship.actuators, self._unit)
         slopes |= self._memory_slopes(slopes)
         return np.array([slopes[name] for name in self.march.choices.kept])
 

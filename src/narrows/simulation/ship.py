@@ -1,7 +1,7 @@
 """A model as a traced system and the numbers that go in: the one place that voyages, fleets and the envelope ask."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -57,7 +57,13 @@ class SimulatedShip:
 
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:
-        return tuple(Actuated(actuator.name, actuator.angle) for actuator in self.model.terms.actuators)
+        late = {"rudder"} if not self.model.configuration.gear.follows_at_once else set()
+        return tuple(Actuated(one.name, one.angle, one.name in late) for one in self.model.terms.actuators)
+
+    @property
+    def placed_actuators(self) -> tuple[Actuated, ...]:
+        """The actuators where positions are given instead of orders."""
+        return tuple(replace(one, late=False) for one in self.actuators)
 
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
         """Return the traced system, shared by all ships with the same terms."""

@@ -35,7 +35,7 @@ class PredictionLanes:
     """Lanes of one ship, laid out once: each sails from a state of its own for one interval."""
 
     def __init__(self, ship: SimulatedShip, waterway: "Waterway | None", lanes: int, **positions: float) -> None:
-        steering = steering_of(RudderTurning(np.zeros(lanes)), ship.actuators)
+        steering = steering_of(RudderTurning(np.zeros(lanes)), ship.placed_actuators)
         run = KernelRun(ship, 1.0, 1.0, steering=steering, waterway=waterway)
         still = dict.fromkeys(("x", "y", "psi", "v", "r", "X", "rudder"), 0.0)
         pushed = {"Y": np.zeros(lanes), "N": np.zeros(lanes), PUSH_END: np.inf}

@@ -18,6 +18,7 @@ from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUS
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
+from narrows.ship.actuators import SteeringGear
 from narrows.results import Described
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.inputs import check_waterway, finite_numbers
@@ -47,20 +48,24 @@ class VoyageOrders:
     course: CourseAhead  # That is to be held
     observer: PredictionLanes  # Says what was to be expected
     push_time: float  # In which the estimate of the push comes two thirds of the way [s]
-    seconds: float = 0.0  # That a plan may take; 0 for no limit [s]
+    seconds: float  # That a plan may take; 0 for no limit [s]
+    gear: SteeringGear  # That follows the orders
     push: Push = field(init=False)
     plan: RudderPlan | None = field(init=False, default=None)
     way: float = field(init=False, default=0.0)
     without_plan: int = field(init=False, default=0)
     _seen: Seen | None = field(init=False, default=None)
     _order: float = field(init=False, default=math.nan)
+    _given: list[tuple[float, float]] = field(init=False, default_factory=list)  # Times and orders [s, rad]
 
     def __post_init__(self) -> None:
         self.push = no_push(self.course.spread)
 
     def __call__(self, t: float, state: VoyageState) -> float:
         """Return the rudder order [rad], a finite number within its limit whatever is seen."""
-        if self._seen is None or t < self._seen.t:
+        t, *numbers = (math.nan if number is None else number for number in (t, *state))
+        state = VoyageState(*numbers)
+        if self._seen is None or t < self._seen.t or t - self._seen.t > self.planner.horizon.time:
             self._begin_anew()
         elif not t - self._seen.t >= self.planner.horizon.period * (1 - EARLY):
             return self._order  # a time that is no number among them
@@ -73,15 +78,40 @@ class VoyageOrders:
         seen = _made_whole(t, state, expected)
         if self._seen is not None and np.isfinite([state.v, state.r]).all():
             self._estimate(seen, expected, elapsed)
-        self._seen, rate = seen, self._rate(seen, elapsed)
+        self._seen, heard = seen, self._when_heard(seen)
+        rate = self._rate(heard, elapsed)
         limit, fastest = self.planner.limits
         reach = max(elapsed, self.planner.horizon.period)
-        order = seen.state[RUDDER] + min(max(rate, -fastest), fastest) * reach
+        order = heard.state[RUDDER] + min(max(rate, -fastest), fastest) * reach
         self._order = float(min(max(order, -limit), limit))
+        self._given = [*(given for given in self._given if given[0] > t - 2 * self.gear.delay), (t, self._order)]
         return self._order
 
     def _begin_anew(self) -> None:
         self.plan, self._seen, self.push, self.way = None, None, no_push(self.course.spread), 0.0
+        self._order, self._given = math.nan, []
+
+    def _when_heard(self, seen: Seen) -> Seen:
+        """The ship as it will be when the gear follows the next order: the orders on their way are followed first."""
+        # The rudder is then where the last order has it, not where it is indicated now, which lags it.
+        x, state, delay = seen.x, seen.state.copy(), self.gear.delay
+        parts = math.ceil(2 * delay / self.planner.horizon.interval)
+        for part in range(parts):
+            time, both = delay / parts, np.tile(state, (2, 1))
+            turned = self._turned(state[RUDDER], seen.t + part * time, time)
+            pushes, _ = self.push.at(self._share(np.full(2, x), state[0]))
+            places, after = self.observer(np.full(2, x), both, seen.speed, np.full(2, turned / time), pushes, time)
+            x, state = float(places[0]), after[0]
+        if math.isfinite(self._order):
+            state[RUDDER] = self._order
+        return Seen(seen.t + delay, x, seen.speed, state)
+
+    def _turned(self, rudder: float, t: float, time: float) -> float:
+        """How far orders on their way turn the rudder in a time [rad]."""
+        heard = [order for given, order in self._given if given <= t + time / 2 - self.gear.dead_time]
+        left = (heard[-1] if heard else rudder) - rudder
+        share = -math.expm1(-time / self.gear.lag) if self.gear.lag else 1.0
+        return min(max(left * share, -self.gear.rate * time), self.gear.rate * time)
 
     def _expected(self, state: VoyageState, elapsed: float) -> Seen:
         """What was to be expected now: the course to begin with, then the last state sailed on."""
@@ -240,7 +270,8 @@ class PredictiveHelm(Described):
         margin = MARGIN * hull.beam if self.margin is None else self.margin
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
-        limit, track = self.model.configuration.gear.limit, course.track
+        gear, track = self.model.configuration.gear, course.track
+        limit = gear.limit
         if self.waterway is None and not (track.known[0, 0] and abs(track.states[0, 0, RUDDER]) < limit):
             raise InputError(
                 f"no rudder to {math.degrees(limit):g} degrees holds this ship {self.y:g} m off the middle at "
@@ -249,7 +280,7 @@ class PredictiveHelm(Described):
         margins = course.margins(horizon.intervals, self.confidence)
         planner = planner_of(ship, self.waterway, water, horizon, margins, weights, positions)
         observer = PredictionLanes(ship, self.waterway, 2, **positions)
-        return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds)
+        return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
 
     def _positions(self) -> dict[str, float]:
         if not self.model.terms.propelled:

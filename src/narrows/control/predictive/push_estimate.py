@@ -11,6 +11,9 @@ import numpy as np
 
 Variances = tuple[float, float, float]
 
+# Times of the estimate beyond which a gap between two orders counts as no longer [1]: its gain stays below 1.
+LONGEST_GAP = 5.0
+
 
 @dataclass(frozen=True)
 class BankSpread:
@@ -60,7 +63,7 @@ def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, 
     # Process Control 12(5), 617-632.
     if not np.isfinite(missing).all():
         return push
-    gain = 1.0 - math.exp(-elapsed / time)
+    gain = -math.expm1(-min(elapsed / time, LONGEST_GAP))
     felt = push.spread.at(np.array([share]))[0][0]
     (force, of_force, noise), (moment, of_moment, moment_noise) = (
         _filtered(*push.uncertainty[axis], push.noise[axis], float(missing[axis]), float(felt[axis]), gain)

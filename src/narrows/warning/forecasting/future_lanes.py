@@ -7,12 +7,12 @@ import numpy as np
 
 from narrows.control.regulator_law import Regulator
 from narrows.estimation.ship_lanes import RUDDER
-from narrows.simulation.controllers import ORDERED, SwitchedLaw
+from narrows.simulation.controllers import LAST_ORDER, ORDERED, SwitchedLaw
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 from narrows.warning.forecasting.forecast import AFTER, AS_IS, NEVER, Case
 from narrows.warning.settings import CONTACT_TOLERANCE
 
@@ -98,7 +98,8 @@ class FutureLanes:
     def _load(self, lanes: slice, cases: int, ships: Ships) -> None:
         columns, rows, inputs = ships.columns, self._prepared.start[lanes], self._prepared.vessel_inputs[lanes]
         own = {name: columns[name] for name in ("x", "y", "u", "v", "r")}
-        own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), RUDDER: ships.rudder}
+        own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
+        own |= dict.fromkeys((RUDDER, MEMORY(LAST_ORDER)), ships.rudder)
         for name, column in own.items():
             rows[:, self._kept[name]] = np.tile(column, cases)
         for name, column in self._constants({**self._ship_values, **ships.coefficients}).items():
