@@ -23,7 +23,7 @@ class Laws:
     def __init__(self, law: Any, fleet: Fleet) -> None:
         ship = SimulatedShip(fleet.model)
         steering = steering_of(law, ship.actuators)
-        self.tape, self.memory = steering.law.tape, steering.memory({})
+        self.tape, self.memory = steering.law.tape, steering.memory(fleet.state)
         self.inputs = {**ship.values(), **steering.parameters, "step_length": DT, "current": 0.0}
         way = fleet.waterway
         bends = (

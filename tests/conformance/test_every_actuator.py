@@ -17,8 +17,8 @@ LIMIT, RATE, STEP = 0.3, 0.1, 0.5
 
 
 def sections(actuator: Actuator) -> list[Part]:
-    """Its sections of a ship file, every number a half."""
-    return [part(**{own.name: 0.5 for own in fields(part)}) for part in actuator.parts]
+    """Its sections of a ship file, every number a half, and one pump."""
+    return [part(**{own.name: 1 if own.name == "pumps" else 0.5 for own in fields(part)}) for part in actuator.parts]
 
 
 @every_actuator
@@ -52,7 +52,8 @@ def test_its_numbers_scale_by_their_dimensions(actuator: Actuator) -> None:
         large = own.scaled(lambda dimension: 4.0**dimension.length * 2.0**dimension.time)
         for name, quantity in own.NUMBERS.items():
             unit = dimension_of(quantity.unit)
-            assert getattr(large, name) == pytest.approx(0.5 * 4.0**unit.length * 2.0**unit.time), name
+            expected = getattr(own, name) * 4.0**unit.length * 2.0**unit.time
+            assert getattr(large, name) == pytest.approx(expected), name
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,9 @@ def moved_by(actuator: Actuator, dtc: nw.Model) -> nw.Model:
     force = eval(f"lambda {control}: {control}")
     term = nw.Term("b_moved", "b_{moved}", force, nw.Dimension(1, 1, -2), actuator=actuator)
     table = nw.PAPER.with_terms("moved", sway=[term])
-    configuration = dtc.configuration.with_parts([*sections(actuator), Gear()])
+    prompt = {"dead_time": 0.0, "lag": 0.0, "dead_band_deg": 0.0}
+    parts = [replace(part, **prompt) if isinstance(part, nw.SteeringGear) else part for part in sections(actuator)]
+    configuration = dtc.configuration.with_parts([*parts, Gear()])
     return nw.Model(configuration, table, {**dtc.coefficients, "b_moved": 5.0})
 
 

@@ -14,6 +14,7 @@ from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER
 from narrows.codegen.free_motion import CORNERS, INPUTS, MIDSHIP, OPEN, STATE, Expr, exact_number, point_names
 from narrows.codegen.lines import FUNCTIONS, Lines, clipped, greatest, least, real
 from narrows.codegen.rates import Rates
+from narrows.physics.steering_gear import gear_motion
 
 # The classical Runge-Kutta method of order 4: where in the step each rate is taken.
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
@@ -93,37 +94,26 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     for actuator in choices.law.ordered:
         name = actuator.name
         wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))
-        furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
-        away = _away(lines, actuator, z, wanted, out) if actuator.late else wanted - z[name]
-        whole = lines.put(f"{name}_whole", clipped(away, furthest))
+        if actuator.late:
+            whole = _followed(lines, actuator, z, wanted, out)
+        else:
+            furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
+            whole = lines.put(f"{name}_whole", clipped(wanted - z[name], furthest))
         moves[name] = lines.put(f"{name}_move", real(SHARE) * whole)
         out[name] = lines.put(f"{name}_new", z[name] + moves[name])
     return moves, out | {name: lines.put(f"{name}_new", results[name]) for name in choices.law.memory}
 
 
-# Times shorter than this are none [s]: it keeps quotients of two times finite where both are 0.
-NO_TIME = 1e-12
-
-
-def _away(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: Expr, out: dict[str, Expr]) -> Expr:
-    """Write how far a gear with dead time, lag and dead band would move an actuator in the step; stages into out."""
-    # A stage passes on a share of what reaches it; where the step is longer than its part of the dead time it passes
-    # on all of it, weighed between the start of the step and its end. Either way a ramp comes late by exactly the dead
-    # time, at any length of the step.
-    name, count = actuator.name, len(actuator.stages)
-    dead, lag, h = real(f"{name}_dead_time"), real(f"{name}_lag"), real(LENGTH)
-    passing = lines.put(f"{name}_passing", count * h)
-    share = lines.put(f"{name}_share", passing / greatest(dead, passing, sympy.Float(NO_TIME)))
-    late = lines.put(f"{name}_late", least(dead / greatest(passing, sympy.Float(NO_TIME)), sympy.Integer(1)))
-    heard = wanted
-    for stage in actuator.stages:
-        after = lines.put(f"{stage}_new", z[stage] + share * (heard - z[stage]))
-        heard = lines.put(f"{stage}_out", after + late * (z[stage] - after))
-        out[stage] = after
-    left = lines.put(f"{name}_left", heard - z[name])
-    moved = FUNCTIONS["choice"](abs(left) - real(f"{name}_dead_band"), left, 0)
-    followed = 1 - sympy.exp(-lines.put(f"{name}_lags", h / greatest(lag, sympy.Float(NO_TIME))))
-    return lines.put(f"{name}_away", moved * lines.put(f"{name}_followed", followed))
+def _followed(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: Expr, out: dict[str, Expr]) -> Expr:
+    """Write how far a gear with dead time and lag moves an actuator in the step; the orders on their way into out."""
+    name, stages = actuator.name, actuator.stages
+    gear = {of: real(f"{name}_{of}") for of in ("dead_time", "lag", "dead_band", "rate")}
+    whole, after = gear_motion(
+        wanted, z[name], [z[stage] for stage in stages], gear, real(LENGTH), {**FUNCTIONS, "exp": sympy.exp},
+        lambda of, value: lines.put(f"{name}_{of}", value),
+    )  # fmt: skip
+    out.update(zip(stages, after, strict=True))
+    return whole
 
 
 def _controls(

@@ -52,7 +52,9 @@ class ShipLanes:
         terms = self.ship.model.terms
         self.actuators = tuple(actuator.name for actuator in self.ship.actuators)
         self.silent = {term.name: 0.0 for term in terms.terms if term.from_bank}
-        steering = steering_of(PrescribedActuators(self.actuators), self.ship.placed_actuators) if self.actuators else None
+        steering = (
+            steering_of(PrescribedActuators(self.actuators), self.ship.placed_actuators) if self.actuators else None
+        )
         self._run = KernelRun(self.ship, 1.0, 1.0, steering=steering, waterway=self.waterway)
         self.prepared = self._laid_out(1.0)
         kernel = self.prepared.kernel

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.codegen.choices import WATER
+from narrows.codegen.choices import STAGES, WATER
 from narrows.control.predictive.line_frame import water_ahead
 from narrows.errors import InputError
 from narrows.estimation.sensor import Sensor
@@ -15,6 +15,8 @@ from narrows.estimation.settings import REFERENCE_LENGTH, STEPS_A_PERIOD, TWIN_S
 from narrows.estimation.ship_filter import ShipFilter, default_step
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
+from narrows.physics.steering_gear import gear_motion
+from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
 from narrows.simulation.steering import SEEN
@@ -46,6 +48,8 @@ class _Fleet:
         self.walks = np.array([filter.noise.by_state()[name] for name in filter.states.names])
         gear = filter.model.configuration.gear
         self.limit, self.rate = gear.limit, gear.rate
+        self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}
+        self.stages: list[np.ndarray] = []
         self.side = TWIN_SIDE_TIME * STEPS_A_PERIOD * default_step(filter.model)
         self.ahead = water_ahead(filter.model, filter.waterway)
 
@@ -86,7 +90,9 @@ class _Fleet:
         turn = int(t / self.side)
         swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
         order = np.clip(orders[RUDDER] + swing, -self.limit, self.limit)
-        after[:, place] += np.clip(order - positions[:, place], -self.rate * dt, self.rate * dt)
+        stages = self.stages or [positions[:, place]] * STAGES
+        moved, self.stages = gear_motion(order, positions[:, place], stages, self.gear, dt, {**COLUMNS, "exp": np.exp})
+        after[:, place] += moved
         return after, memory
 
 

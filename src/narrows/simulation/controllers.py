@@ -331,7 +331,7 @@ STEERS, SINCE, ORDERED = "steers", "since", "ordered"
 
 @dataclass(frozen=True)
 class SwitchedLaw:
-    """Any control law, where it is on; where it is not, an angle is ordered, and of the law's memory its last order alone changes."""
+    """Any control law, where it is on; where it is not, an angle is ordered, which the law remembers as its last."""
 
     law: ControlLaw  # What steers where it is on
     angle: Any = 0.0  # That is ordered where it is not [rad]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import CourseAhead, weights_of
 from narrows.control.predictive.line_frame import FORCED, RUDDER, share_of, water_ahead
 from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, planner_of
@@ -18,14 +19,20 @@ from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUS
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
-from narrows.ship.actuators import SteeringGear
+from narrows.physics.steering_gear import gear_motion
 from narrows.results import Described
+from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
+
+
+# The functions of a gear, for floats.
+SCALARS = {"minimum": min, "maximum": max, "choice": lambda test, over, under: over if test > 0 else under,
+           "exp": math.exp}  # fmt: skip
 
 
 class Seen(NamedTuple):
@@ -56,7 +63,7 @@ class VoyageOrders:
     without_plan: int = field(init=False, default=0)
     _seen: Seen | None = field(init=False, default=None)
     _order: float = field(init=False, default=math.nan)
-    _given: list[tuple[float, float]] = field(init=False, default_factory=list)  # Times and orders [s, rad]
+    _stages: list[float] = field(init=False, default_factory=list)  # Of orders on their way to the rudder [rad]
 
     def __post_init__(self) -> None:
         self.push = no_push(self.course.spread)
@@ -78,40 +85,41 @@ class VoyageOrders:
         seen = _made_whole(t, state, expected)
         if self._seen is not None and np.isfinite([state.v, state.r]).all():
             self._estimate(seen, expected, elapsed)
+        if not math.isfinite(self._order):
+            self._order = float(seen.state[RUDDER])
+            self._stages = [self._order] * STAGES
+        elif self.gear.delay:
+            self._stages = self._turned(float(seen.state[RUDDER]), self._stages, elapsed)[1]
         self._seen, heard = seen, self._when_heard(seen)
         rate = self._rate(heard, elapsed)
         limit, fastest = self.planner.limits
         reach = max(elapsed, self.planner.horizon.period)
         order = heard.state[RUDDER] + min(max(rate, -fastest), fastest) * reach
         self._order = float(min(max(order, -limit), limit))
-        self._given = [*(given for given in self._given if given[0] > t - 2 * self.gear.delay), (t, self._order)]
         return self._order
 
     def _begin_anew(self) -> None:
         self.plan, self._seen, self.push, self.way = None, None, no_push(self.course.spread), 0.0
-        self._order, self._given = math.nan, []
+        self._order = math.nan
 
     def _when_heard(self, seen: Seen) -> Seen:
         """The ship as it will be when the gear follows the next order: the orders on their way are followed first."""
         # The rudder is then where the last order has it, not where it is indicated now, which lags it.
-        x, state, delay = seen.x, seen.state.copy(), self.gear.delay
+        x, state, stages, delay = seen.x, seen.state.copy(), self._stages, self.gear.delay
         parts = math.ceil(2 * delay / self.planner.horizon.interval)
-        for part in range(parts):
+        for _ in range(parts):
             time, both = delay / parts, np.tile(state, (2, 1))
-            turned = self._turned(state[RUDDER], seen.t + part * time, time)
+            turned, stages = self._turned(float(state[RUDDER]), stages, time)
             pushes, _ = self.push.at(self._share(np.full(2, x), state[0]))
             places, after = self.observer(np.full(2, x), both, seen.speed, np.full(2, turned / time), pushes, time)
             x, state = float(places[0]), after[0]
-        if math.isfinite(self._order):
-            state[RUDDER] = self._order
+        state[RUDDER] = self._order
         return Seen(seen.t + delay, x, seen.speed, state)
 
-    def _turned(self, rudder: float, t: float, time: float) -> float:
-        """How far orders on their way turn the rudder in a time [rad]."""
-        heard = [order for given, order in self._given if given <= t + time / 2 - self.gear.dead_time]
-        left = (heard[-1] if heard else rudder) - rudder
-        share = -math.expm1(-time / self.gear.lag) if self.gear.lag else 1.0
-        return min(max(left * share, -self.gear.rate * time), self.gear.rate * time)
+    def _turned(self, rudder: float, stages: list[float], time: float) -> tuple[float, list[float]]:
+        """How far the last order and those before it turn the rudder in a time [rad]; what is then on its way."""
+        gear = {of.removeprefix("rudder_"): value for of, value in self.gear.values().items()}
+        return gear_motion(self._order, rudder, stages, gear, time, SCALARS)
 
     def _expected(self, state: VoyageState, elapsed: float) -> Seen:
         """What was to be expected now: the course to begin with, then the last state sailed on."""

@@ -1,0 +1,39 @@
+"""A steering gear between an order and the rudder: dead time, first-order lag, dead band, rate."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from narrows.quantities.names import Number
+
+# Times shorter than this are none [s]: it keeps quotients of two times finite where both are 0.
+NO_TIME = 1e-12
+
+Functions = Mapping[str, Callable[..., Any]]
+
+
+def gear_motion(
+    order: Number, position: Number, stages: Sequence[Number], gear: Mapping[str, Number], dt: Number,
+    functions: Functions, put: Callable[[str, Any], Any] = lambda name, value: value,
+) -> tuple[Any, list[Any]]:  # fmt: skip
+    """Return how far a gear moves its actuator in a step, and the stages of its dead time afterwards.
+
+    ``gear`` has ``dead_time``, ``lag`` [s], ``dead_band`` and ``rate``; ``functions`` are minimum, maximum, choice and
+    exp of whatever the numbers are; ``put`` keeps what is used more than once.
+    """
+    # The dead time is a chain of equal first-order stages. A stage passes on a share of what reaches it; where the step
+    # is longer than its part of the dead time it passes on all of it, weighed between start and end of the step. Either
+    # way a ramp comes late by exactly the dead time, whatever the step, and no memory of past orders is kept, whose
+    # length would depend on it.
+    least, greatest = functions["minimum"], functions["maximum"]
+    passing = put("passing", len(stages) * dt)
+    share = put("share", passing / greatest(greatest(gear["dead_time"], passing), NO_TIME))
+    late = put("late", least(gear["dead_time"] / greatest(passing, NO_TIME), 1.0))
+    heard, after = order, []
+    for number, stage in enumerate(stages):
+        after.append(put(f"heard_{number}_new", stage + share * (heard - stage)))
+        heard = put(f"heard_{number}_out", after[-1] + late * (stage - after[-1]))
+    left = put("left", heard - position)
+    moved = put("moved", functions["choice"](abs(left) - gear["dead_band"], left, 0.0))
+    followed = put("followed", 1.0 - functions["exp"](-dt / greatest(gear["lag"], NO_TIME)))
+    furthest = put("reach", gear["rate"] * dt)
+    return put("whole", least(greatest(moved * followed, -furthest), furthest)), after

@@ -1,0 +1,197 @@
+"""Steering gears: against exact dead time, the solved servo, laws of their own; in every engine; under every helm."""
+
+import importlib.util
+import math
+from collections import deque
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases import steered
+
+import narrows as nw
+from narrows.control import PredictiveHelm, linearize, regulator
+from narrows.identification.conditions import bundled_ship
+from narrows.quantities.arithmetic import COLUMNS
+from narrows.simulation.controllers import VoyageState
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import steering_of
+from narrows.terms.tables import table_named
+
+SPEED, HOLD = 4.5, 50.0
+
+
+@cache
+def full_size() -> nw.Model:
+    """The KCS of 230 m."""
+    return bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm"))
+
+
+def geared(model: nw.Model, **gear: Any) -> nw.Model:
+    configuration = model.configuration
+    return replace(model, configuration=replace(configuration, steering=replace(configuration.gear, **gear)))
+
+
+class Ramp:
+    """A rudder ordered over at a rate, from amidships."""
+
+    def parameters(self) -> dict[str, float]:
+        return {"slope": math.radians(0.5)}
+
+    def memory(self, start: Any) -> dict[str, Any]:
+        return {}
+
+    def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        return {"rudder": at.slope * at.t}, {}
+
+
+def rudder_of(order: Any, dt: float, duration: float = 20.0, **gear: Any) -> tuple[np.ndarray, np.ndarray]:
+    voyage = nw.simulate(geared(full_size(), **gear), 0.0, SPEED, duration, dt, controller=order)
+    return voyage.t, voyage.rudder
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.25, 1.0, 2.0])
+@pytest.mark.parametrize("dead_time", [0.7, 2.0, 5.0])
+def test_a_ramp_comes_late_by_the_dead_time(dt: float, dead_time: float) -> None:
+    t, prompt = rudder_of(Ramp(), dt, 60.0)
+    _, late = rudder_of(Ramp(), dt, 60.0, dead_time=dead_time)
+    settled = t > 40.0
+    np.testing.assert_allclose((prompt - late)[settled], math.radians(0.5) * dead_time, rtol=1e-3)
+    assert np.abs(late[t < 0.25 * dead_time - dt]).max(initial=0.0) < 0.02 * math.radians(0.5) * dead_time
+
+
+@pytest.mark.parametrize("dt", [0.25, 1.0])
+def test_a_lag_is_the_exponential(dt: float) -> None:
+    t, rudder = rudder_of(nw.ConstantRudder(0.05), dt, lag=3.0)
+    np.testing.assert_allclose(rudder, 0.05 * (1.0 - np.exp(-t / 3.0)), atol=1e-9)
+
+
+def test_one_pump_turns_half_as_fast() -> None:
+    t, rudder = rudder_of(nw.ConstantRudder(0.5), 1.0, pumps=1)
+    np.testing.assert_allclose(rudder[:10], math.radians(65 / 28 / 2) * t[:10], rtol=1e-9)
+
+
+def test_within_the_dead_band_the_rudder_stays() -> None:
+    angle = math.radians(1.5)
+    assert (rudder_of(nw.ConstantRudder(angle), 1.0, dead_band_deg=2.0)[1] == 0.0).all()
+    assert rudder_of(nw.ConstantRudder(angle), 1.0, dead_band_deg=1.0)[1][-1] == pytest.approx(angle)
+
+
+@pytest.mark.parametrize(
+    ("gear", "words"),
+    [({"dead_time": -1.0}, "negative"), ({"lag": -1.0}, "negative"), ({"dead_band_deg": -1.0}, "negative"),
+     ({"pumps": 3}, "1 pump or 2"), ({"lag": math.nan}, "not a finite number")],
+)  # fmt: skip
+def test_what_is_no_gear_is_one_sentence(gear: dict[str, Any], words: str) -> None:
+    with pytest.raises(nw.InputError, match=words):
+        nw.SteeringGear(**gear)
+
+
+def test_another_size_has_another_gear() -> None:
+    gear = nw.scale_model(geared(steered(), dead_time=1.0, lag=2.0), length=4 * 3.984).model.configuration.gear
+    assert (gear.dead_time, gear.lag) == (pytest.approx(2.0, rel=1e-3), pytest.approx(4.0, rel=1e-3))
+
+
+LATE = {"dead_time": 0.4, "lag": 0.3, "dead_band_deg": 0.2, "pumps": 1}
+
+
+def test_a_fleet_takes_the_steps_of_a_voyage() -> None:
+    model = geared(steered(), **LATE)
+    law = regulator(model, 0.2, 1.0)
+    told = {"u": 1.0, "duration": 20.0, "dt": 0.1, "rudder": 0.1, "controller": law}
+    fleet = nw.ensemble(model, y=[0.0, 0.4], **told)
+    for number, y in enumerate((0.0, 0.4)):
+        voyage = nw.simulate(model, y, **told)
+        for name in ("y", "psi", "v", "r"):
+            assert voyage[name][-1] == pytest.approx(float(fleet[f"{name}_end"][number]), abs=1e-9)
+
+
+def test_an_export_takes_the_steps_of_a_voyage(tmp_path: Path) -> None:
+    model = geared(steered(), **LATE)
+    nw.export.write_python(model, tmp_path / "ship.py")
+    spec = importlib.util.spec_from_file_location("geared_ship", tmp_path / "ship.py")
+    ship = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(ship)
+    constants, state, end = ship.prepare(ship.MODEL), ship.rest(), np.zeros(2)
+    state[ship.U], inputs = 1.0, ship.AT_REST
+    inputs.rudder_order = 0.1
+    ship.sail(state, inputs, constants, None, 0.1, 8.0, end)
+    voyage = nw.simulate(model, 0.0, 1.0, 8.0, 0.1, controller=nw.ConstantRudder(0.1))
+    assert state[ship.RUDDER] == pytest.approx(voyage.rudder[-1], abs=1e-12)
+    assert state[ship.Y] == pytest.approx(voyage.y[-1], abs=1e-10)
+
+
+def test_slopes_of_a_voyage_are_differences() -> None:
+    model = geared(steered(), **{**LATE, "dead_band_deg": 0.0})
+    told = {"u": 1.0, "duration": 8.0, "dt": 0.1, "controller": nw.ConstantRudder(0.1)}
+    slopes = nw.sensitivities(model, ["rudder"], 0.1, rudder=0.05, **told).slopes[-1, 1]
+    ahead, astern = (nw.simulate(model, 0.1, rudder=0.05 + off, **told).y[-1] for off in (1e-5, -1e-5))
+    assert slopes[0] == pytest.approx((ahead - astern) / 2e-5, rel=1e-5)
+
+
+@cache
+def begun() -> dict[str, float]:
+    course = linearize(full_size(), HOLD, SPEED).course
+    return {name: float(course[name]) for name in ("u", "psi", "v", "rudder")}
+
+
+def held(model: nw.Model, helm: Any, dt: float, duration: float = 900.0) -> float:
+    """Largest distance from the line of a ship that begins a metre off it; infinite where it grounds [m]."""
+    voyage = nw.simulate(model, HOLD + 1.0, duration=duration, dt=dt, controller=helm, **begun())
+    return float(np.abs(voyage.y - HOLD).max()) if voyage.outcome.kind == "afloat" else math.inf
+
+
+GEARS = [(0.0, 0.0), (5.0, 0.0), (0.0, 4.0), (1.0, 2.5), (5.0, 4.0)]
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.25, 1.0, 2.0])
+def test_the_regulator_stands_every_gear(dt: float) -> None:
+    law = regulator(full_size(), HOLD, SPEED)
+    assert max(held(geared(full_size(), dead_time=dead, lag=lag), law, dt) for dead, lag in GEARS) < 2.0
+
+
+@pytest.mark.parametrize("told", [False, True])
+@pytest.mark.parametrize("dt", [0.25, 1.0])
+def test_the_predictive_helm_stands_every_gear(dt: float, told: bool) -> None:
+    pytest.importorskip("daqp")
+    for dead, lag in ((0.0, 4.0), (5.0, 4.0)):
+        model = geared(full_size(), dead_time=dead, lag=lag)
+        helm = PredictiveHelm(model if told else full_size(), HOLD, SPEED)
+        assert held(model, helm, dt, 300.0) < 2.0
+
+
+class Exactly:
+    """A law whose orders are heard exactly so many steps later, by a list of them."""
+
+    def __init__(self, law: Any, steps: int) -> None:
+        self.law, self.steps = law, steps
+
+    def begin(self) -> Any:
+        ship = SimulatedShip(full_size())
+        steering = steering_of(self.law, ship.actuators)
+        memory, on_its_way = {}, deque()
+
+        def order(t: float, seen: VoyageState) -> float:
+            at = {**seen._asdict(), "cos_psi": math.cos(seen.psi), "sin_psi": math.sin(seen.psi), "t": t}
+            if not memory:
+                memory.update(steering.memory(at))
+                on_its_way.extend([seen.rudder] * self.steps)
+            numbers = {**ship.values(), **steering.parameters, **at, **memory, "step_length": 1.0, "current": 0.0}
+            found = steering.law.tape.replay(numbers, functions={**COLUMNS, "water_curvature": lambda x: 0.0})
+            memory.update({name: float(found[name]) for name in memory})
+            on_its_way.append(float(found["rudder"]))
+            return on_its_way.popleft()
+
+        return order
+
+
+@pytest.mark.parametrize("dead_time", [2, 5])
+def test_a_voyage_is_that_of_an_exact_dead_time(dead_time: int) -> None:
+    law = regulator(full_size(), HOLD, SPEED)
+    start = {**begun(), "y": HOLD + 5.0, "duration": 600.0, "dt": 1.0}
+    stages = nw.simulate(geared(full_size(), dead_time=dead_time), controller=law, **start)
+    exact = nw.simulate(full_size(), controller=Exactly(law, dead_time), **start)
+    assert np.abs(stages.y - exact.y).max() < 0.02 * 5.0
