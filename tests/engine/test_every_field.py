@@ -148,7 +148,8 @@ def built() -> dict[str, Built]:
         ),
         "SteeringGear": Built(
             nw.SteeringGear(20.0, 5.0),
-            lambda gear: _steered_by(gear), {"limit_deg": 15.0, "rate_deg": 4.0},
+            lambda gear: _steered_by(gear),
+            {"limit_deg": 15.0, "rate_deg": 4.0, "dead_time": 1.0, "lag": 1.0, "dead_band_deg": 25.0, "pumps": 1},
         ),
         "Propeller": Built(
             propeller, lambda part: of_mmg(propeller=part),

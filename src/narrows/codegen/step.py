@@ -90,7 +90,8 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
     water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
     results = choices.law.tape.replay(inputs, exact_number, {**FUNCTIONS, **water})
-    moves, out = {}, {}
+    moves: dict[str, Expr] = {}
+    out: dict[str, Expr] = {}
     for actuator in choices.law.ordered:
         name = actuator.name
         wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))

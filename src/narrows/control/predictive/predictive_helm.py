@@ -1,10 +1,11 @@
 """A predictive helm: at every turn it plans the rudder for the minutes ahead, and orders the plan's beginning."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 
 # The functions of a gear, for floats.
-SCALARS = {"minimum": min, "maximum": max, "choice": lambda test, over, under: over if test > 0 else under,
+SCALARS: dict[str, Callable[..., Any]] = {"minimum": min, "maximum": max, "choice": lambda test, over, under: over if test > 0 else under,
            "exp": math.exp}  # fmt: skip
 
 
