@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 
 
 # The functions of a gear, for floats.
-SCALARS: dict[str, Callable[..., Any]] = {"minimum": min, "maximum": max, "choice": lambda test, over, under: over if test > 0 else under,
-           "exp": math.exp}  # fmt: skip
+SCALARS: dict[str, Callable[..., Any]] = {
+    "minimum": min, "maximum": max, "exp": math.exp, "choice": lambda test, over, under: over if test > 0 else under,
+}  # fmt: skip
 
 
 class Seen(NamedTuple):
