@@ -18,6 +18,7 @@ from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
 from narrows.results import Shown
+from narrows.ship.checks import check_ahead
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
 from narrows.terms.bank_forms import without_bank
@@ -270,6 +271,7 @@ class Model(Configured, Operations):
         if motion is None:
             named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
             motion = Motion.at(**named) if "psi" in named else Motion(**named)
+        check_ahead(revolutions)
         asked = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}

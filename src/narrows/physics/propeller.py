@@ -49,10 +49,12 @@ def inflow(at: PropellerQuantities) -> Number:
 def loading(at: PropellerQuantities) -> Number:
     """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2 with K_T = k_0 + k_1 J + k_2 J^2.
 
+    The curve is of tests ahead: revolutions astern count as those of a stopped propeller.
+
     Source: Yasukawa and Yoshimura (2015).
     """
     # Written without J, which is infinite where the propeller stands still.
-    tip, coming = at.revolutions * at.propeller_diameter, inflow(at)
+    tip, coming = (at.revolutions + abs(at.revolutions)) / 2 * at.propeller_diameter, inflow(at)
     return at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
 
 

@@ -21,6 +21,10 @@ POSITIVE = (
 )  # fmt: skip
 
 
+# K_T is a parabola of tests ahead: with the sign of the revolutions changed it would push the ship ahead.
+AHEAD_ONLY = "the thrust of this propeller is known ahead only, so that it cannot turn astern; give 0 (stopped) or more"
+
+
 class Rule(NamedTuple):
     asks: tuple[str, ...]  # Their names
     # Whether it is so, of numbers or of columns in the order of the names; false of what is no number
@@ -42,7 +46,7 @@ RULES = (
     Rule(
         ("revolutions",),
         lambda value: value >= 0,
-        "{revolutions} must not be negative; the thrust is that of going ahead",
+        f"{{revolutions}}: {AHEAD_ONLY}",
     ),
     Rule(("block_coefficient",), lambda value: value <= 1, "{block_coefficient} is over 1; it is a fraction"),
     Rule(("limit_deg",), lambda value: value <= 90, "{limit_deg} is beyond 90 degrees; check it"),
@@ -74,6 +78,12 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
     for rule in RULES:
         if all(name in known for name in rule.asks):
             check_rule(rule, known, places)
+
+
+def check_ahead(revolutions: Number | None) -> None:
+    """Raise where a propeller turns astern, for which it has no thrust."""
+    if revolutions is not None and np.any(np.asarray(revolutions) < 0):
+        raise InputError(f"revolutions = {float(np.min(revolutions)):g} 1/s: {AHEAD_ONLY}")
 
 
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:

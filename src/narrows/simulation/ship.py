@@ -12,6 +12,7 @@ from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import Number
+from narrows.ship.checks import check_ahead
 from narrows.simulation.channel import check_outline
 from narrows.simulation.inputs import Contact, check_options
 from narrows.terms.term import TermTable
@@ -72,6 +73,7 @@ class SimulatedShip:
 
     def values(self, **positions: Number) -> dict[str, Number]:
         """Return every particular and coefficient by name, with the limits of the gear."""
+        check_ahead(positions.get("revolutions"))
         # The equations add this to the table's own mass in surge; the user gives the whole.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for actuator in self.model.terms.actuators for name, at in actuator.at_rest().items()}

@@ -14,7 +14,8 @@ from narrows.model.data_range import MEASURES, DataRange
 from narrows.model.model import Model
 from narrows.quantities.names import MOTION
 from narrows.results import Tabulated
-from narrows.ship.actuators import Actuator
+from narrows.ship.actuators import PROPELLER, Actuator
+from narrows.ship.checks import check_ahead
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
@@ -298,7 +299,9 @@ class _Log:
         """Positions of actuators but the rudder, of those that were given orders."""
         kept = self.march.choices.kept
         ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
-        return {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
+        moved = {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
+        check_ahead(next((column for one, column in moved.items() if one is PROPELLER), None))
+        return moved
 
     def outcome(self, dt: float) -> Outcome:
         columns = self.columns(self.rows)

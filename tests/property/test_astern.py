@@ -1,0 +1,67 @@
+"""A propeller whose thrust is known ahead alone: at no door does it push the ship ahead when it turns astern."""
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import narrows as nw
+
+KVLCC2 = nw.published("yasukawa2015_kvlcc2")
+FREE = {"u": 1.0, "surge": "free", "contact": "none", "duration": 5.0, "dt": 0.1}
+
+
+class Astern:
+    """A law that orders full astern."""
+
+    def parameters(self) -> dict[str, float]:
+        return {"n": -5.0}
+
+    def memory(self, start: Any) -> dict[str, Any]:
+        return {}
+
+    def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        return {"revolutions": at.n}, {}
+
+
+DOORS = {
+    "a voyage": lambda: nw.simulate(KVLCC2, revolutions=-1.0, **FREE),
+    "a law": lambda: nw.simulate(KVLCC2, revolutions=1.0, controller=Astern(), **FREE),
+    "a fleet": lambda: nw.ensemble(KVLCC2, revolutions=[1.0, -1.0], **FREE),
+    "forces": lambda: KVLCC2.forces(u=1.0, revolutions=-1.0),
+    "columns of forces": lambda: KVLCC2.forces(u=np.ones(2), revolutions=np.array([1.0, -1.0])),
+    "rates": lambda: nw.derivative(KVLCC2, {"u": 1.0}, revolutions=-1.0),
+    "slopes": lambda: nw.sensitivities(KVLCC2, ["u"], revolutions=-1.0, **FREE),
+    "a linear system": lambda: nw.control.linearize(KVLCC2, 0.0, 1.0, revolutions=-1.0),
+    "a steady course": lambda: nw.steady_course(KVLCC2, u=1.0, revolutions=-1.0),
+    "a regulator": lambda: nw.control.regulator(KVLCC2, 0.0, 1.0, revolutions=-1.0),
+    "a predictive helm": lambda: nw.control.PredictiveHelm(KVLCC2, 0.0, 1.0, revolutions=-1.0).begin(),
+}
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_revolutions_astern_are_refused(door: str) -> None:
+    with pytest.raises(nw.InputError, match="known ahead only"):
+        DOORS[door]()
+
+
+def test_a_fleet_under_a_law_takes_them_for_a_stopped_propeller() -> None:
+    fleet = nw.ensemble(KVLCC2, revolutions=0.0, controller=Astern(), **FREE)
+    stopped = nw.simulate(KVLCC2, revolutions=0.0, **FREE)
+    assert fleet["u_end"].item() == pytest.approx(stopped.u[-1], abs=1e-9)
+
+
+def test_an_exported_file_takes_them_for_a_stopped_propeller(tmp_path: Path) -> None:
+    nw.export.write_python(KVLCC2, tmp_path / "ship.py", surge="free", contact="none")
+    spec = importlib.util.spec_from_file_location("astern_ship", tmp_path / "ship.py")
+    ship = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(ship)
+    constants, state, rates = ship.prepare(ship.MODEL), ship.rest(), []
+    state[ship.U] = 1.0
+    for turns in (-1.0, 0.0):
+        inputs = ship.AT_REST
+        inputs.revolutions = turns
+        rates.append(ship.rates(state, inputs, constants))
+    np.testing.assert_array_equal(*rates)
