@@ -7,15 +7,12 @@ from narrows.codegen.choices import ROW, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
 from narrows.codegen.kernels.elementary import HEADER, NUMBER, elementary_text
 from narrows.codegen.lines import Lines, real
-from narrows.codegen.printers.lanes import Lanes
+from narrows.codegen.printers.lanes import SHARED, Lanes
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, room_left
 
 LANES = 64
-
-# What the bookkeeping looks up among the numbers that all vessels share.
-SHARED_PLACES = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
 
 FIELDS = {
     "X": "x", "Y": "y", "COS": "cos_psi", "SIN": "sin_psi", "U": "u", "V": "v", "R": "r", "STEP_LENGTH": "step_length",
@@ -64,7 +61,7 @@ def exact_room(track, step, s, n, cosine, sine, outline):
 def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
     fields, shared, vessel_inputs = lanes.layout.fields, lanes.shared_inputs, lanes.vessel_inputs
     numbers: dict[str, float] = {name: fields[field] for name, field in FIELDS.items()}
-    numbers |= {f"AT_{name.upper()}": shared.index(name) if name in shared else 0 for name in SHARED_PLACES}
+    numbers |= {f"AT_{name.upper()}": shared.index(name) if name in shared else 0 for name in SHARED}
     numbers |= {"LANES": lanes.count, "FIELDS": lanes.layout.size, "KEPT": len(lanes.kept), "CELL_ENTRIES": ROW}
     numbers["FIRST_VESSEL_INPUT"] = fields[vessel_inputs[0]] if vessel_inputs else 0
     numbers |= {"EXACT": exact, "WATERWAY": choices.waterway, "LEAVES": choices.leaves}

@@ -36,7 +36,7 @@ class PreparedRun:
     kernel: ModuleType  # The generated kernel
     start: np.ndarray  # (n, kept) What is kept from step to step, at the start
     times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
-    vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel's own
+    vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel's own; (1, vessel inputs) where none varies
     shared: np.ndarray  # (shared inputs,) Inputs that all share
     water: WaterTable  # Where they sail
     # (2,) How closely a contact is located, and how near a bank a motion that runs away has met it [m]
@@ -61,7 +61,8 @@ class PreparedRun:
         return block, np.zeros((lanes, PLACES)), np.zeros(lanes, np.int64)
 
     def _arguments(self, part: slice) -> tuple[Any, ...]:
-        own, water = (self.start[part], self.times[part], self.vessel_inputs[part]), self.water
+        inputs = self.vessel_inputs if len(self.vessel_inputs) == 1 else self.vessel_inputs[part]
+        own, water = (self.start[part], self.times[part], inputs), self.water
         shared = (water.table, self.shared, water.track, water.outline, self.limits)
         return (*own, *shared, self.end[part], self.time[part], self.codes[part])
 
@@ -126,12 +127,13 @@ def prepare(
     if precision == "float32" and times[:, 1].max(initial=0) >= MOST_STEPS_SINGLE:
         raise InputError(f"single precision counts fewer than {MOST_STEPS_SINGLE} steps; lengthen dt or use float64")
 
-    def table(names: tuple[str, ...], values: Mapping[str, Any]) -> np.ndarray:
-        columns = [np.broadcast_to(np.asarray(values[name], float), vessels) for name in names]
-        stacked = np.stack(columns, axis=1) if columns else np.zeros((vessels, 0))
+    def table(names: tuple[str, ...], values: Mapping[str, Any], rows: int) -> np.ndarray:
+        columns = [np.broadcast_to(np.asarray(values[name], float), rows) for name in names]
+        stacked = np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
         return np.ascontiguousarray(stacked.astype(precision))
 
     shared = np.array([np.ravel(inputs[name])[0] for name in kernel.SHARED], precision)
-    kept = table(kernel.KEPT_NAMES, start)
-    vessel_inputs = table(kernel.VESSEL_INPUTS, inputs)
+    kept = table(kernel.KEPT_NAMES, start, vessels)
+    is_own = any(np.ndim(inputs[name]) for name in kernel.VESSEL_INPUTS)
+    vessel_inputs = table(kernel.VESSEL_INPUTS, inputs, vessels if is_own else 1)
     return PreparedRun(kernel, kept, times, vessel_inputs, shared, water, limits.astype(precision), workers)

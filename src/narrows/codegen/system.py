@@ -115,19 +115,17 @@ class System:
 
         return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
 
-    def kernel(self, vessel_inputs: tuple[str, ...], precision: str) -> ModuleType:
+    def kernel(self, precision: str) -> ModuleType:
         """Return the module that sails a fleet; its ``sail`` compiles when first called."""
 
         def text() -> str:
             from narrows.codegen.kernel import LANES, kernel_text
             from narrows.codegen.printers.lanes import Lanes
 
-            names = {*vessel_inputs, *(self.rates.constants.names if "k" in vessel_inputs else ())}
-            step = self.step.with_whole_steps()
-            lanes = Lanes(step, self.choices.kept, tuple(sorted(names)), LANES)
+            lanes = Lanes(self.step.with_whole_steps(), self.choices.kept, LANES)
             return kernel_text(lanes, self.choices, precision, version("narrows"))
 
-        return generated("kernel", (*self.key, vessel_inputs, precision), text)
+        return generated("kernel", (*self.key, precision), text)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
         """Return the module that sails a voyage with its slopes; its ``march`` compiles when first called."""

@@ -198,7 +198,7 @@ class KernelRun:
         start, times = self._start(system, values), self._times(vessels)
         with needs("compiled", "compiled simulation (safe envelopes, estimation, predictive helms, the monitor)"):
             import numba  # noqa: F401  # Its kernels would take minutes to run as plain Python.
-        kernel = system.kernel(_vessel_inputs(system, inputs, self.steering), self.precision)
+        kernel = system.kernel(self.precision)
         width = np.asarray(inputs.get("width", 1.0))
         tolerance = max(CONTACT_TOLERANCE, 4 * float(np.finfo(self.precision).eps) * float(width.max()))
         limits = np.array([tolerance, NEAR_THE_BANK * float(width.min())])
@@ -258,19 +258,3 @@ class KernelRun:
             where = hashlib.sha256(water.table.tobytes() + water.track.tobytes()).hexdigest()
         values = sorted(self.ship.values().items(), key=str)
         return f"{self.ship.system().tape.text} {options!r} {law} {where} {values!r}"
-
-
-def _vessel_inputs(system: System, inputs: Mapping[str, Any], steering: Steering | None) -> tuple[str, ...]:
-    """What each vessel has of its own: whole groups, so that few kernels are ever made."""
-    groups = [
-        tuple(system.scalar.CONSTANTS),
-        tuple(steering.parameters) if steering else (),
-        (*INPUTS.values(), PUSH_END),
-        tuple(n for n in inputs if n.startswith(("half_", "wall_", "outline_"))),
-        tuple(f"{a.name}_{end}" for a in (steering.law.ordered if steering else ()) for end in ("limit", "rate")),
-    ]
-    names: list[str] = []
-    for number, group in enumerate(groups):
-        if any(np.size(inputs.get(name, 0.0)) > 1 for name in group):
-            names += ("k",) if number == 0 else group
-    return tuple(sorted(set(names)))

@@ -141,8 +141,9 @@ def load_lane(
     for field in range(KEPT):
         block[field * LANES + lane] = start[vessel, field]
         block[(OLD + field) * LANES + lane] = start[vessel, field]
+    row = min(vessel, vessel_inputs.shape[0] - 1)  # One row for all where nothing varies.
     for field in range(vessel_inputs.shape[1]):
-        block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[vessel, field]
+        block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[row, field]
     room, lean = room_of(block, lane, table, shared)
     if EXACT and room <= 0.0:
         room, lean = true_room(block, lane, NOW, track, outline, shared)

@@ -20,6 +20,10 @@ from narrows.codegen.step import Step
 # Fields of a lane beside what is kept from step to step: what the queue of vessels reads and writes.
 BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
 
+# Inputs that all vessels share: the bookkeeping of the queue reads them too. Every other input is each vessel's own, so
+# that a fleet in which other things vary needs no other kernel; a lane reads its own as fast as a shared one.
+SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
+
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 
 
@@ -74,8 +78,6 @@ class LaneFields:
 class Lanes:
     step: Step  # The program
     kept: tuple[str, ...]  # What goes from step to step
-    # Inputs that each vessel has of its own, if the program asks for them; all others are shared
-    varying: tuple[str, ...]
     count: int  # Lanes of a block
 
     @cached_property
@@ -94,11 +96,11 @@ class Lanes:
 
     @property
     def vessel_inputs(self) -> tuple[str, ...]:
-        return tuple(name for name in self.inputs if name in self.varying)
+        return tuple(name for name in self.inputs if name not in SHARED)
 
     @property
     def shared_inputs(self) -> tuple[str, ...]:
-        return tuple(name for name in self.inputs if name not in self.varying)
+        return tuple(name for name in self.inputs if name in SHARED)
 
     @cached_property
     def layout(self) -> LaneFields:

@@ -80,10 +80,9 @@ class FutureLanes:
                 self._prepared.vessel_inputs[:, place] = value
 
     def flow(self, current: float, revolutions: float | None) -> None:
-        names, shared = self._prepared.kernel.SHARED, self._prepared.shared
         for name, value in (("current", current), ("revolutions", revolutions)):
-            if name in names and value is not None:
-                shared[names.index(name)] = value
+            if name in self._inputs and value is not None:
+                self._prepared.vessel_inputs[:, self._inputs[name]] = value
 
     def __call__(self, ships: Sequence[Ships]) -> list[Outcomes]:
         for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
