@@ -74,7 +74,7 @@ def test_two_that_vary_apart_are_placed_by_both() -> None:
 
 def test_every_rule_asks_for_what_has_a_place() -> None:
     known = {*nw.published("yasukawa2015_kvlcc2").configuration.values(), "limit_deg", "rate_deg"} | {
-        "mass", "inertia", "flow_straightening", "depth",
+        "dead_time", "lag", "dead_band_deg", "pumps", "mass", "inertia", "flow_straightening", "depth",
     }  # fmt: skip
     assert {name for rule in RULES for name in rule.asks} <= known
     assert set(POSITIVE) <= known
