@@ -39,6 +39,8 @@ GEAR = {
     "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
 }  # fmt: skip
 HEARD = "order on its way to the {}: begin where the actuator is"
+# Constants that the rule of a voyage asks for, whatever the hull.
+ALWAYS = ("hull_length", "least_cos", "near_bank")
 
 
 @dataclass(frozen=True)
@@ -79,10 +81,10 @@ class ExportedShip:
         least = limits_of(self.ship.shape)["least_cos"]
         known: dict[str, Any] = {
             "half_length": real("length") / 2, "half_beam": real("beam") / 2, "least_cos": Float(least, 17),
-            "near_bank": Float(NEAR_THE_BANK, 17) * real("width"),
+            "near_bank": Float(NEAR_THE_BANK, 17) * real("width"), "hull_length": real("length"),
             **{name: real("width") / 2 for name in WALLS if name not in self._values},
         }  # fmt: skip
-        return {name: known.get(name, real(name)) for name in sorted({*self.portable.hull, "least_cos", "near_bank"})}
+        return {name: known.get(name, real(name)) for name in sorted({*self.portable.hull, *ALWAYS})}
 
     @cached_property
     def _values(self) -> dict[str, Any]:
