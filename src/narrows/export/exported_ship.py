@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from narrows.codegen.lines import Program, real
 from narrows.codegen.portable import ORDERED, Portable
 from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
+from narrows.export.passport import passport
 from narrows.files import is_stream
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
@@ -172,11 +172,7 @@ class ExportedShip:
         }  # fmt: skip
 
     def about(self) -> Iterator[str]:
-        model = self.ship.model
-        yield f"{model.configuration.ship.name}: motion between two banks by the terms {model.terms.name}."
-        yield f"Written by narrows {version('narrows')}."
-        if model.source.text:
-            yield model.source.text
+        return passport(self.ship.model)
 
 
 def prefix_of(path: str | Path) -> str:

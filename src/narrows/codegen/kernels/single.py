@@ -111,7 +111,7 @@ def can_sail(state: Array, constants: Constants, waterway: Place, length: float,
         return False
     if WATERWAY and not waterway.x_last > waterway.x_first:
         return False
-    return min(length, duration) * abs(state[U]) <= constants.hull_length
+    return min(length, duration) * abs(state[U]) <= constants.hull_length  # type: ignore[no-any-return]
 
 
 def planned(book: Book, length: float, duration: float) -> None:
