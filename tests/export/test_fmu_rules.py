@@ -1,8 +1,9 @@
-"""What an importer may do with an FMU, and what it is told: derivatives, ends, order of calls, bounds, two in one program."""
+"""What importers may do with an FMU: derivatives, ends of voyages, order of calls, bounds, two in one program."""
 
 import shutil
 import subprocess
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,10 @@ DT = 0.05
 START = {"x": 6.0, "y": 0.5, "psi": 0.05, "u": 1.0}
 OUTCOMES = {"afloat": 0, "grounded": 1, "diverged": 2, "outside": 3, "astern": 4, "passed": 5}
 Fmus = Any
+CASES = [
+    ("paper", False), ("steered", False), ("steered", True), ("mmg+delta", False), ("crossflow", False),
+    ("paper+tapered", False), ("paper+keel_gap", True), ("own", False), ("mmg+delta", True),
+]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -57,13 +62,7 @@ def unknowns(fmu: Imported) -> list[str]:
     return [name for name in own if name not in ("time", *knowns(fmu)["input"])]
 
 
-@pytest.mark.parametrize(
-    ("name", "curved"),
-    [("paper", False), ("steered", False), ("steered", True), ("mmg+delta", False),
-     pytest.param("crossflow", False, marks=pytest.mark.slow), pytest.param("paper+tapered", False, marks=pytest.mark.slow),
-     pytest.param("paper+keel_gap", True, marks=pytest.mark.slow), pytest.param("own", False, marks=pytest.mark.slow),
-     pytest.param("mmg+delta", True, marks=pytest.mark.slow)],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "curved"), CASES)
 def test_every_derivative_is_that_of_differences(fmus: Fmus, name: str, curved: bool) -> None:
     """Of every state, rate and room, by every state, input and tunable parameter."""
     size = model_of(name).configuration.ship.length / 4
@@ -259,21 +258,22 @@ def test_beyond_the_tests_is_told_while_it_is_so(tmp_path: Path) -> None:
             assert any(told for told, _ in said)
 
 
-def test_both_kinds_turn_the_rudder_alike(fmus: Fmus) -> None:
+@pytest.mark.parametrize("gear", [nw.SteeringGear(25.0, 9.0), nw.SteeringGear(25.0, 9.0, dead_time=1.0, lag=0.5)])
+def test_both_kinds_turn_the_rudder_as_a_voyage_does(tmp_path: Path, gear: nw.SteeringGear) -> None:
     """The gear is a state of either: 12 degrees of difference once were the importer's."""
     import fmpy
 
-    path, told = str(fmus("steered")), {"y": 0.1, "u": 1.0, "rudder_order": 0.3}
-    rows = {
-        kind: fmpy.simulate_fmu(path, fmi_type=kind, start_values=told, stop_time=6.0, output_interval=0.5,
-                                relative_tolerance=1e-10, output=["rudder", "y", "psi"])
-        for kind in ("CoSimulation", "ModelExchange")
-    }  # fmt: skip
-    one, other = rows.values()
-    assert 0.2 < one["rudder"][-1] <= 0.3
-    turned = model_of("steered").configuration.steering.rate * DT
-    np.testing.assert_allclose(other["rudder"], one["rudder"], atol=turned)
-    np.testing.assert_allclose(other["psi"], one["psi"], atol=1e-3)
+    model = replace(model_of("steered"), configuration=replace(model_of("steered").configuration, steering=gear))
+    nw.export.write_fmu(model, tmp_path / "ship.fmu", dt=DT)
+    voyage = nw.simulate(model, y=0.1, u=1.0, dt=DT, duration=6.0, controller=nw.ConstantRudder(0.3))
+    for kind, most in (("CoSimulation", 1e-10), ("ModelExchange", gear.rate * DT)):
+        rows = fmpy.simulate_fmu(
+            str(tmp_path / "ship.fmu"), fmi_type=kind, start_values={"y": 0.1, "u": 1.0, "rudder_order": 0.3},
+            stop_time=6.0, output_interval=DT, relative_tolerance=1e-10, output=["rudder", "y", "psi"],
+        )  # fmt: skip
+        assert 0.2 < rows["rudder"][-1] <= 0.3
+        np.testing.assert_allclose(rows["rudder"], voyage.rudder, atol=most)
+        np.testing.assert_allclose(rows["psi"], voyage.psi, atol=most)
 
 
 def test_open_water(fmus: Fmus) -> None:

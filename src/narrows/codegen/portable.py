@@ -86,8 +86,7 @@ class Portable:
 
     @cached_property
     def continuous(self) -> tuple[Program, ...]:
-        """What simulators with integrators of their own ask for: the rates of x, y, psi, u, v, r, those of the gear, and
-        the room to starboard and to port unless the banks themselves are asked for it."""
+        """The rates of x, y, psi, u, v, r; those of the gear; and, between banks, the room to starboard and to port."""
         lines = Lines()
         rates = rate_here(lines, self.rates, self.choices, self._values, "")
         rates["psi"] = rates[COUNTED]

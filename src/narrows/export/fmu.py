@@ -94,10 +94,10 @@ def _programs(exported: ExportedShip) -> dict[str, str]:
     portable, printer = exported.portable, CArithmetic(exported.prefix)
     places = places_in(exported, "{}->{}".format, "{}({})".format, c_name)
     ways = {**places, **_ways(exported, places)}
-    motion, gear, *clearance = portable.continuous
-    size, known = len(LINEARISED), {}
-    first = {"motion": (motion, 0), "gear": (gear, size), **{"clearance": (one, 0) for one in clearance}}
-    for name, (program, start) in first.items():
+    known: dict[str, str] = {}
+    places_of_results = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
+    # In open water there is no clearance.
+    for (name, start), program in zip(places_of_results.items(), portable.continuous, strict=False):
         targets = [f"result[{start + number}]" for number in range(len(program.results))]
         for of, lines in ((name, program), (f"{name}_along", portable.along(program))):
             known[of] = "\n    ".join(c_body(lines, targets, ways, printer))
@@ -142,5 +142,5 @@ def description_text(
         name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
         structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR],
-        outcomes=[(name, number, OUTCOMES[name]) for number, name in enumerate(map(str.lower, FATES)) if name in OUTCOMES],
+        outcomes=[(name, FATES.index(name.upper()), words) for name, words in OUTCOMES.items()],
     )  # fmt: skip

@@ -22,7 +22,7 @@ WIDTH = 108
 # How a voyage ends, in the order of their codes.
 FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED", "REFUSED")
 
-CANNOT_SAIL = "give a step over 0, some hundred or more to a ship length, at most 1e9 in all, and a waterway that is longer than 0"
+CANNOT_SAIL = "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
 
 # Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables.
 PLAIN = (
