@@ -23,7 +23,7 @@ from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
-from narrows.warning.inputs.listening import Arrival, Inbox, deltas
+from narrows.warning.inputs.listening import Arrival, Inbox, SignalK
 from narrows.warning.settings import OTHERS_QUEUE
 
 KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000
@@ -135,7 +135,7 @@ def fuzzed(count: int) -> list[tuple[str, str]]:
 
 def _understood(name: str, line: bytes, hearing: Hearing, faults: Counter[str], t: float) -> int:
     if name == "Signal K":
-        return len(list(deltas(line, faults)))
+        return len(list(SignalK(faults).deltas(line, 0.0)))
     if name == "commands":
         return int(command_of(line.strip()) is not None)
     return sum(hearing.told(one, t) is not None for one in sentences([line.strip()], hearing.faults))

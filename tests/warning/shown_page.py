@@ -15,12 +15,13 @@ import narrows as nw
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.states import StateNames
 from narrows.estimation.unscented import Gaussian
-from narrows.warning.alerts.alert import BANK, AlertDesk, Condition, Priority, Situation
+from narrows.warning.alerts.alert import BANKS, AlertDesk, Condition, Priority, Situation
 from narrows.warning.forecasting.forecast import CASES, BankForecast, CaseForecast, LikelyRun
 from narrows.warning.forecasting.future_lanes import FAN_MEMBERS, TIMES, PredictedFan
 from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
 from narrows.warning.page.bridge_page import BridgePage
 
+BANK = BANKS["starboard"]
 ALARM = {BANK: Condition(Priority.ALARM, "Bank to starboard in 60 s: last chance in 14 s")}
 HANDSHAKE = (
     "GET {path} HTTP/1.1\r\nHost: {host}\r\n{more}Upgrade: websocket\r\nConnection: Upgrade\r\n"

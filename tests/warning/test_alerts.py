@@ -19,8 +19,10 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 import narrows as nw
 from narrows.readers.nmea.nmea_lines import sentences, with_checksum
 from narrows.warning.alerts.alert import (
-    BANK,
+    BANKS,
     CALM,
+    LOG_LATE,
+    NO_FORECAST,
     SENSORS,
     Alert,
     AlertDesk,
@@ -29,6 +31,7 @@ from narrows.warning.alerts.alert import (
     Command,
     Condition,
     Priority,
+    Situation,
     Thresholds,
 )
 from narrows.warning.alerts.alert_log import AlertLog, logged
@@ -39,6 +42,7 @@ SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:201
 REPEAT_AFTER = 60.0  # [s] after which an alert that nobody acknowledges sounds anew
 RAISE_DELAY, LOWER_DELAY = 2.0, 10.0  # [s] of urgency above and below a threshold before the level changes
 
+BANK, HEADING = BANKS["starboard"], SENSORS["heading"]
 NAMES = st.sampled_from(list(Priority))
 
 
@@ -59,10 +63,11 @@ class Bridge(RuleBasedStateMachine):
             self.silent_until = -1.0
             if not priority:
                 self.waiting = not self.heard
-            elif priority is Priority.CAUTION or (before and self.heard and priority < before):
-                self.heard, self.waiting = True, False
             else:
-                self.heard, self.waiting = False, False
+                # Never heard waits at any priority; a new caution and what is less urgent than what was heard do not.
+                unheard = self.waiting or (before and not self.heard)
+                lower = before and self.heard and priority < before
+                self.heard, self.waiting = not unheard and (bool(lower) or priority is Priority.CAUTION), False
         self.priority = priority
         self.desk.update(self.t, {BANK: Condition(priority, "text")})
 
@@ -80,7 +85,7 @@ class Bridge(RuleBasedStateMachine):
         known = bool(self.priority or self.waiting) and not wrong
         can = {
             Command.ACKNOWLEDGE: unheard, Command.REPEAT: True, Command.TRANSFER: False,
-            Command.SILENCE: unheard and not self.waiting and not silent,
+            Command.SILENCE: unheard and not self.waiting and not silent and self.priority > Priority.CAUTION,
         }  # fmt: skip
         assert (done is not None) == bool(known and can[command])
         if done is not None and command is Command.ACKNOWLEDGE:
@@ -100,7 +105,7 @@ class Bridge(RuleBasedStateMachine):
             else AlertState.SILENCED if silent and alert.state is AlertState.SILENCED
             else AlertState.UNACKNOWLEDGED
         )  # fmt: skip
-        assert alert.sounds == (not self.heard and not silent)
+        assert alert.sounds == (not self.heard and not silent and self.priority > Priority.CAUTION)
         assert alert.instance == self.instances
 
     @invariant()
@@ -129,7 +134,7 @@ def test_signal_k_is_told_what_is_seen_and_what_sounds() -> None:
     for command in (Command.REPEAT, Command.SILENCE, Command.ACKNOWLEDGE):
         desk.command(1.0, BANK.identifier, raised.instance, command)
         (update,) = notifications(desk, 0.0)["updates"]
-        (told,) = (one["value"] for one in update["values"] if one["path"].endswith("bankContact"))
+        (told,) = (one["value"] for one in update["values"] if one["path"].endswith("bankToStbd"))
         methods.append(told["method"])
         assert (told["state"], told["message"]) == ("alarm", "text")
     assert methods == [["visual", "sound"], ["visual"], []]
@@ -144,10 +149,40 @@ def test_what_nobody_acknowledges_sounds_anew_and_is_counted() -> None:
     assert (again.revision, again.repeats, again.state) == (2, 1, AlertState.UNACKNOWLEDGED)
 
 
+def test_an_acknowledged_alert_swallows_no_new_danger() -> None:
+    """An alarm to starboard, acknowledged; then one to port, then a second sensor: each sounds."""
+    desk, port = AlertDesk(), BANKS["port"]
+    (raised,) = desk.update(0.0, {BANK: Condition(Priority.ALARM, "text"), port: CALM})
+    desk.command(1.0, BANK.identifier, raised.instance, Command.ACKNOWLEDGE)
+    other = desk.update(2.0, {BANK: CALM, port: Condition(Priority.ALARM, "text")})[0]
+    assert (other.identifier, other.sounds) == (port.identifier, True)
+    failed = [{SENSORS[name]: Condition(Priority.WARNING, name)} for name in ("heading", "rudder")]
+    assert [alert.sounds for one in failed for alert in desk.update(3.0, one)] == [True, True]
+
+
+def test_what_was_never_acknowledged_waits_for_it_as_a_caution_too() -> None:
+    desk = AlertDesk()
+    for t, priority in enumerate((Priority.ALARM, Priority.CAUTION)):
+        desk.update(float(t), {BANK: Condition(priority, "text")})
+    assert desk[BANK].state is AlertState.UNACKNOWLEDGED
+    assert not desk[BANK].sounds
+
+
+@pytest.mark.parametrize(("hazard", "taken"), [(BANK, False), (LOG_LATE, True), (NO_FORECAST, True)])
+def test_another_system_takes_over_what_needs_no_picture(hazard: Situation, taken: bool) -> None:
+    """IEC 62923-1: an alert of category A stays where its picture is."""
+    desk = AlertDesk()
+    (raised,) = desk.update(0.0, {hazard: Condition(Priority.WARNING, "text")})
+    assert (desk.command(1.0, hazard.identifier, raised.instance, Command.TRANSFER) is not None) is taken
+    assert (desk[hazard].state is AlertState.TRANSFERRED) is taken
+    desk.update(2.0, {hazard: CALM})
+    assert desk[hazard].state is (AlertState.NORMAL if taken else AlertState.RECTIFIED)
+
+
 def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
     desk = AlertDesk()
-    desk.update(0.0, {SENSORS: Condition(Priority.CAUTION, "a"), BANK: Condition(Priority.WARNING, "b")})
-    assert [alert.identifier for alert in desk.alerts] == [BANK.identifier, SENSORS.identifier]
+    desk.update(0.0, {HEADING: Condition(Priority.CAUTION, "a"), BANK: Condition(Priority.WARNING, "b")})
+    assert [alert.identifier for alert in desk.alerts] == [BANK.identifier, HEADING.identifier]
     desk.update(1.0, {BANK: CALM})
     assert [alert.state for alert in desk.alerts] == [AlertState.ACKNOWLEDGED, AlertState.RECTIFIED]
 
@@ -207,10 +242,10 @@ ALERT = Alert(BANK.identifier, Priority.ALARM, AlertState.UNACKNOWLEDGED, "Conta
 
 def test_sentences_are_as_they_are_printed() -> None:
     first, second = alf(ALERT, 1_777_680_000.25, 13)
-    assert first.startswith("$IIALF,2,1,3,000000.25,B,A,V,NRW,10110,7,2,1,BANK CONTACT*")
-    assert second.startswith("$IIALF,2,2,3,,,,,NRW,10110,7,2,1,Contact to port^2C 42 s*")
+    assert first.startswith("$IIALF,2,1,3,000000.25,A,A,V,NRW,10111,7,2,1,BANK TO STBD*")
+    assert second.startswith("$IIALF,2,2,3,,,,,NRW,10111,7,2,1,Contact to port^2C 42 s*")
     (listed,) = alc([ALERT], 105)
-    assert listed.startswith("$IIALC,01,01,05,1,NRW,10110,7,2*")
+    assert listed.startswith("$IIALC,01,01,05,1,NRW,10111,7,2*")
     assert [part.split(",")[1:5] for part in alc([ALERT] * 4, 0)] == [["02", "01", "00", "3"], ["02", "02", "00", "1"]]
     assert alc([], 0)[0].startswith("$IIALC,01,01,00,0*")
     assert hbt(True, 12).startswith("$IIHBT,60.0,A,2*")
@@ -225,7 +260,7 @@ def test_sentences_are_as_they_are_printed() -> None:
 
 def test_letters_of_states_are_a_setting() -> None:
     letters = dict.fromkeys(AlertState, "X")
-    assert ",B,A,X,NRW" in alf(ALERT, 0.0, 0, letters)[0]
+    assert ",A,A,X,NRW" in alf(ALERT, 0.0, 0, letters)[0]
 
 
 def test_a_command_is_read_and_nothing_else_is() -> None:
@@ -267,6 +302,20 @@ def test_a_log_that_was_changed_is_found_out(tmp_path: Path, change: str) -> Non
     connection.close()
     with pytest.raises(nw.InputError, match=r"row \d does not follow from the one before"):
         list(logged(tmp_path / "log.db"))
+
+
+def test_a_log_that_was_changed_is_put_aside_and_the_watch_begins(tmp_path: Path) -> None:
+    path = tmp_path / "log.db"
+    with AlertLog(path) as log:
+        log.alert(ALERT)
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE rows SET content = '{}'")
+    connection.close()
+    with AlertLog(path) as log:
+        assert (log.alerts, "does not follow" in log.aside) == ((), True)
+        assert log.alert(ALERT)
+    assert [row.number for row in logged(path)] == [1]
+    assert len(list(tmp_path.glob("log.changed-*.db"))) == 1
 
 
 def test_a_file_that_is_no_log_is_one_sentence(tmp_path: Path) -> None:

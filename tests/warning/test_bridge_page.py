@@ -1,5 +1,6 @@
 """The monitor's page over real sockets: what is told, who may come, and what becomes of an acknowledgement."""
 
+import contextlib
 import json
 import socket
 from collections.abc import Iterator
@@ -8,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shown_page import ALARM, HANDSHAKE, SHIP, Watched, asked, estimate, forecast, soon
+from shown_page import ALARM, BANK, HANDSHAKE, SHIP, Watched, asked, estimate, forecast, soon
 from transit import canal
 
 import narrows as nw
 import narrows.warning.page as page_room
-from narrows.warning.alerts.alert import BANK, BEYOND_DATA, SENSORS, AlertState, Condition, Priority
+from narrows.warning import settings
+from narrows.warning.alerts.alert import SENSORS, SHIP_OR_WATER, AlertState, Condition, Priority
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE, clearances
 from narrows.warning.page import clients
 from narrows.warning.page.bridge_page import (
@@ -41,7 +43,7 @@ def test_messages_are_what_their_schema_says() -> None:
     statuses = [
         monitored.status(forecast()), monitored.status(forecast(60.0, 14.0), conditions=ALARM),
         monitored.status(now=None),
-        monitored.status(conditions={SENSORS: Condition(Priority.WARNING, "no heading for 11 s")}),
+        monitored.status(conditions={SENSORS["heading"]: Condition(Priority.WARNING, "no heading for 11 s")}),
     ]  # fmt: skip
     told = [update_of(monitored, status, 1.7e9) for status in statuses]
     for message in [*told, refusal("That alert is over."), ending("It is over.")]:
@@ -54,7 +56,7 @@ def test_messages_are_what_their_schema_says() -> None:
 
 def test_a_doubt_is_told_beside_the_headline() -> None:
     said = Watched().status(
-        forecast(60.0, 14.0), conditions={**ALARM, BEYOND_DATA: Condition(Priority.CAUTION, "Beyond.")}
+        forecast(60.0, 14.0), conditions={**ALARM, SHIP_OR_WATER: Condition(Priority.CAUTION, "Beyond.")}
     )
     assert said.headline == ALARM[BANK].text
     assert said.caveats == ("Beyond.",)
@@ -186,6 +188,23 @@ def test_a_crowd_is_refused(host: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert refused(host, f"{UPDATES}?token=secret").endswith(CROWDED)
 
 
+def test_requests_that_never_end_exhaust_nothing(host: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cap on open connections, and a time-out for a request that is not finished; then a browser comes in again."""
+    monkeypatch.setattr(settings, "MOST_CONNECTIONS", 20)
+    monkeypatch.setattr(settings, "HEADER_TIMEOUT", 0.5)
+    name, port = host.split(":")
+    lines = [socket.create_connection((name, int(port)), 5.0) for _ in range(60)]
+    for line in lines:
+        line.settimeout(5.0)
+        with contextlib.suppress(OSError):
+            line.sendall(b"GET /?token=secret HTTP/1.1\r\nHost: ")
+    with contextlib.suppress(OSError):
+        assert all(line.recv(1) == b"" for line in lines)
+    assert soon(lambda: got(host, "/?token=secret")[0] == 200)
+    for line in lines:
+        line.close()
+
+
 def request(monitored: Watched, command: str = "acknowledge", **changed: int) -> str:
     alert = monitored.desk[BANK]
     seen = {"identifier": alert.identifier, "instance": alert.instance, "revision": alert.revision}
@@ -204,10 +223,10 @@ def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, 
         line.send(copy)
         assert [alert.state for alert in soon(lambda: asked(page, monitored))] == [AlertState.ACKNOWLEDGED]
         for text, sentence in {
-            copy: "BANK CONTACT: the alert has changed since it was asked for; look at it again.",
-            request(monitored): "BANK CONTACT: it is acknowledged, so there is nothing to acknowledge.",
-            request(monitored, "silence"): "BANK CONTACT: it is acknowledged, so there is nothing to silence.",
-            request(monitored, instance=3): "BANK CONTACT: that alert is over.",
+            copy: "BANK TO STBD: the alert has changed since it was asked for; look at it again.",
+            request(monitored): "BANK TO STBD: it is acknowledged, so there is nothing to acknowledge.",
+            request(monitored, "silence"): "BANK TO STBD: it is acknowledged, so there is nothing to silence.",
+            request(monitored, instance=3): "BANK TO STBD: that alert is over.",
             request(monitored, identifier=7): "There is no alert 7.",
             "[" * 400: MALFORMED,
         }.items():
@@ -227,7 +246,7 @@ def test_notifications_are_told_when_they_change(page: BridgePage, host: str) ->
     assert page.notices.number == before + 2
     with connect(f"ws://{host}{SIGNAL_K}?token=secret") as line:
         line.send("whatever")
-        assert json.loads(line.recv(5.0))["updates"][0]["values"][0]["value"]["state"] == "alarm"
+        assert json.loads(line.recv(5.0))["updates"][0]["values"][1]["value"]["state"] == "alarm"
 
 
 def test_a_page_that_cannot_be_served_says_so(page: BridgePage, host: str) -> None:

@@ -8,10 +8,10 @@ from threading import Thread
 from typing import Any
 
 import pytest
-from shown_page import ALARM, HANDSHAKE, soon
+from shown_page import ALARM, BANK, HANDSHAKE, soon
 
 import narrows as nw
-from narrows.warning.alerts.alert import BANK, SENSORS, AlertDesk, Command, Condition, Priority
+from narrows.warning.alerts.alert import SENSORS, AlertDesk, Command, Condition, Priority
 from narrows.warning.alerts.alert_sentences import notifications
 from narrows.warning.monitoring.alert_publisher import SignalKSender
 from narrows.warning.page import clients as waiting
@@ -138,16 +138,16 @@ def test_a_dead_browser_holds_up_neither_the_monitor_nor_another(monkeypatch: py
 
 def test_notifications_are_as_signal_k_has_them() -> None:
     desk = AlertDesk()
-    desk.update(0.0, {**ALARM, SENSORS: Condition(Priority.CAUTION, "no heading for 4 s")})
+    desk.update(0.0, {**ALARM, SENSORS["heading"]: Condition(Priority.CAUTION, "no heading for 4 s")})
     told = notifications(desk, 1_700_000_000.0)
     (update,) = told["updates"]
     values = {one["path"].removeprefix("notifications.narrows."): one["value"] for one in update["values"]}
     assert (told["context"], update["timestamp"]) == ("vessels.self", "2023-11-14T22:13:20.000Z")
-    assert values["bankContact"] == {"state": "alarm", "method": ["visual", "sound"], "message": ALARM[BANK].text}
-    assert values["bankSensors"] == {"state": "alert", "method": [], "message": "no heading for 4 s"}
+    assert values["bankToStbd"] == {"state": "alarm", "method": ["visual", "sound"], "message": ALARM[BANK].text}
+    assert values["sensorHeading"] == {"state": "alert", "method": [], "message": "no heading for 4 s"}
     assert values["noBankForecast"]["state"] == "normal"
     desk.command(1.0, BANK.identifier, 1, Command.SILENCE)
-    silent = notifications(desk, 0.0)["updates"][0]["values"][0]["value"]
+    silent = notifications(desk, 0.0)["updates"][0]["values"][1]["value"]
     assert (silent["state"], silent["method"]) == ("alarm", ["visual"])
 
 
@@ -165,7 +165,7 @@ def test_a_server_of_signal_k_is_told_again_after_it_was_gone_and_when_the_watch
             heard.extend(("", told(line.recv())["state"]) for _ in range(2))
 
     def told(message: str) -> dict[str, Any]:
-        value: dict[str, Any] = json.loads(message)["updates"][0]["values"][0]["value"]
+        value: dict[str, Any] = json.loads(message)["updates"][0]["values"][1]["value"]
         return value
 
     desk = AlertDesk()

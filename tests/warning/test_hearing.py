@@ -10,6 +10,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,19 @@ from narrows.readers.nmea.nmea_hearing import AisFragments, Entry, Hearing
 from narrows.readers.nmea.nmea_lines import Sentence, sentences
 from narrows.readers.nmea.nmea_sentences import Telling
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
-from narrows.warning.inputs.listening import Arrival, Connection, Inbox, LineSplitter, Listening, connection_of, deltas
+from narrows.warning.inputs.listening import (
+    NO_PEER,
+    OTHER_VESSEL,
+    OUT_OF_DATE,
+    Arrival,
+    Connection,
+    Inbox,
+    LineSplitter,
+    Listening,
+    Piece,
+    SignalK,
+    connection_of,
+)
 from narrows.warning.inputs.replay import Replay, by_second, in_order
 
 # Bounds of memory: ships, bytes of a line, messages that wait.
@@ -148,7 +161,7 @@ def test_fuzzed_bytes_are_counted_and_never_raise(noise: bytes, at: int) -> None
     for piece in (line[:cut] + noise, line[cut:] + b"\r\n", noise, b"\n"):
         for one in sentences(splitter.lines(piece), hearing.faults):
             hearing.told(one)
-    list(deltas(noise, hearing.faults))
+    list(SignalK(hearing.faults).deltas(noise, 0.0))
 
 
 @given(st.text(alphabet="0123456789.,-ANEWTKMnaif", max_size=60), st.sampled_from(
@@ -205,19 +218,38 @@ def test_signal_k_tells_in_si() -> None:
         {"path": "propulsion.port.revolutions", "value": 1.5}, {"path": "navigation.rateOfTurn", "value": None},
         {"path": "navigation.speedOverGround", "value": math.nan}, {"path": "environment.depth", "value": 1},
     ]  # fmt: skip
-    (told,) = deltas(delta(values), Counter())
+    (told,) = SignalK(Counter()).deltas(delta(values), 0.0)
     assert told.source == "signalk n2k.1"
     assert told.values == {
         "position": {"longitude": 5.0, "latitude": 52.0}, "heading": {"heading": 1.0}, "rudder": {"rudder": -0.1},
         "revolutions": {"revolutions": 1.5},
     }  # fmt: skip
-    assert list(deltas(delta(values, context="vessels.urn:mrn:imo:mmsi:1"), Counter())) == []
+
+
+def test_signal_k_is_of_the_own_vessel_whatever_the_server_calls_it() -> None:
+    """Signal K 1.7, streaming: the server's first words name the own vessel, by which deltas may go."""
+    faults, (own, other) = Counter[str](), (f"urn:mrn:imo:mmsi:24400000{n}" for n in (1, 2))
+    server, heading = SignalK(faults), [{"path": "navigation.headingTrue", "value": 1.0}]
+    assert list(server.deltas(delta(heading, context=f"vessels.{own}"), 0.0)) == []
+    list(server.deltas(json.dumps({"name": "a server", "self": own}).encode(), 0.0))
+    assert len(list(server.deltas(delta(heading, context=f"vessels.{own}"), 0.0))) == 1
+    assert list(server.deltas(delta(heading, context=f"vessels.{other}"), 0.0)) == []
+    assert faults == {OTHER_VESSEL: 2}
+
+
+@pytest.mark.parametrize(("age", "taken"), [(0.0, True), (4.9, True), (5.1, False), (3600.0, False), (-60.0, False)])
+def test_signal_k_that_is_out_of_date_is_not_taken(age: float, taken: bool) -> None:
+    faults, now = Counter[str](), 1_777_680_000.0
+    stamp = datetime.fromtimestamp(now - age, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    update = {"timestamp": stamp, "values": [{"path": "navigation.headingTrue", "value": 1.0}]}
+    told = list(SignalK(faults).deltas(json.dumps({"updates": [update]}).encode(), now))
+    assert (bool(told), faults[OUT_OF_DATE]) == (taken, not taken)
 
 
 @pytest.mark.parametrize("garbled", [b"{", b"[]", b"1", b'{"updates": 3}', b'{"updates": [{"values": [{}]}]}', b"\xff"])
 def test_garbled_signal_k_is_counted(garbled: bytes) -> None:
     faults: Counter[str] = Counter()
-    assert list(deltas(garbled, faults)) == []
+    assert list(SignalK(faults).deltas(garbled, 0.0)) == []
     assert sum(faults.values()) == 1
 
 
@@ -266,9 +298,9 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
     piece = (100 * others + "\r\n".join(told_at(30.0)) + "\r\n").encode()
 
     @contextlib.contextmanager
-    def opened() -> Iterator[Callable[[], bytes]]:
+    def opened() -> Iterator[Callable[[], Piece]]:
         pieces = iter([piece])
-        yield lambda: next(pieces, b"") or time.sleep(0.05) or b""
+        yield lambda: Piece(next(pieces, b"") or time.sleep(0.05) or b"")
 
     with Listening([Connection("burst", False, False, opened)]) as listening:
         told, start = listening.ticks(), time.monotonic()
@@ -277,6 +309,39 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
         lost = next(told).faults["for which there was no time"]
     assert {"GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"} <= set(heard)
     assert lost >= 20_000 - OTHERS_QUEUE - 5_000
+
+
+def test_commands_are_taken_from_those_alone_who_may_give_them() -> None:
+    """Datagrams of this machine: an acknowledgement where it was not named, and where it was."""
+    command = sentence("INACN,,NRW,10111,1,A,C").encode()
+    for peers, taken in (((), 0), (("127.0.0.1",), 1)):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        listening = Listening([connection_of(f"udp://127.0.0.1:{port}")], peers=peers)
+        with listening, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            time.sleep(0.3)
+            sender.sendto(command, ("127.0.0.1", port))
+            tick = next(listening.ticks())
+        assert len(tick.commands) == taken
+        assert tick.faults.get(NO_PEER, 0) == 1 - taken
+
+
+@pytest.mark.parametrize("quality", range(9))
+@pytest.mark.parametrize("hdop", ["0.9", "5.0", "25.0", ""])
+def test_a_fix_is_one_by_satellites_that_stand_well(quality: int, hdop: str) -> None:
+    """GGA: 6 is dead reckoning, 7 by hand, 8 a simulator; an HDOP of 25 is 100 m and more."""
+    (told,) = understood(sentence(f"GPGGA,000000.00,5200.0,N,00500.0,E,{quality},08,{hdop},5.4,M,46.9,M,,"))
+    assert bool(told.get("position")) == (quality in (1, 2, 3, 4, 5) and hdop != "25.0")
+
+
+@pytest.mark.parametrize(("mode", "taken"), [("A", True), ("D", True), ("E", False), ("M", False), ("S", False)])
+def test_a_mode_tells_what_a_position_is(mode: str, taken: bool) -> None:
+    lines = [f"GPRMC,123519,A,5200.0,N,00500.0,E,022.4,084.4,230394,003.1,W,{mode}",
+             f"GPGLL,5200.0,N,00500.0,E,123519,A,{mode}", f"GPVTG,054.7,T,034.4,M,005.5,N,010.2,K,{mode}",
+             f"GNGNS,123519.00,5200.0,N,00500.0,E,{mode}N,08,0.9,10.0,46.9,,"]  # fmt: skip
+    told = understood(*map(sentence, lines))
+    assert [any(one.values()) for one in told] == [taken] * 4
 
 
 def test_signal_k_is_heard_over_a_websocket() -> None:

@@ -16,13 +16,15 @@ from watch import BEGAN, calm, monitor, monitored, ticks
 import narrows as nw
 from narrows.cli.watching import with_keys
 from narrows.readers.nmea.nmea_lines import with_checksum
-from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, AlertState, Priority
+from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
 from narrows.warning.monitoring.watched_transit import TransitLog
+
+BANK = BANKS["starboard"]
 
 
 def test_a_calm_ship_is_clear_and_its_state_is_known() -> None:
@@ -79,11 +81,22 @@ def _slowly(tick: Tick) -> Iterator[Tick]:
         yield tick
 
 
-def test_outside_of_the_data_is_a_caution_and_so_is_another_draft() -> None:
-    said = monitored(ticks(4, y=90.0))
-    (alert,) = [one for one in said[-1].alerts if one.identifier == BEYOND_DATA.identifier]
-    assert alert.priority is Priority.CAUTION
-    assert "offset from the centreline" in alert.text
+def test_outside_of_the_data_is_a_standing_note_and_no_alert() -> None:
+    last = monitored(ticks(4, y=90.0))[-1]
+    assert last.alerts == ()
+    assert "offset from the centreline" in last.caveats[0]
+
+
+def test_an_alarm_is_not_over_because_the_monitor_was_started_anew(tmp_path: Path) -> None:
+    """An alarm on disk, the program killed and started again: it stands until forecasts were calm for ten seconds."""
+    with AlertLog(tmp_path / "log.db") as log:
+        monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5), monitor(publisher=AlertPublisher(log)))
+    with AlertLog(tmp_path / "log.db") as log:
+        again = monitor(publisher=AlertPublisher(log))
+        again.forecaster = calm
+        said = [status.alerts[0].state for status in monitored(ticks(20), again)]
+    assert said[:8] == [AlertState.UNACKNOWLEDGED] * 8
+    assert said[-1] is AlertState.RECTIFIED
 
 
 def test_a_forecast_that_fails_or_is_late_is_not_available() -> None:
@@ -103,8 +116,8 @@ def test_a_late_forecast_is_out_of_date(monkeypatch: pytest.MonkeyPatch) -> None
 
     now = iter(np.arange(0.0, 1e4, 1.5))
     monkeypatch.setattr(module.time, "monotonic", lambda: float(next(now)))
-    said = monitored(ticks(3))
-    assert said[-1].word == NOT_AVAILABLE
+    assert monitored(ticks(3))[-1].word == NOT_AVAILABLE
+    assert monitored(ticks(3), monitor(live=False))[-1].word == "clear"  # A replay is as slow as the machine.
 
 
 def test_alerts_are_logged_sent_and_answered(tmp_path: Path) -> None:
@@ -146,7 +159,8 @@ def test_a_disk_that_does_not_answer_is_a_caution_and_mutes_nothing(tmp_path: Pa
 
     with AlertLog(tmp_path / "log.db", deadline=0.01, connect=full) as log:
         heard: list[str] = []
-        said = monitored(ticks(8, y=90.0), monitor(publisher=AlertPublisher(log, heard.append)))
+        told = ticks(18, y=95.0, psi=0.25, rudder=0.5)
+        said = monitored(told, monitor(publisher=AlertPublisher(log, heard.append)))
     assert any("ALF" in line for line in heard)
     assert any("not on disk: database or disk is full" in alert.text for alert in said[-1].alerts)
 

@@ -16,7 +16,7 @@ def test_nothing_is_clear_before_anything_is_known() -> None:
     assert all(status.line().split()[0] == "not" for status in said)
     told = {alert.identifier: alert for alert in said[-1].alerts}
     assert told[NO_FORECAST.identifier].priority is Priority.WARNING
-    assert "no heading for" in told[SENSORS.identifier].text
+    assert "no heading for" in told[SENSORS["heading"].identifier].text
 
 
 def test_positions_minutes_apart_are_never_clear() -> None:
@@ -34,7 +34,7 @@ def test_silence_degrades_what_is_said(silent: int, foretold: bool) -> None:
     said = monitored(ticks(45, without("GPGGA", start=12, stop=12 + silent)))
     during = said[11 + silent]
     assert (during.forecast is not None) == foretold
-    named = [alert.text for alert in during.alerts if alert.identifier == SENSORS.identifier]
+    named = [alert.text for alert in during.alerts if alert.identifier == SENSORS["position"].identifier]
     assert bool(named) == (silent > 3)
     assert said[-1].word == "clear"
     if not foretold:
@@ -46,7 +46,7 @@ def test_a_jump_is_refused_and_said() -> None:
         return bridge_sentences(canal(), indicated(float(t), y=60.0), BEGAN + t) if t == 14 else lines
 
     said = monitored(ticks(16, jump))
-    assert "gnss jumps" in next(a.text for a in said[14].alerts if a.identifier == SENSORS.identifier)
+    assert "gnss jumps" in next(a.text for a in said[14].alerts if a.identifier == SENSORS["position"].identifier)
     assert said[15].estimate["y"] == pytest.approx(0.0, abs=1.5)
 
 

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from shown_page import ALARM, Pulse, Watched, asked, forecast, soon
+from shown_page import ALARM, BANK, Pulse, Watched, asked, forecast, soon
 
 from browsers import chromium
-from narrows.warning.alerts.alert import BANK, BEYOND_DATA, NO_FORECAST, Condition, Priority
+from narrows.warning.alerts.alert import NO_FORECAST, SHIP_OR_WATER, Condition, Priority
 from narrows.warning.page.bridge_page import BridgePage
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}
-URGENT = {**ALARM, BEYOND_DATA: Condition(Priority.CAUTION, "Beyond the data: speed 4.2 m/s.")}
+URGENT = {**ALARM, SHIP_OR_WATER: Condition(Priority.CAUTION, "Beyond the data: speed 4.2 m/s.")}
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_the_keyboard_acknowledges_and_the_focus_goes_on(page: Any, pulse: Pulse
     assert page.get_attribute("#spoken", "role") == "alert"
     assert page.text_content("#spoken") == f"Alarm: {ALARM[BANK].text}"
     page.keyboard.press("Tab")
-    assert page.evaluate("document.activeElement.ariaLabel") == "Acknowledge: BANK CONTACT"
+    assert page.evaluate("document.activeElement.ariaLabel") == "Acknowledge: BANK TO STBD"
     page.keyboard.press("Enter")
     (alert,) = soon(lambda: asked(pulse.page, pulse.monitored))
     assert alert.state.value == "acknowledged"
@@ -122,7 +122,7 @@ def test_a_key_silences_and_a_refusal_is_read(page: Any, pulse: Pulse) -> None:
     soon(lambda: not pulse.page.requests._waiting.empty())
     assert asked(pulse.page, pulse.monitored) == []
     page.wait_for_selector("#refused:not(:empty)")
-    assert page.inner_text("#refused").startswith("Refused. BANK CONTACT: the alert has changed")
+    assert page.inner_text("#refused").startswith("Refused. BANK TO STBD: the alert has changed")
     assert page.get_attribute("#refused", "role") == "status"
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from watch import BEGAN, monitor, monitored, ticks
 
-from narrows.warning.alerts.alert import BANK, CALM, AlertDesk, AlertState, Command, Condition, Priority
+from narrows.warning.alerts.alert import BANKS, CALM, AlertDesk, AlertState, Command, Condition, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.inputs.bridge_readings import Tick
@@ -21,6 +21,7 @@ from narrows.warning.page.page_updates import update_of
 
 FAN_MEMBERS, REQUEST_QUEUE = 32, 64  # ships of the fan; requests that wait between two updates
 
+BANK = BANKS["starboard"]
 GOOD = {"command": "silence", "identifier": 10110, "instance": 1, "revision": 2}
 
 
@@ -53,7 +54,7 @@ def test_a_flood_of_requests_is_bounded() -> None:
     assert said == [BUSY] * 5
     told = next(requests.joined([Tick(0.0, (), {}, [b"first"])], AlertDesk()))
     assert list(told.commands) == [b"first"]
-    assert said[5:] == ["BANK CONTACT: that alert is over."] * REQUEST_QUEUE
+    assert said[5:] == ["BANK TO PORT: that alert is over."] * REQUEST_QUEUE
 
 
 class PageBridge(RuleBasedStateMachine):
@@ -116,6 +117,6 @@ def test_what_is_asked_for_on_the_page_goes_the_way_of_the_bridge(tmp_path: Path
         for tick in requests.joined([Tick(BEGAN + 18, (), {})], one.desk):
             one.update(tick, BEGAN + 18)
     assert one.desk[BANK].state is AlertState.ACKNOWLEDGED
-    assert '"ACKNOWLEDGED"' in [row.content for row in logged(log.path) if "10110" in row.content][-1]
+    assert '"ACKNOWLEDGED"' in [row.content for row in logged(log.path) if "10111" in row.content][-1]
     assert [line for line in sent if f",A,NRW,{BANK.identifier}" in line]
     assert np.shape(told["scene"]["fan"]["members"]) == (FAN_MEMBERS, 13, 2)

@@ -1,6 +1,9 @@
 """Transits that were watched: told, scored, and the demonstration with its verb."""
 
 import json
+import os
+import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,7 @@ from transit import canal, ship
 from watch import monitored, ticks, without
 
 import narrows as nw
+from narrows.cli.watching import _ended_by_sigterm
 from narrows.report.transit_report import transit_track_figure, write_transit_report
 from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.alerts.alert_log import logged
@@ -122,6 +126,26 @@ def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> Non
     assert len(again) == len(told)
     assert sorted(repr(one.told) for one in again[5].entries) == sorted(repr(one.told) for one in told[5].entries)
     assert again[-1].faults == {}
+
+
+def test_a_recording_of_nothing_is_no_watch(tmp_path: Path, cli) -> None:
+    (tmp_path / "empty.nmea").write_text("nothing\n")
+    ship().save(tmp_path / "full.toml")
+    nw.write_waterway(canal(), tmp_path / "canal.geojson")
+    words = ("--waterway", str(tmp_path / "canal.geojson"), "--replay", str(tmp_path / "empty.nmea"))
+    code, _, err = cli("monitor", str(tmp_path / "full.toml"), *words)
+    assert code == 2
+    assert "nothing in it can be understood" in err
+
+
+def test_sigterm_ends_a_watch_as_ctrl_c_does() -> None:
+    def killed() -> None:
+        with _ended_by_sigterm():
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(1.0)
+
+    with pytest.raises(KeyboardInterrupt):
+        killed()
 
 
 @pytest.mark.parametrize(

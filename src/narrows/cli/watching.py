@@ -1,13 +1,14 @@
 """``monitor``: from what a bridge tells to alerts of the banks."""
 
 import math
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
-from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -43,6 +44,9 @@ class InputOptions:
     pace: Annotated[
         float | None,
         typer.Option(help="Of --replay and --demo: times real time; as fast as it goes, with --page real time."),
+    ] = None
+    commands_from: Annotated[
+        list[str] | None, typer.Option(help="Host or device whose acknowledgements (ACN) are taken; none else; again.")
     ] = None
     mmsi: Annotated[int | None, typer.Option(help="Whose AIS reports to read; the ship's own unless given.")] = None
     antenna: Annotated[str, typer.Option(help="Of the position [m]: forward,starboard of midship.")] = "0,0"
@@ -100,6 +104,8 @@ def monitor(
         else:
             monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _heard(inputs, pace, stack)
         transit = _watched(monitored, ticks, outlets, delivery.json)
+    if inputs.replay and not len(transit.columns["t"]):
+        raise InputError(f"{inputs.replay}: nothing in it can be understood; give a recording of NMEA 0183")
     _deliver(transit, delivery)
     raise SystemExit(int(not inputs.listen and transit.level.words not in ("none", "caution")))
 
@@ -129,7 +135,8 @@ def _monitor_of(
     if len(antenna) != 2:
         raise InputError(f"--antenna {inputs.antenna}: give metres forward and to starboard, as in -70,6")
     place = float(antenna[0]), float(antenna[1])
-    return BridgeMonitor(model_named(model), read_waterway(str(waterway)), y, place, publisher=publisher)
+    water, live = read_waterway(str(waterway)), bool(inputs.listen)
+    return BridgeMonitor(model_named(model), water, y, place, publisher=publisher, live=live)
 
 
 def _heard(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
@@ -137,7 +144,8 @@ def _heard(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tic
         return _replayed(inputs.replay, pace, inputs.mmsi)
     from narrows.warning.inputs.listening import Listening, connection_of
 
-    return stack.enter_context(Listening([*map(connection_of, inputs.listen or ())], inputs.mmsi)).ticks()
+    connections = [*map(connection_of, inputs.listen or ())]
+    return stack.enter_context(Listening(connections, inputs.mmsi, inputs.commands_from or ())).ticks()
 
 
 def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
@@ -179,7 +187,7 @@ def _demonstrated(
         shown = demonstration()
     if alerts.recording:
         write_whole(alerts.recording, shown.bridge.recording())
-    monitored = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher)
+    monitored = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher, live=False)
     return monitored, paced(shown.ticks(), pace)
 
 
@@ -215,7 +223,7 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
         ticks = with_keys(ticks, monitored)
     ticks = outlets.ask(ticks, monitored)
     log = TransitLog(monitored.model.configuration.ship, monitored.waterway)
-    with suppress(KeyboardInterrupt):
+    with suppress(KeyboardInterrupt), _ended_by_sigterm():
         for number, tick in enumerate(ticks):
             now = time.time()
             status = monitored.update(tick, now)
@@ -224,6 +232,23 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
             if not json:
                 _say(number, status)
     return log.transit()
+
+
+@contextmanager
+def _ended_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM end the watch as Ctrl-C does: pages and servers are told."""
+
+    def end(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _say(number: int, status: "BridgeStatus") -> None:
@@ -256,6 +281,8 @@ def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
     from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 
     log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
+    if log and log.aside:
+        typer.secho(log.aside, err=True, bold=True)
     addresses = [address for address in alerts.send or () if not address.startswith(SIGNAL_K)]
     sends = [stack.enter_context(sender_to(address)) for address in addresses]
 
@@ -302,7 +329,7 @@ def with_keys(
     ticks: Iterable["Tick"], monitored: "BridgeMonitor", lines: Iterable[str] | None = None
 ) -> Iterator["Tick"]:
     typed: SimpleQueue[str] = SimpleQueue()
-    Thread(target=_read, args=(lines or sys.stdin, typed), daemon=True).start()
+    threading.Thread(target=_read, args=(lines or sys.stdin, typed), daemon=True).start()
     for tick in ticks:
         commands = list(tick.commands)
         while not typed.empty():

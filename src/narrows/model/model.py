@@ -59,11 +59,10 @@ class Operations(Shown):
         model: Any = self
         return narrows.step(model, state, dt, **given)
 
-    def linearize(self, *at: float, **told: Any) -> "narrows.control.LinearSystem":
-        """Linearise the motion about a steady course, to a ``LinearSystem``."""
-        # *at [m, m/s]
+    def linearize(self, **at: Any) -> "narrows.Jacobian":
+        """Return the exact derivatives of the motion about a state, a ``Jacobian``."""
         model: Any = self
-        return narrows.control.linearize(model, *at, **told)
+        return narrows.jacobian(model, **at)
 
     def simulate(self, *start: float, **given: Any) -> "narrows.Voyage":
         """Simulate one voyage, to a ``Voyage``."""

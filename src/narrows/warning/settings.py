@@ -37,6 +37,8 @@ OWN_QUEUE = 20_000  # messages of the ship itself that wait; of more the oldest 
 OTHERS_QUEUE = 5_000  # messages of other ships that wait
 LONGEST_LINE = 4096  # [bytes] a sentence has 82, and some more before it
 LATE = 60.0  # [s] a line may stand this much too late in a recording
+SIGNAL_K_AGE = 5.0  # [s] that a time of Signal K may be off that of this machine
+MOST_SENDERS = 64  # senders of datagrams whose unfinished lines are kept
 LONGEST_SILENCE = 120.0  # [s] replayed second by second; a longer silence is skipped
 # The monitor
 GROUND_LOG_NOISE = 0.4  # [m/s] of a speed over ground taken for that through water: a current lies between
@@ -54,6 +56,8 @@ MOST_ALERTS = 10_000  # changes of alerts that are kept of a watch
 # The page
 OLDEST_UPDATE = 2.0  # [s] an older update is sent to no page: it would look new there
 FAREWELL = 0.3  # [s] for the last message to arrive
+HEADER_TIMEOUT = 5.0  # [s] in which a browser has asked for something
+MOST_CONNECTIONS = 128  # open connections of browsers; more are closed at once
 LARGEST_MESSAGE = 4096  # [bytes] of what a browser sends
 PING_INTERVAL = 5.0  # [s] between looks whether a browser is still there
 SERVER_TIMEOUT = 10.0  # [s] for the server to start or to end

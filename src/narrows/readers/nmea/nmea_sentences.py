@@ -74,6 +74,12 @@ def _day(message: Any, kind: str) -> date | None:
 
 Reader = Callable[[Any], Tellings]
 
+# Of GGA, a fix by satellites: not 6 (dead reckoning), 7 (by hand), 8 (a simulator).
+FIXES = (1, 2, 3, 4, 5, 9)
+# Of RMC, GLL, VTG and GNS, a letter for each system: dead reckoning, by hand, simulator, none.
+NO_FIXES = "EMSN"
+MOST_HDOP = 5.0  # [1] of a fix that can be used beside a bank
+
 
 def _only(**numbers: Any) -> Values:
     """Those that are numbers that can be: an empty field is a word without letters, and parsers let NaN pass."""
@@ -98,19 +104,29 @@ def _place(longitude: Any, latitude: Any) -> Values:
 
 
 def _gga(message: Any) -> Tellings:
-    return {"position": _fix(message)} if message.quality else {}
+    return {"position": _fix(message)} if message.quality in FIXES and _is_sharp(message) else {}
+
+
+def _is_sharp(message: Any) -> bool:
+    """Whether the satellites stand well; true where that is not told."""
+    hdop = getattr(message, "HDOP", None)
+    return not isinstance(hdop, int | float) or hdop <= MOST_HDOP
+
+
+def _is_fix(message: Any) -> bool:
+    return bool(str(getattr(message, "posMode", None) or "A").strip(NO_FIXES))
 
 
 def _gns(message: Any) -> Tellings:
-    return {"position": _fix(message)} if message.posMode.strip("N") else {}
+    return {"position": _fix(message)} if _is_fix(message) and _is_sharp(message) else {}
 
 
 def _gll(message: Any) -> Tellings:
-    return {"position": _fix(message)} if message.status == "A" else {}
+    return {"position": _fix(message)} if message.status == "A" and _is_fix(message) else {}
 
 
 def _rmc(message: Any) -> Tellings:
-    if message.status != "A":
+    if message.status != "A" or not _is_fix(message):
         return {}
     ground = _scaled(_only(speed_over_ground=message.spd), KNOT)
     return {"position": _fix(message), "speed over ground": ground | _course(message.cog)}
@@ -121,6 +137,8 @@ def _course(degrees: Any) -> Values:
 
 
 def _vtg(message: Any) -> Tellings:
+    if not _is_fix(message):
+        return {}
     ground = _scaled(_only(speed_over_ground=message.sogn), KNOT)
     return {"speed over ground": ground | _course(message.cogt)}
 

@@ -47,6 +47,7 @@ class AlertState(Enum):
     UNACKNOWLEDGED = "unacknowledged"
     SILENCED = "silenced"
     ACKNOWLEDGED = "acknowledged"
+    TRANSFERRED = "responsibility transferred"
     RECTIFIED = "rectified, unacknowledged"
 
 
@@ -61,7 +62,9 @@ class Command(Enum):
 
 SOUNDING = (AlertState.UNACKNOWLEDGED,)
 # States in which the condition holds.
-HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED)
+HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
+# States in which nobody is waited for: a condition that ends in them is over.
+HEARD = (AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
 # States in which an acknowledgement is waited for.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
@@ -78,6 +81,11 @@ class Alert:
     repeats: int = 0  # How often it sounded anew
 
     @property
+    def category(self) -> str:
+        """A: to be judged by the picture of this page; B: by what the alert tells."""
+        return "A" if self.identifier in (one.identifier for one in BANKS.values()) else "B"
+
+    @property
     def sounds(self) -> bool:
         """Whether it is to be heard: a caution is not."""
         return self.state in SOUNDING and self.priority > Priority.CAUTION
@@ -88,17 +96,17 @@ class Alert:
         if self.state in HOLDS and priority == self.priority:
             return replace(self, text=text)
         instance = self.instance + (self.state is AlertState.NORMAL)
-        # A caution asks for no acknowledgement; of what is less urgent than what was heard, none is asked again.
-        heard = self.state is AlertState.ACKNOWLEDGED and priority < self.priority
-        calm = heard or priority is Priority.CAUTION
-        state = AlertState.ACKNOWLEDGED if calm else AlertState.UNACKNOWLEDGED
+        # A caution by itself asks for no acknowledgement, and what is less urgent than what was heard for none again;
+        # what nobody has acknowledged waits for it at any priority.
+        waits = self.state in WAITING or priority > Priority.CAUTION
+        heard = self.state in HEARD and priority < self.priority
+        state = AlertState.UNACKNOWLEDGED if waits and not heard else AlertState.ACKNOWLEDGED
         return replace(self, instance=instance)._changed(t, state, priority=priority, text=text, repeats=0)
 
     def _rectified(self, t: float) -> "Alert":
         if self.state not in HOLDS:
             return self
-        gone = self.state is AlertState.ACKNOWLEDGED
-        return self._changed(t, AlertState.NORMAL if gone else AlertState.RECTIFIED)
+        return self._changed(t, AlertState.NORMAL if self.state in HEARD else AlertState.RECTIFIED)
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:
@@ -106,8 +114,12 @@ class Alert:
         if command is Command.ACKNOWLEDGE and self.state in WAITING:
             gone = self.state is AlertState.RECTIFIED
             return self._changed(t, AlertState.NORMAL if gone else AlertState.ACKNOWLEDGED)
-        if command is Command.SILENCE and self.state is AlertState.UNACKNOWLEDGED:
+        if command is Command.SILENCE and self.sounds:
             return self._changed(t, AlertState.SILENCED)
+        # What has to be judged by its picture (category A) stays where the picture is, and so does an alarm.
+        transferable = self.category == "B" and self.priority < Priority.ALARM
+        if command is Command.TRANSFER and transferable and self.state in (*SOUNDING, AlertState.SILENCED):
+            return self._changed(t, AlertState.TRANSFERRED)
         return None
 
     def timed(self, t: float) -> "Alert":
@@ -123,23 +135,32 @@ class Alert:
         return replace(self, **changes, **others)  # type: ignore[arg-type]
 
 
-# What there is to be alerted of: one alert a situation.
-@dataclass(frozen=True)
-class Situation:
+# What there is to be alerted of: one alert a hazard, each with a life of its own.
+class Situation(NamedTuple):
     identifier: int  # In sentences; from 10000 on they are a maker's own
     name: str  # Of it, in up to 16 letters
 
 
-BANK = Situation(10110, "BANK CONTACT")
-SENSORS = Situation(10120, "BANK SENSORS")
-BEYOND_DATA = Situation(10130, "BANK MODEL RANGE")
+BANKS = {"port": Situation(10110, "BANK TO PORT"), "starboard": Situation(10111, "BANK TO STBD")}
+SHIP_OR_WATER = Situation(10130, "DRAFT OR DEPTH")
 NO_FORECAST = Situation(10140, "NO BANK FORECAST")
 LOG_LATE = Situation(10150, "ALERT LOG LATE")
+OTHER_SENSORS = Situation(10120, "OTHER SENSORS")
+# By what is measured.
+SENSORS = {
+    "position": Situation(10121, "SENSOR POSITION"), "heading": Situation(10122, "SENSOR HEADING"),
+    "yaw rate": Situation(10123, "SENSOR YAW RATE"), "rudder": Situation(10124, "SENSOR RUDDER"),
+    "speed through the water": Situation(10125, "SENSOR LOG"), "speed over ground": Situation(10126, "SENSOR COG SOG"),
+    "revolutions": Situation(10127, "SENSOR RPM"),
+}  # fmt: skip
+ANY_SENSOR = (*SENSORS.values(), OTHER_SENSORS)
 # By identifier.
-SITUATIONS = {one.identifier: one for one in (BANK, SENSORS, BEYOND_DATA, NO_FORECAST, LOG_LATE)}
+SITUATIONS = {
+    one.identifier: one for one in (*BANKS.values(), *ANY_SENSOR, SHIP_OR_WATER, NO_FORECAST, LOG_LATE)
+}  # fmt: skip
 
 
-# All alerts of a monitor: one a situation, changed by conditions, by commands and by time.
+# All alerts of a monitor: one a hazard, changed by conditions, by commands and by time.
 class Condition(NamedTuple):
     priority: Priority  # How urgent it is
     text: str  # A sentence
@@ -223,13 +244,14 @@ class Thresholds:
 class BankLevel:
     """The level as it is said: raised and lowered with delay, so that nothing chatters at a threshold."""
 
-    def __init__(self, thresholds: Thresholds) -> None:
-        self.thresholds, self.level = thresholds, Priority.NONE
+    def __init__(self, thresholds: Thresholds, level: Priority = Priority.NONE) -> None:
+        self.thresholds, self.level = thresholds, level
         self._above = self._below = math.inf
 
-    def update(self, t: float, forecast: BankForecast) -> Priority:
-        wanted = self.thresholds.level(forecast)
-        kept = max(wanted, min(self.level, self.thresholds.level(forecast, HYSTERESIS)))
+    def update(self, t: float, forecast: BankForecast | None) -> Priority:
+        """Return the level after a second; the forecast is None where the hazard is another."""
+        wanted = self.thresholds.level(forecast) if forecast else Priority.NONE
+        kept = max(wanted, min(self.level, self.thresholds.level(forecast, HYSTERESIS))) if forecast else wanted
         self._above = min(self._above, t) if wanted > self.level else math.inf
         self._below = min(self._below, t) if kept < self.level else math.inf
         if t - self._above >= RAISE_DELAY or wanted is Priority.EMERGENCY_ALARM:

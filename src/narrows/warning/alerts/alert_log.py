@@ -10,7 +10,7 @@ import sqlite3
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from threading import Condition as Signal
 from threading import Thread
@@ -29,6 +29,10 @@ NO_ROW = "0" * 64
 Connect = Callable[[], sqlite3.Connection]
 
 
+class ChangedLog(InputError):
+    """A log whose rows do not follow from one another."""
+
+
 class LogRow(NamedTuple):
     number: int  # From 1 on
     written: float  # Since 1970 [s]
@@ -41,7 +45,8 @@ class AlertLog:
     def __init__(self, path: Path, deadline: float = DISK_TIMEOUT, connect: Connect | None = None) -> None:
         self.path, self.deadline, self.trouble = path, deadline, ""
         self._connect = connect or (lambda: _opened(path))
-        rows = list(logged(path)) if path.exists() else []
+        self.aside = ""
+        rows = self._kept() if path.exists() else []
         self.alerts = _last_alerts(rows)
         self._last = rows[-1] if rows else LogRow(0, 0.0, "", "", NO_ROW)
         self._waiting: deque[LogRow] = deque(maxlen=LOG_QUEUE)
@@ -49,6 +54,18 @@ class AlertLog:
         self._signal = Signal()
         self._thread = Thread(target=self._run, daemon=True)
         self._thread.start()
+
+    def _kept(self) -> list[LogRow]:
+        """Rows of a log that is whole; one that was changed is put aside: a watch does not wait for an inquiry."""
+        try:
+            return list(logged(self.path))
+        except ChangedLog as changed:
+            aside = self.path.with_suffix(f".changed-{time.time():.0f}{self.path.suffix}")
+            self.aside = f"{changed} It is {aside.name} now, and a new one is begun."
+            for end in ("", "-wal", "-shm"):
+                with suppress(FileNotFoundError):
+                    Path(f"{self.path}{end}").rename(f"{aside}{end}")
+            return []
 
     def __enter__(self) -> "AlertLog":
         return self
@@ -112,9 +129,9 @@ def logged(path: Path) -> Iterator[LogRow]:
         with closing(_opened(path)) as connection:
             for row in map(LogRow._make, connection.execute("SELECT * FROM rows ORDER BY number")):
                 if row.number != before.number + 1 or row.hash != _hash(before, row):
-                    raise InputError(
+                    raise ChangedLog(
                         f"{path}: row {row.number} does not follow from the one before: the log was changed, or rows "
-                        "were lost; keep it, and name another for what comes"
+                        "were lost; keep it."
                     )
                 yield row
                 before = row

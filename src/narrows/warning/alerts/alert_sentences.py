@@ -12,11 +12,21 @@ from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 from narrows.readers.nmea.nmea_lines import with_checksum
-from narrows.warning.alerts.alert import HOLDS, SITUATIONS, Alert, AlertDesk, AlertState, Command, Priority, Situation
+from narrows.warning.alerts.alert import (
+    HEARD,
+    HOLDS,
+    SITUATIONS,
+    Alert,
+    AlertDesk,
+    AlertState,
+    Command,
+    Priority,
+    Situation,
+)
 from narrows.warning.settings import HEARTBEAT
 
-# Integrated instrumentation; whose alerts they are; that they may be acknowledged at another place.
-TALKER, MAKER, CATEGORY = "II", "NRW", "B"
+# Integrated instrumentation; whose alerts they are.
+TALKER, MAKER = "II", "NRW"
 # Letters of the second sentence of an alert.
 LONGEST_TEXT = 40
 # Of a list, a sentence.
@@ -26,7 +36,7 @@ RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
 # Of states. Makers' manuals contradict each other, so that they can be others.
 LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
-    AlertState.RECTIFIED: "U",
+    AlertState.RECTIFIED: "U", AlertState.TRANSFERRED: "O",
 }  # fmt: skip
 
 ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
@@ -41,7 +51,7 @@ class AlertCommand(NamedTuple):
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
     name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
     # What is not normal has a priority; what became normal tells the one that it had.
-    about = f"{_clock(since_1970)},{CATEGORY},{alert.priority.letter},{letters[alert.state]}"
+    about = f"{_clock(since_1970)},{alert.category},{alert.priority.letter},{letters[alert.state]}"
     which = f"{MAKER},{alert.identifier},{alert.instance},{alert.revision},{alert.repeats}"
     return [
         with_checksum(f"{TALKER}ALF,2,1,{number % 10},{about},{which},{_escaped(name)}"),
@@ -125,7 +135,7 @@ def _path(situation: Situation) -> str:
 def _value(alert: Alert) -> dict[str, Any]:
     if alert.state not in HOLDS:
         return _normal("")
-    shown = ["visual"] if alert.state is not AlertState.ACKNOWLEDGED else []
+    shown = ["visual"] if alert.state not in HEARD else []
     return {"state": STATES[alert.priority], "method": shown + ["sound"] * alert.sounds, "message": alert.text}
 
 

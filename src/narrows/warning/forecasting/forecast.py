@@ -55,6 +55,11 @@ class BankForecast(Described):
         return float(urgency_of(self.pilot_now.probability, self.likely.contact, self.curved))
 
     @property
+    def side(self) -> str:
+        """To which the danger is; empty where there is none."""
+        return self.likely.side or self.pilot_now.side or self.as_it_is.side
+
+    @property
     def rudder_margin(self) -> float:
         """Rudder that is left beside what is needed [rad]; negative where there is none."""
         return self.rudder_limit - abs(self.rudder_needed)
@@ -77,18 +82,13 @@ class BankForecast(Described):
     def words(self) -> str:
         """Say what there is to be alerted of, in few words."""
         run, now = self.likely, self.pilot_now
+        bank = f"bank to {self.side}" if self.side else "bank"
         if math.isfinite(run.contact):
-            waits = (
-                f"last chance in {run.last_chance:.0f} s"
-                if math.isfinite(run.last_chance)
-                else "a pilot can still wait"
-            )
-            chance = "the last chance is gone" if run.gone else waits
-            return f"Bank to {run.side} in {run.contact:.0f} s: {chance}"
+            waits = f"{run.last_chance:.0f} s to act" if math.isfinite(run.last_chance) else "a pilot can still wait"
+            return f"{run.contact:.0f} s to {bank}, {'last chance gone' if run.gone else waits}"
         if not now.probability and not self.as_it_is.soon:
             return f"No contact within {AFTER:.0f} s, rudder as it is"
-        side = now.side or self.as_it_is.side
-        return f"Bank{f' to {side}' if side else ''}: {100 * now.probability:.0f} % with a pilot now"
+        return f"{100 * now.probability:.0f} % {bank} with a pilot now"
 
     def to_dict(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in NUMBERS}

@@ -6,10 +6,11 @@ import math
 import re
 import socket
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter, OrderedDict, deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from threading import Event, Lock, Thread
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
@@ -24,11 +25,13 @@ from narrows.warning.settings import (
     FIRST_PAUSE,
     LONGEST_LINE,
     LONGEST_PAUSE,
+    MOST_SENDERS,
     OPEN_TIMEOUT,
     OTHERS_QUEUE,
     OWN_QUEUE,
     PERIOD,
     READ_TIMEOUT,
+    SIGNAL_K_AGE,
 )
 
 
@@ -37,8 +40,13 @@ class Arrival(NamedTuple):
     message: Sentence | Telling  # A sentence that is still to be understood, or what was told
 
 
-# What came; nothing after ``PATIENCE`` of silence. Raises OSError where the connection broke.
-Read = Callable[[], bytes]
+class Piece(NamedTuple):
+    content: bytes  # Nothing after ``READ_TIMEOUT`` of silence
+    sender: str = ""  # Host or device that it is from
+
+
+# What came. Raises OSError where the connection broke.
+Read = Callable[[], Piece]
 
 
 @dataclass(frozen=True)
@@ -48,13 +56,14 @@ class Connection:
     signal_k: bool  # Whether it speaks Signal K, and not NMEA 0183
     opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
 
-    def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[bytes]:
+    def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[Piece]:
         pause = FIRST_PAUSE
         while not stop.is_set():
             try:
                 with self.opened() as read:
                     while not stop.is_set():
-                        if piece := read():
+                        piece = read()
+                        if piece.content:
                             pause = FIRST_PAUSE
                             yield piece
             except OSError as error:
@@ -64,7 +73,8 @@ class Connection:
 
 
 class Listening:
-    def __init__(self, connections: Sequence[Connection], mmsi: int | None = None) -> None:
+    def __init__(self, connections: Sequence[Connection], mmsi: int | None = None, peers: Iterable[str] = ()) -> None:
+        self._peers = frozenset(peers)  # Hosts or devices whose commands (ACN) are taken
         self.inbox, self.hearing, self._stop = Inbox(), Hearing(mmsi), Event()
         self.broken: dict[str, str] = {}
         self._faults = [Counter[str]() for _ in connections]
@@ -110,20 +120,31 @@ class Listening:
         return [Entry(t, one) for t, one in told if one is not None]
 
     def _listen(self, connection: Connection, faults: Counter[str]) -> None:
-        splitter = LineSplitter(faults)
+        splitters: OrderedDict[str, LineSplitter] = OrderedDict()
+        signal_k = SignalK(faults)
 
         def broken(why: str) -> None:
             self.broken[connection.address] = why
 
-        for piece in connection.pieces(self._stop, broken):
+        for content, sender in connection.pieces(self._stop, broken):
             self.broken.pop(connection.address, None)
             now = time.monotonic()
             if connection.signal_k:
-                for told in deltas(piece, faults):
+                for told in signal_k.deltas(content, time.time()):
                     self.inbox.put(Arrival(now, told))
                 continue
-            for sentence in sentences(splitter.lines(piece, connection.whole), faults):
+            splitter = splitters.setdefault(sender, LineSplitter(faults))
+            splitters.move_to_end(sender)
+            while len(splitters) > MOST_SENDERS:
+                splitters.popitem(last=False)
+            for sentence in sentences(splitter.lines(content, connection.whole), faults):
+                if sentence.kind.endswith("ACN") and sender not in self._peers:
+                    faults[NO_PEER] += 1
+                    continue
                 self.inbox.put(Arrival(now, sentence))
+
+
+NO_PEER = "of commands from a place that may give none (--commands-from)"
 
 
 def _commands(arrivals: list[Arrival]) -> Iterator[bytes]:
@@ -195,19 +216,40 @@ PLACES = {"longitude": 180.0, "latitude": 90.0}
 ENGINE = re.compile(r"^propulsion\.[^.]+\.")
 SELF = "vessels.self"
 SOURCE = "signalk"
+OTHER_VESSEL, OUT_OF_DATE = "of Signal K about other vessels", "of Signal K that are out of date, or by another clock"
 
 
-def deltas(text: bytes, faults: Counter[str]) -> Iterator[Telling]:
-    try:
-        message = json.loads(text)
-        if message.get("context", SELF) != SELF:
-            return
-        for update in message.get("updates", ()):  # A server's first words have none.
-            told = _told(update.get("values", ()))
-            if any(told.values()):
-                yield Telling(told, f"{SOURCE} {update.get('$source', '')}".strip())
-    except (ValueError, TypeError, AttributeError, KeyError, RecursionError):
-        faults["of Signal K that cannot be understood"] += 1
+class SignalK:
+    """Deltas of one server: of the own vessel, whatever the server calls it, and of now."""
+
+    def __init__(self, faults: Counter[str]) -> None:
+        self.faults, self._own = faults, {SELF}
+
+    def deltas(self, text: bytes, since_1970: float) -> Iterator[Telling]:
+        try:
+            message = json.loads(text)
+            if isinstance(own := message.get("self"), str):  # The server's first words.
+                self._own = {SELF, own, f"vessels.{own}"}
+            if message.get("context", SELF) not in self._own:
+                self.faults[OTHER_VESSEL] += 1
+                return
+            for update in message.get("updates", ()):
+                if self._is_old(update.get("timestamp"), since_1970):
+                    self.faults[OUT_OF_DATE] += 1
+                    continue
+                told = _told(update.get("values", ()))
+                if any(told.values()):
+                    yield Telling(told, f"{SOURCE} {update.get('$source', '')}".strip())
+        except (ValueError, TypeError, AttributeError, KeyError, RecursionError, OverflowError):
+            self.faults["of Signal K that cannot be understood"] += 1
+
+    def _is_old(self, stamp: Any, since_1970: float) -> bool:
+        """Whether a time is not of now; what has none is taken as it comes."""
+        if stamp is None:
+            return False
+        at = datetime.fromisoformat(stamp)
+        at = at if at.tzinfo else at.replace(tzinfo=UTC)
+        return abs(since_1970 - at.timestamp()) > SIGNAL_K_AGE
 
 
 def _told(values: Any) -> Tellings:
@@ -256,21 +298,6 @@ def connection_of(address: str) -> Connection:
     raise InputError(f"{address}: is no address to listen to; write {SCHEMES}, or the name of a recording")
 
 
-def _quietly(receive: Callable[[int], bytes]) -> Read:
-    """Reads from a socket: nothing in silence; an end is a broken connection."""
-
-    def read() -> bytes:
-        try:
-            piece = receive(DATAGRAM)
-        except TimeoutError:
-            return b""
-        if not piece:
-            raise ConnectionError("the other side closed it")
-        return piece
-
-    return read
-
-
 @contextmanager
 def _udp(host: str, port: int) -> Iterator[Read]:
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as udp:
@@ -282,17 +309,31 @@ def _udp(host: str, port: int) -> Iterator[Read]:
                 group = socket.inet_aton(host) + socket.inet_aton("0.0.0.0")
                 udp.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
 
-        def received(most: int) -> bytes:
-            return udp.recv(most) or b"\n"  # An empty datagram is no end.
+        def read() -> Piece:
+            try:
+                content, (sender, _) = udp.recvfrom(DATAGRAM)
+            except TimeoutError:
+                return Piece(b"")
+            return Piece(content, sender)
 
-        yield _quietly(received)
+        yield read
 
 
 @contextmanager
 def _tcp(host: str, port: int) -> Iterator[Read]:
     with closing(socket.create_connection((host, port), OPEN_TIMEOUT)) as tcp:
         tcp.settimeout(READ_TIMEOUT)
-        yield _quietly(tcp.recv)
+
+        def read() -> Piece:
+            try:
+                content = tcp.recv(DATAGRAM)
+            except TimeoutError:
+                return Piece(b"")
+            if not content:
+                raise ConnectionError("the other side closed it")
+            return Piece(content, host)
+
+        yield read
 
 
 def _serial_line(address: str, device: str, baud: str) -> Connection:
@@ -304,7 +345,7 @@ def _serial_line(address: str, device: str, baud: str) -> Connection:
     @contextmanager
     def line() -> Iterator[Read]:
         with closing(serial.Serial(device, int(baud), timeout=READ_TIMEOUT)) as port:
-            yield lambda: bytes(port.read(max(1, port.in_waiting)))
+            yield lambda: Piece(bytes(port.read(max(1, port.in_waiting))), device)
 
     return Connection(address, False, False, line)
 
@@ -319,11 +360,11 @@ def _signal_k(address: str, stream: str) -> Connection:
         try:
             with connect(stream, open_timeout=OPEN_TIMEOUT, max_size=1 << 20) as websocket:
 
-                def read() -> bytes:
+                def read() -> Piece:
                     try:
-                        return bytes(websocket.recv(READ_TIMEOUT, decode=False))
+                        return Piece(bytes(websocket.recv(READ_TIMEOUT, decode=False)))
                     except TimeoutError:
-                        return b""
+                        return Piece(b"")
 
                 yield read
         except WebSocketException as error:

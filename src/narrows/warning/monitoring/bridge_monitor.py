@@ -14,12 +14,15 @@ from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.warning import settings
 from narrows.warning.alerts.alert import (
-    BANK,
-    BEYOND_DATA,
+    ANY_SENSOR,
+    BANKS,
     CALM,
+    HOLDS,
     LOG_LATE,
     NO_FORECAST,
+    OTHER_SENSORS,
     SENSORS,
+    SHIP_OR_WATER,
     Alert,
     AlertDesk,
     BankLevel,
@@ -54,6 +57,7 @@ class BridgeMonitor:
     thresholds: Thresholds = field(default_factory=Thresholds)  # From when on a forecast is urgent
     members: int = 1000  # Of the ensemble
     publisher: AlertPublisher = field(default_factory=AlertPublisher)  # Logs and sends alerts
+    live: bool = True  # Whether a forecast that takes longer than a second is out of date
 
     def __post_init__(self) -> None:
         self.bridge = BridgeReadings(self.waterway, self.model.configuration.ship.draft)
@@ -62,7 +66,12 @@ class BridgeMonitor:
         self.forecaster: Callable[[Estimate, Mapping[str, float]], BankForecast] = self._foreteller
         log = self.publisher.log
         self.desk = AlertDesk(log.alerts if log else ())
-        self._level, self._health = BankLevel(self.thresholds), SensorHealth()
+        known = {side: self.desk[bank] for side, bank in BANKS.items()}
+        self._levels = {
+            side: BankLevel(self.thresholds, alert.priority if alert.state in HOLDS else Priority.NONE)
+            for side, alert in known.items()
+        }  # After a restart an alert is not over before a forecast was calm for as long as ever.
+        self._health = SensorHealth()
         self._beyond = Hysteresis()
         self._positions: dict[str, float] = {}
         self._began: float | None = None
@@ -86,7 +95,10 @@ class BridgeMonitor:
         self.publisher.publish(changed, since_1970)
         self.publisher.beat(tick.t, self.desk.alerts, forecast is not None)
         room = clearances(self.model.configuration.ship, self.waterway, estimate)
-        return BridgeStatus(tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why)
+        limits = extrapolations(self.model, self.waterway, estimate) if estimate.ready else ()
+        return BridgeStatus(
+            tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why, limits
+        )
 
     def fan(self, status: BridgeStatus) -> PredictedFan:
         return self._foreteller.fan(status.estimate, self._positions)
@@ -125,41 +137,50 @@ class BridgeMonitor:
         except InputError as error:
             return None, str(error)
         late = time.monotonic() - start
-        return (
-            (None, f"A forecast took {late:.1f} s, and was out of date.") if late > settings.PERIOD else (forecast, "")
-        )
+        if self.live and late > settings.PERIOD:
+            return None, f"A forecast took {late:.1f} s, and was out of date."
+        return forecast, ""
 
     def _conditions(
         self, heard: Messages, estimate: Estimate, forecast: BankForecast | None, why: str
     ) -> dict[Situation, Condition]:
         late = self.publisher.late
-        conditions = {
-            SENSORS: self._health.condition(heard, estimate),
-            LOG_LATE: Condition(Priority.CAUTION, late) if late else CALM,
-        }
+        conditions = self._health.conditions(heard, estimate)
+        conditions[LOG_LATE] = Condition(Priority.CAUTION, late) if late else CALM
         early = heard.t - (self._began or 0.0) < settings.GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
         if estimate.ready:
-            beyond = beyond_data(self.model, self.waterway, estimate, heard)
-            conditions[BEYOND_DATA] = self._beyond.held(heard.t, beyond)
+            conditions[SHIP_OR_WATER] = self._beyond.held(
+                heard.t, other_draft_or_depth(self.model, self.waterway, estimate, heard)
+            )
         if forecast:  # What is not available is not clear: without a forecast the alert stays what it was.
-            level = self._level.update(heard.t, forecast)
-            conditions[BANK] = Condition(level, forecast.words()) if level else CALM
+            side = forecast.side
+            for name, bank in BANKS.items():
+                level = self._levels[name].update(heard.t, forecast if name == side else None)
+                text = forecast.words() if name == side else self.desk[bank].text
+                conditions[bank] = Condition(level, text) if level else CALM
         return conditions
 
 
-def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
+def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tuple[str, ...]:
+    """Say what of here and now the model's tests did not cover."""
     ship, now = model.configuration.ship, estimate.values
     here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
     asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}
     asked |= {"width_to_beam": float(here.width) / ship.beam, "depth_to_draft": float(here.depth) / ship.draft}
-    known = {name: value for name, value in asked.items() if math.isfinite(value)}
-    said = list(extrapolation(model.data_range, known))
+    return tuple(
+        extrapolation(model.data_range, {name: value for name, value in asked.items() if math.isfinite(value)})
+    )
+
+
+def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
+    """Return a caution where draft or depth are not those of the model and the chart."""
+    ship, said = model.configuration.ship, []
+    depth = float(waterway.section(min(max(estimate["x"], 0.0), waterway.line.length)).depth)
     if heard.draft is not None and abs(heard.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:
         said.append(f"The ship reports a draft of {heard.draft:g} m; its model is of {ship.draft:g} m.")
-    if heard.depth is not None and abs(heard.depth - float(here.depth)) > settings.DEPTH_TOLERANCE * float(here.depth):
-        charted = f"{waterway.name} has {float(here.depth):.1f} m here"
-        said.append(f"The echo sounder tells {heard.depth:.1f} m of water; {charted}.")
+    if heard.depth is not None and abs(heard.depth - depth) > settings.DEPTH_TOLERANCE * depth:
+        said.append(f"The echo sounder tells {heard.depth:.1f} m of water; {waterway.name} has {depth:.1f} m here.")
     return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
 
 
@@ -168,23 +189,34 @@ def beyond_data(model: Model, waterway: Waterway, estimate: Estimate, heard: Mes
 NEEDED = ("position", "heading", "rudder")
 
 
+# What each sensor of the estimator measures.
+MEASURES = {
+    "gnss": "position", "course": "speed over ground", "gyro": "heading", "rate_of_turn": "yaw rate",
+    "log": "speed through the water", GROUND_LOG: "speed over ground",
+}  # fmt: skip
+
+
 class SensorHealth:
     def __init__(self) -> None:
         self._began: float | None = None
-        self._doubted: dict[str, float] = {}
+        self._doubted: dict[tuple[str, str], float] = {}
 
-    def condition(self, heard: Messages, estimate: Estimate) -> Condition:
-        """Return a caution where a sensor is silent or doubted, a warning where nothing can be foretold for it."""
-        self._doubted |= {f"{name} jumps": heard.t for name in estimate.refused}
-        self._doubted |= {f"{name} drifts, or is led astray": heard.t for name in estimate.suspects}
+    def conditions(self, heard: Messages, estimate: Estimate) -> dict[Situation, Condition]:
+        """Return a caution for each sensor that is silent or doubted, a warning where it ends the forecasts."""
+        for names, words in ((estimate.refused, "jumps"), (estimate.suspects, "drifts, or is led astray")):
+            self._doubted |= {(name, words): heard.t for name in names}
         self._doubted = {what: t for what, t in self._doubted.items() if heard.t - t < settings.DOUBT_HOLD_TIME}
-        said = [*self._silences(heard), *self._doubted]
-        if not said:
-            return CALM
-        return Condition(Priority.WARNING if self.blind(heard) else Priority.CAUTION, "; ".join(said))
+        silent = self._silences(heard)
+        said: dict[Situation, list[str]] = {one: [] for one in ANY_SENSOR}
+        for what, age in silent.items():
+            said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
+        for name, words in self._doubted:
+            said[SENSORS.get(MEASURES.get(name, name), OTHER_SENSORS)].append(f"{name} {words}")
+        blind = {SENSORS[what] for what in NEEDED if silent.get(what, 0.0) > settings.BLIND_AFTER}
+        return {one: _of_sensor(one in blind, words) for one, words in said.items()}
 
     def blind(self, heard: Messages) -> bool:
-        """Return whether too much is unknown for too long to foretell anything."""
+        """Return whether too much is unknown for too long to forecast anything."""
         return max(self._needed(heard).values()) > settings.BLIND_AFTER
 
     def _needed(self, heard: Messages) -> dict[str, float]:
@@ -192,9 +224,14 @@ class SensorHealth:
         self._began = heard.t if self._began is None else self._began
         return {what: heard.ages.get(what, heard.t - self._began) for what in NEEDED}
 
-    def _silences(self, heard: Messages) -> list[str]:
+    def _silences(self, heard: Messages) -> dict[str, float]:
         others = {
             what: age for what, age in heard.ages.items() if what not in NEEDED and age > settings.OTHER_SENSOR_SILENCE
         }
-        late = {what: age for what, age in self._needed(heard).items() if age > settings.SENSOR_SILENCE} | others
-        return [f"no {what} for {age:.0f} s" for what, age in late.items()]
+        return {what: age for what, age in self._needed(heard).items() if age > settings.SENSOR_SILENCE} | others
+
+
+def _of_sensor(blind: bool, words: list[str]) -> Condition:
+    if not words:
+        return CALM
+    return Condition(Priority.WARNING if blind else Priority.CAUTION, "; ".join(words))

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 from narrows.estimation.estimate import Estimate
 from narrows.ship.cross_section import half_swept
 from narrows.ship.particulars import Ship
-from narrows.warning.alerts.alert import BEYOND_DATA, HOLDS, LOG_LATE, SENSORS, SITUATIONS, Alert, Priority
+from narrows.warning.alerts.alert import ANY_SENSOR, HOLDS, LOG_LATE, SHIP_OR_WATER, SITUATIONS, Alert, Priority
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.waterway.waterway import Waterway
 
 NOT_AVAILABLE = "not available"
 # Situations in which less is to be believed.
-DOUBTS = (SENSORS.identifier, BEYOND_DATA.identifier, LOG_LATE.identifier)
+DOUBTS = tuple(one.identifier for one in (*ANY_SENSOR, SHIP_OR_WATER, LOG_LATE))
 
 
 class Clearances(NamedTuple):
@@ -33,6 +33,7 @@ class BridgeStatus:
     clearances: Clearances  # Of the hull to the banks [m]
     faults: dict[str, int]  # Messages that were left out so far, by what is wrong with them
     why: str = ""  # Why there is no forecast; empty where there is one
+    limits: tuple[str, ...] = ()  # What of here and now the model's tests did not cover: a standing note
 
     @property
     def clearance(self) -> float:
@@ -60,7 +61,8 @@ class BridgeStatus:
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        return tuple(alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.state in HOLDS)
+        doubts = (alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.state in HOLDS)
+        return (*doubts, *self.limits)
 
     def line(self) -> str:
         parts = [f"{self.word:>15}"]

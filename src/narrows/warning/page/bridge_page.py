@@ -188,7 +188,8 @@ def served(app: "FastAPI", host: str, port: int) -> Iterator[int]:
         import uvicorn
     with _listening(host, port) as listening:
         config = uvicorn.Config(
-            app, log_level="error", access_log=False, lifespan="off", ws="websockets-sansio",
+            app, http=guarded_protocol(), backlog=settings.MOST_CONNECTIONS,
+            log_level="error", access_log=False, lifespan="off", ws="websockets-sansio",
             ws_max_size=settings.LARGEST_MESSAGE, ws_ping_interval=settings.PING_INTERVAL,
             ws_ping_timeout=settings.PING_INTERVAL, timeout_graceful_shutdown=1, server_header=False,
         )  # fmt: skip
@@ -203,6 +204,24 @@ def served(app: "FastAPI", host: str, port: int) -> Iterator[int]:
         finally:
             server.should_exit = True
             thread.join(settings.SERVER_TIMEOUT)
+
+
+def guarded_protocol() -> Any:
+    """Return the server's protocol with a cap on open connections and a time-out for requests that never end."""
+    from uvicorn.protocols.http.h11_impl import H11Protocol
+
+    class Guarded(H11Protocol):  # type: ignore[misc]
+        def connection_made(self, transport: Any) -> None:
+            super().connection_made(transport)
+            if len(self.connections) > settings.MOST_CONNECTIONS:
+                transport.abort()
+            self.loop.call_later(settings.HEADER_TIMEOUT, self._let_go)
+
+        def _let_go(self) -> None:
+            if self.cycle is None and self.transport.get_protocol() is self:  # Neither asked nor a websocket by now.
+                self.transport.abort()
+
+    return Guarded
 
 
 def _listening(host: str, port: int) -> socket.socket:
