@@ -25,7 +25,8 @@ def lataire() -> Iterator[Run]:
     width = nw.equivalent_wall(BANKS["V"], 0.243) + WALL
     for _, row in nw.measured_squat().iterrows():
         fore, aft = row["sinkage fore [mm]"] / 1e3, row["sinkage aft [mm]"] / 1e3
-        measured = {"bow": fore, "midship": (fore + aft) / 2, "largest": max(fore, aft)}
+        middle = (fore + aft) / 2
+        measured = {"bow": fore, "midship": middle, "mean": middle, "largest": max(fore, aft)}
         yield nw.Configuration(ship, nw.Canal(width, 0.243)), float(row["u [m/s]"]), measured
 
 
@@ -36,7 +37,11 @@ def kcs(label: str) -> Iterator[Run]:
     rows = pd.read_csv(table).query(f"env == '{label}' and {STRAIGHT}")
     for _, row in rows.iterrows():
         canal = nw.Canal(configuration.canal.width, configuration.depths[label])
-        yield nw.Configuration(configuration.ship, canal), float(row["u_mps"]), {"midship": row["sinkage_mm"] / 1e3}
+        yield (
+            nw.Configuration(configuration.ship, canal),
+            float(row["u_mps"]),
+            dict.fromkeys(("midship", "mean"), row["sinkage_mm"] / 1e3),
+        )
 
 
 def rows_of(label: str, runs: list[Run]) -> Iterator[tuple[str, ...]]:

@@ -2,8 +2,6 @@
 
 import importlib.util
 import math
-from collections import deque
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,28 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from cases import steered
+from full_size import Exactly, full_size, geared
 
 import narrows as nw
 from narrows.control import PredictiveHelm, linearize, regulator
-from narrows.identification.conditions import bundled_ship
-from narrows.quantities.arithmetic import COLUMNS
-from narrows.simulation.controllers import VoyageState
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
-from narrows.terms.tables import table_named
 
 SPEED, HOLD = 4.5, 50.0
-
-
-@cache
-def full_size() -> nw.Model:
-    """The KCS of 230 m."""
-    return bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm"))
-
-
-def geared(model: nw.Model, **gear: Any) -> nw.Model:
-    configuration = model.configuration
-    return replace(model, configuration=replace(configuration, steering=replace(configuration.gear, **gear)))
 
 
 class Ramp:
@@ -161,31 +143,6 @@ def test_the_predictive_helm_stands_every_gear(dt: float, told: bool) -> None:
         model = geared(full_size(), dead_time=dead, lag=lag)
         helm = PredictiveHelm(model if told else full_size(), HOLD, SPEED)
         assert held(model, helm, dt, 300.0) < 2.0
-
-
-class Exactly:
-    """A law whose orders are heard exactly so many steps later, by a list of them."""
-
-    def __init__(self, law: Any, steps: int) -> None:
-        self.law, self.steps = law, steps
-
-    def begin(self) -> Any:
-        ship = SimulatedShip(full_size())
-        steering = steering_of(self.law, ship.actuators)
-        memory, on_its_way = {}, deque()
-
-        def order(t: float, seen: VoyageState) -> float:
-            at = {**seen._asdict(), "cos_psi": math.cos(seen.psi), "sin_psi": math.sin(seen.psi), "t": t}
-            if not memory:
-                memory.update(steering.memory(at))
-                on_its_way.extend([seen.rudder] * self.steps)
-            numbers = {**ship.values(), **steering.parameters, **at, **memory, "step_length": 1.0, "current": 0.0}
-            found = steering.law.tape.replay(numbers, functions={**COLUMNS, "water_curvature": lambda x: 0.0})
-            memory.update({name: float(found[name]) for name in memory})
-            on_its_way.append(float(found["rudder"]))
-            return on_its_way.popleft()
-
-        return order
 
 
 @pytest.mark.parametrize("dead_time", [2, 5])

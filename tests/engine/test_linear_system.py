@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -34,11 +35,17 @@ def steered() -> nw.Model:
     )
 
 
+def unkinked() -> nw.Model:
+    """The published model without its terms of |v| and |r|."""
+    return paper().with_coefficients(**{f"{axis}_{kind}": 0.0 for axis in "bc" for kind in ("vv", "rr")})
+
+
 TURN = "a bend of 60 m radius, in a current"
 CASES = {
     "near the middle": (steered, {"y": 0.1}), "beside a bank": (steered, {"y": 0.25, "N": 0.4, "Y": -0.7}),
     "with a propeller": (mmg, {"y": 0.8}), "a speed that is free": (mmg, {"y": 0.8, "surge": "free"}),
     "a free speed without a propeller": (steered, {"y": 0.2, "surge": "free", "surge_inertia": 280.0}),
+    "without a rudder": (unkinked, {"y": 0.3}),
     TURN: (steered, {"y": 0.4, "at": 100.0}),
     f"{TURN}, the speed free": (mmg, {"y": 0.4, "at": 100.0, "surge": "free"}),
 }  # fmt: skip
@@ -235,9 +242,14 @@ def test_what_cannot_be_linearised_is_one_sentence(told, words) -> None:
         linearize(steered(), **told)
 
 
-def test_a_model_without_a_rudder_says_so() -> None:
-    with pytest.raises(nw.InputError, match="no terms of a rudder"):
-        linearize(paper())
+def test_a_ship_without_a_rudder_is_held_by_the_forces_that_its_course_tells() -> None:
+    linear = paper().linearize(y=0.5, u=1.0)
+    assert linear.B.shape == (4, 0)
+    course = {name: float(value) for name, value in linear.course.items()}
+    felt = paper().forces(y=0.5, u=1.0)
+    assert (course["Y"], course["N"]) == (pytest.approx(-felt["Y"]), pytest.approx(-felt["N"]))
+    with pytest.raises(nw.InputError, match="it is sought"):
+        linearize(paper(), y=0.5, u=1.0, N=1.0)
 
 
 def test_several_courses_are_refused_where_one_is_meant() -> None:
@@ -247,5 +259,7 @@ def test_several_courses_are_refused_where_one_is_meant() -> None:
             ask()
     with pytest.raises(nw.InputError, match="give a gain for each"):
         linearize(steered()).margins([1.0])
+    text = linearize(mmg(), y=0.5, u=1.0).latex()
+    assert not [power for power in re.findall(r"10\^\{(-\d+)\}", text) if int(power) < -12]
     with pytest.raises(nw.InputError, match="control = 'sail' is unknown"):
         linearize(steered()).controllability("sail")

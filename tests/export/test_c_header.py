@@ -1,6 +1,7 @@
 """The exported header beside the package: the same lines, by another compiler."""
 
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -231,6 +232,15 @@ def test_the_sections_of_the_docs_are_c(tmp_path: Path) -> None:
     text = f'#include "dtc.h"\nint main(void) {{\n    {lines}return waterway.table_length == 0;\n}}\n'
     (tmp_path / "main.c").write_text(text, encoding="utf-8")
     subprocess.run([COMPILER, *FLAGS, "-fsyntax-only", "main.c"], cwd=tmp_path, check=True)
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler is here")
+@pytest.mark.parametrize("curved", [False, True])
+def test_the_header_is_cpp_too(tmp_path: Path, curved: bool) -> None:
+    nw.export.write_c(model_of("steered"), tmp_path / "ship.h", waterway=bent("steered") if curved else None)
+    flags = ["-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", "c++"]
+    (tmp_path / "main.cpp").write_text('#include "ship.h"\nint main() { return 0; }\n', encoding="utf-8")
+    subprocess.run(["g++", *flags, "main.cpp"], cwd=tmp_path, check=True)
 
 
 def test_the_file_names_what_is_in_it(tmp_path: Path) -> None:

@@ -37,6 +37,28 @@ def test_the_critical_speed_solves_schijfs_equation(share: float) -> None:
     assert froude == pytest.approx(exact, rel=1e-9)
 
 
+@given(share=numbers(0.02, 0.6), fast=numbers(0.05, 0.98))
+def test_mean_sinkage_and_return_flow_keep_volume_and_energy(share: float, fast: float) -> None:
+    """(u + return) (A - ship - width z) = u A and (u + return)^2 - u^2 = 2 g z, the slower of both solutions."""
+    at = {"beam": 1.0, "draft": share / 0.98, "width": 1.0, "depth": 1.0}
+    u = fast * formulas.critical_speed(**at)
+    sinkage, back = formulas.continuity(u, **at), formulas.return_flow(u, **at)
+    assert (u + back) * (1 - share - sinkage) == pytest.approx(u, rel=1e-9)
+    assert (u + back) ** 2 - u**2 == pytest.approx(2 * 9.81 * sinkage, rel=1e-6, abs=1e-9)
+    assert u + back < (9.81 * (1 - share - sinkage)) ** 0.5
+
+
+def test_a_large_ship_in_the_suez_canal_close_to_choking() -> None:
+    """The flow past a ship of 400 m at 13.5 kn, by a root finder: sinkage 2.26 m, return flow 2.68 m/s."""
+    suez = nw.Configuration(nw.Ship(400.0, 58.8, 15.71, 0.6), nw.Canal(205.0, 24.0))
+    u, section, free = 13.5 * KNOT, 205.0 * 24.0, 205.0 * 24.0 - 0.98 * 58.8 * 15.71
+    sinkage = brentq(lambda z: (u * section / (free - 205.0 * z)) ** 2 - u * u - 2 * 9.81 * z, 0.0, 3.5)
+    for gives in GIVES:
+        assert nw.squat(suez, u, gives).sinkage >= sinkage - 1e-9
+    assert nw.squat(suez, u).sinkage == pytest.approx(sinkage)
+    assert sinkage == pytest.approx(2.26, abs=5e-3)
+
+
 @pytest.mark.parametrize("name", nw.SQUAT)
 def test_sinkage_grows_with_speed_and_in_shallow_water(name: str) -> None:
     formula = nw.SQUAT[name]
@@ -50,7 +72,8 @@ def test_sinkage_grows_with_speed_and_in_shallow_water(name: str) -> None:
 @pytest.mark.parametrize("gives", GIVES)
 def test_the_choice_gives_what_was_asked_for(gives: str) -> None:
     found = nw.squat(DTC, 4.0, gives)
-    assert nw.SQUAT[found.formula].gives == found.gives == gives
+    assert found.gives == gives
+    assert nw.SQUAT[found.formula].gives in (gives, "mean")
     assert found.sinkage > 0
     unverified = nw.SQUAT[found.formula].status.startswith("from memory")
     assert any("not verified" in said for said in found.notes) == unverified

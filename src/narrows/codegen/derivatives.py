@@ -83,6 +83,8 @@ def slope(value: Expr, by: Expr) -> Expr:
         return (positive(value.args[0]) - positive(-value.args[0])) * parts[0]  # the sign
     if isinstance(value, sympy.exp):
         return value * parts[0]
+    if isinstance(value, sympy.log):
+        return parts[0] / value.args[0]
     name = str(value.func)
     if name not in SLOPES:
         raise TypeError(f"no slope of {name}")

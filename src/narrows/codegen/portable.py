@@ -4,9 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import sympy
+
 from narrows.codegen.choices import COUNTED, LENGTH, Actuated, Choices, Law, control_names
-from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
+from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_tangents
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
+from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real, straight_lines
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, rate_here, room_left, section_here, step_of
@@ -14,6 +17,9 @@ from narrows.codegen.tape import tape_of
 
 # What the lines call the order that a caller gives an actuator with a gear.
 ORDERED = "ordered_{}".format
+
+# How fast a number changes along the direction that a caller gives.
+ALONG = "along_{}".format
 
 # What the lines ask for of the table of a waterway.
 PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
@@ -72,6 +78,33 @@ class Portable:
             programs["clearance"] = self._clearance()
         # The derivatives ask for more constants than the rates: those come last.
         return {**programs, "constants": self._constants()}
+
+    @property
+    def gear(self) -> tuple[str, ...]:
+        """What is kept beside the motion: actuators, orders on their way to them, memory of the law."""
+        return tuple(name for name in self.kept if name not in (*STATE, COUNTED))
+
+    @cached_property
+    def continuous(self) -> tuple[Program, ...]:
+        """The rates of x, y, psi, u, v, r; those of the gear; and, between banks, the room to starboard and to port."""
+        lines = Lines()
+        rates = rate_here(lines, self.rates, self.choices, self._values, "")
+        rates["psi"] = rates[COUNTED]
+        motion = Program.of(lines, [rates[name] for name in LINEARISED])
+        # As fast as in a whole step.
+        moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.gear]
+        return motion, Program.of(self.step.lines, moved), *((self._clearance(),) if self.contact != OPEN else ())
+
+    def along(self, program: Program) -> Program:
+        """Return the slopes of what a program gives along a direction in state, inputs and constants, ``ALONG``."""
+        used = set().union(*(value.free_symbols for _, value in program.assignments), *map(_symbols, program.results))
+        moving = {*program.asked} - {*PLACES, LENGTH}
+        seeds = {one: [real(ALONG(str(one)))] for one in used if str(one) in moving}
+        for angle in ("psi", *(actuator.name for actuator in self.geared)):
+            cosine, sine, along = real(f"cos_{angle}"), real(f"sin_{angle}"), real(ALONG(angle))
+            seeds |= {name: [way] for name, way in ((cosine, -sine * along), (sine, cosine * along)) if name in seeds}
+        lines, slopes_of = with_tangents(Lines(list(program.assignments)), seeds, 1)
+        return Program.of(lines, [slopes_of(result)[0] for result in program.results])
 
     @property
     def _values(self) -> dict[str, Expr]:
@@ -139,6 +172,10 @@ class Portable:
         if self.waterway:
             values, _ = section_here(lines, self.rates, values, "")
         return Program.of(lines, coefficient_slopes(lines, self.rates, self.names, values))
+
+
+def _symbols(value: Expr) -> set[Expr]:
+    return set(sympy.sympify(value).free_symbols)
 
 
 def _followed(actuators: Sequence[Actuated]) -> Law | None:

@@ -1,5 +1,7 @@
 """Control: steady courses, linear systems about them, the revolutions that keep a speed, helms."""
 
+from narrows.control.closed_loop import ClosedLoop as ClosedLoop
+from narrows.control.closed_loop import closed_loop as closed_loop
 from narrows.control.linear_system import LinearSystem as LinearSystem
 from narrows.control.linearization import linearize as linearize
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.control.local_motion import MOVED, LocalMotion
+from narrows.control.loop_margins import loop_margins
 from narrows.errors import InputError, check_choice, needs
 from narrows.results import Shown
 
@@ -23,6 +24,8 @@ SYMBOLS = {"psi": r"\psi", "rudder": r"\delta", "revolutions": "n", "current": r
 
 RANK_TOLERANCE = 1e-9  # Of a singular value over the largest [1]
 DIGITS = 4  # In LaTeX
+ROUNDING = 1e-12  # Of an entry over the largest of its column [1]: what is smaller is written as 0
+LOWEST, HIGHEST = 1e-5, 1e5  # Frequencies that margins look at, in turns of a ship length's time [rad]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -183,25 +186,41 @@ class LinearSystem(Shown):
 
         Parameters
         ----------
-        gains : array (states,)
-            Control for each state off.
+        gains : array (states,) or (states + 2,)
+            Control for each state off; two more are those of a regulator, which gives the control a rate in proportion
+            to the states, to the control itself and to the integral of the offset.
         control : str
             Which.
 
         Returns
         -------
         dict of str to float
-            As ``loop_margins``.
+            As ``ClosedLoop.margins``.
 
         Raises
         ------
         InputError
-            Where there is no such control, the gains are not as many as states, or python-control is not there.
+            Where there is no such control, or the gains are not as many as states, or two more.
         """
-        gains = np.asarray(gains, float)
-        if gains.shape != (len(self.states),):
-            raise InputError(f"there are {len(self.states)} states, {', '.join(self.states)}; give a gain for each")
-        return loop_margins(self._of_one(self.A), self._of_one(self.B)[:, self._columns((control,))], gains)
+        gains, count = np.asarray(gains, float), len(self.states)
+        if gains.shape not in ((count,), (count + 2,)):
+            raise InputError(
+                f"there are {count} states, {', '.join(self.states)}; give a gain for each, and where a rate is "
+                "ordered two more, for the control and the integral of the offset"
+            )
+        A, B, C = self._of_one(self.A), self._of_one(self.B)[:, self._columns((control,))], gains[None, :]
+        if len(gains) > count:
+            # States, then the control that is ordered and the integral of the offset.
+            whole = np.zeros((count + 2, count + 2))
+            whole[:count, :count], whole[count], whole[count + 1, self.states.index("y")] = A, -gains, 1.0
+            A, B, C = whole, np.vstack([B, np.zeros((2, 1))]), -np.eye(count + 2)[count : count + 1]
+        unit = np.eye(len(A))
+
+        def response(omega: np.ndarray) -> np.ndarray:
+            right = np.broadcast_to(B, (len(omega), *B.shape))
+            return np.asarray((C @ np.linalg.solve(1j * omega[:, None, None] * unit - A, right))[:, 0, 0])
+
+        return loop_margins(response, LOWEST / self._time(), HIGHEST / self._time())
 
     def state_space(self) -> Any:
         """Return one course as a state space of python-control, with named states, inputs and outputs.
@@ -267,7 +286,7 @@ class LinearSystem(Shown):
         """
         parts = ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances))
         rates = _column([rf"\Delta\dot{{{SYMBOLS.get(name, name)}}}" for name in self.states])
-        products = [_matrix(self._of_one(matrix)) + " " + _changes(names) for matrix, names in parts]
+        products = [_matrix(self._without_rounding(matrix)) + " " + _changes(names) for matrix, names in parts]
         return f"{rates} = {' + '.join(products)}"
 
     def summary(self) -> str:
@@ -279,10 +298,11 @@ class LinearSystem(Shown):
             return f"Motion about {int(known.sum())} steady courses of {known.size} asked for{rates}."
         at = {name: float(value) for name, value in self.course.items()}
         growth = float(self.eigenvalues()[0].real)
+        rudder = f"rudder {np.degrees(at['rudder']):.2f} degrees" if "rudder" in at else "held by forces from outside"
         bend = f" in a bend of {1 / abs(at['curvature']):.4g} m" if at["curvature"] else ""
         return (
-            f"Motion about the steady course {at['y']:g} m off the middle at {at['u']:.3g} m/s{bend}: rudder "
-            f"{np.degrees(at['rudder']):.2f} degrees, heading {np.degrees(at['psi']):.2f} degrees; the largest growth "
+            f"Motion about the steady course {at['y']:g} m off the middle at {at['u']:.3g} m/s{bend}: "
+            f"{rudder}, heading {np.degrees(at['psi']):.2f} degrees; the largest growth "
             f"rate is {growth:.3g} 1/s."
         )
 
@@ -332,6 +352,10 @@ class LinearSystem(Shown):
             raise InputError("these are several courses at once; linearise about one y and one u")
         return matrix
 
+    def _without_rounding(self, matrix: np.ndarray) -> np.ndarray:
+        sizes = np.abs(self._of_one(matrix)) / self._scales()[:, None]
+        return np.where(sizes > ROUNDING * sizes.max(axis=0), matrix, 0.0)
+
     def _columns(self, controls: tuple[str, ...]) -> list[int]:
         for name in controls:
             check_choice("control", name, self.controls)
@@ -362,21 +386,3 @@ def _matrix(matrix: np.ndarray) -> str:
 def _number(value: float) -> str:
     digits, _, exponent = f"{value + 0.0:.{DIGITS}g}".partition("e")
     return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits
-
-
-def loop_margins(A: np.ndarray, B: np.ndarray, gains: np.ndarray) -> dict[str, float]:
-    """Return how far a loop closed by ``-gains x`` is from instability, broken at its one input."""
-    with needs("control", "margins"):
-        import control
-    loop = control.ss(A, B, gains[None, :], 0)
-    gain, phase, distance, _, at_gain, _ = control.stability_margins(loop, returnall=True)
-    over, under = gain[gain > 1], gain[(gain > 0) & (gain < 1)]
-    # A delay turns the loop clockwise: a phase margin counts by how far it is to half a turn, clockwise.
-    delays = np.radians(np.mod(phase, 360.0)) / np.where(at_gain > 0, at_gain, np.inf)
-    return {
-        "gain": float(over.min(initial=np.inf)),
-        "gain_down": float(under.max(initial=0.0)),
-        "phase_deg": float(np.abs(phase).min(initial=np.inf)),
-        "delay": float(delays[delays > 0].min(initial=np.inf)),
-        "distance": float(np.min(distance, initial=np.inf)),
-    }

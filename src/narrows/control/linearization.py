@@ -9,7 +9,7 @@ from narrows.codegen.free_motion import Surge
 from narrows.control.linear_system import LinearSystem
 from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, local_water
 from narrows.control.self_propulsion import self_propulsion
-from narrows.control.steady_course import check_inside, check_rudder, solved
+from narrows.control.steady_course import check_inside, solved
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.simulation.inputs import finite_numbers
@@ -28,12 +28,13 @@ def linearize(
 ) -> LinearSystem:  # fmt: skip
     """Linearise a ship about the steady course that it holds at an offset and a speed, exactly.
 
-    In a bend the course is the steady turn along it. The section of a waterway is taken to go on as it is at the place.
+    A model without a rudder is held on the line, along it, by forces from outside, which the course gives. In a bend
+    the course is the steady turn along it. The section of a waterway is taken to go on as it is at the place.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder.
+        With or without terms of a rudder.
     y : float or array [m]
         To starboard of the middle of the canal, or of the line of the waterway; an array is a dimension of that name.
     u : float or array [m/s]
@@ -59,14 +60,13 @@ def linearize(
     Raises
     ------
     InputError
-        Where the model has no rudder, a name is unknown, an offset has the hull in a bank, the ship does not fit, or no
+        Where a name is unknown, an offset has the hull in a bank, the ship does not fit, or no
         rudder holds a single course.
 
     References
     ----------
     Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2, for the form.
     """
-    check_rudder(model)
     water, ship = local_water(model, waterway, at), SimulatedShip(model, surge, surge_inertia)
     given = _checked(ship, values)
     asked = {"y": _column("y", y), "u": _column("u", u)}
@@ -77,7 +77,7 @@ def linearize(
     offsets, speeds = (part.ravel() for part in np.meshgrid(asked["y"], asked["u"], indexing="ij"))
     motion, course = _steady(ship, water, offsets, speeds, given)
     varied = {name: column for (name, column), told in zip(asked.items(), (y, u), strict=True) if np.ndim(told)}
-    known = np.isfinite(course["rudder"])
+    known = np.isfinite(course["rudder"]) if "rudder" in course else np.ones(1, bool)
     if not varied and not known.any():
         raise InputError(
             f"no rudder holds this ship {offsets[0]:g} m off the middle at {speeds[0]:g} m/s; choose a place nearer to "
@@ -111,6 +111,8 @@ def _steady(
     ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
 ) -> tuple[LocalMotion, Columns]:
     """Solve for the steady courses, the propeller's turns with them where the speed is free."""
+    if "sin_rudder" not in ship.model.terms.inputs:
+        return _towed(ship, water, y, u, given)
     forces = {name: given.get(name, 0.0) for name in ("Y", "N")}
     movers = {a.name: given.get(a.name, a.rest or 0.0) for a in ship.model.terms.actuators if a.name != "rudder"}
     fixed = {**ship.values(**movers), **water.sections, **{n: v for n, v in given.items() if n not in forces}}
@@ -134,6 +136,29 @@ def _steady(
         if not turns:  # A force keeps the speed of a ship without a propeller.
             course["X"] = -motion.rates(course)["u"] / motion.slopes(course)["X"][..., MOVED.index("u")]
     return motion, course
+
+
+def _towed(
+    ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
+) -> tuple[LocalMotion, Columns]:
+    """Hold ships without a rudder along their lines by sway force and yaw moment, and at a free speed surge force."""
+    held = FORCES[ship.surge]
+    for name in held:
+        if name in given:
+            raise InputError(f"{name} is what holds a ship without a rudder on its line: it is sought; leave it out")
+    movers: dict[str, Any] = {a.name: given.get(a.name, a.rest or 0.0) for a in ship.model.terms.actuators}
+    movers |= _turns(ship.model, u, given)
+    motion = LocalMotion(ship, water, {**ship.values(**movers), **water.sections, **given})
+    turn = water.curvature / (1 - water.curvature * y) * (u + water.current)
+    course = {"y": y, "u": u, "psi": 0.0, "v": 0.0, "r": turn, **movers, **dict.fromkeys(("Y", "N", *held), 0.0)}
+    course |= {"current": water.current, "curvature": water.curvature}
+    course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
+    rows = [MOVED.index(name) for name in ("u", "v", "r")[-len(held) :]]
+    slopes, rates = motion.slopes(course), motion.rates(course)
+    matrix = np.stack([slopes[name][:, rows] for name in held], axis=-1)
+    away = np.stack([np.broadcast_to(rates[MOVED[row]], y.shape) for row in rows], axis=-1)
+    forces = -np.linalg.solve(matrix, away[..., None])[..., 0]
+    return motion, {**course, **dict(zip(held, forces.T, strict=True))}
 
 
 def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
@@ -169,11 +194,12 @@ def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSyst
     slopes, rows = motion.slopes(course), [MOVED.index(name) for name in states]
 
     def matrix(names: Sequence[str]) -> np.ndarray:
-        columns = np.stack([slopes[name][:, rows] for name in names], axis=-1)
+        none = np.zeros((len(course["y"]), len(rows), 0))
+        columns = np.stack([slopes[name][:, rows] for name in names], axis=-1) if names else none
         return columns.reshape(*shape, len(states), len(names))
 
     gear = ship.model.configuration.gear
-    beyond = int((np.abs(course["rudder"]) > gear.limit).sum())
+    beyond = int((np.abs(course.get("rudder", np.zeros(1))) > gear.limit).sum())
     notes = [*ship.model.bank_notes]
     if beyond:
         notes.append(

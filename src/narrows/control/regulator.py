@@ -21,6 +21,7 @@ from narrows.control.settings import (
     WEIGHT_LADDER,
     WEIGHTS,
 )
+from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import sampled
@@ -65,6 +66,7 @@ def regulator(
     Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods, for weights and integrals; Åström and Hägglund
     (2006), Advanced PID Control, for the back-calculation.
     """
+    check_rudder(model)
     about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
     if isinstance(at, Sequence | np.ndarray):
         if np.ndim(y):

@@ -93,3 +93,18 @@ PLACES_A_LENGTH, MOST_PLACES, WAYS = 2, 4000, 9
 
 # Change of speed from which steady courses are found anew [1].
 OTHER_SPEED = 0.02
+
+# Numbers of the closed loop.
+# Frequencies at which a loop is looked at.
+FREQUENCIES = 3000
+
+# Rounds of Newton's method for the steady state of a loop, and how far off it may be, in sizes of the states [1].
+NEWTON_ROUNDS, SAME_STATE = 20, 1e-9
+
+# Ship lengths of a voyage unless a duration is given.
+LOOP_DURATION = 40.0
+
+# Voyages that look for the delay that a loop tolerates: ship lengths that each lasts, beams off the line where it
+# begins, its offset late over that at the start beyond which it is lost [1], the longest delay [ship lengths], and how
+# close the answer is [1].
+LOOP_TIME, LOOP_OFFSET, LOST_LOOP, MOST_DELAY, DELAY_DIGITS = 120.0, 0.03, 1.0, 2.0, 0.02

@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from narrows.codegen.lines import Program, real
 from narrows.codegen.portable import ORDERED, Portable
 from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
+from narrows.export.passport import passport
 from narrows.files import is_stream
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
@@ -39,6 +39,8 @@ GEAR = {
     "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
 }  # fmt: skip
 HEARD = "order on its way to the {}: begin where the actuator is"
+# Constants that the rule of a voyage asks for, whatever the hull.
+ALWAYS = ("hull_length", "least_cos", "near_bank")
 
 
 @dataclass(frozen=True)
@@ -79,10 +81,10 @@ class ExportedShip:
         least = limits_of(self.ship.shape)["least_cos"]
         known: dict[str, Any] = {
             "half_length": real("length") / 2, "half_beam": real("beam") / 2, "least_cos": Float(least, 17),
-            "near_bank": Float(NEAR_THE_BANK, 17) * real("width"),
+            "near_bank": Float(NEAR_THE_BANK, 17) * real("width"), "hull_length": real("length"),
             **{name: real("width") / 2 for name in WALLS if name not in self._values},
         }  # fmt: skip
-        return {name: known.get(name, real(name)) for name in sorted({*self.portable.hull, "least_cos", "near_bank"})}
+        return {name: known.get(name, real(name)) for name in sorted({*self.portable.hull, *ALWAYS})}
 
     @cached_property
     def _values(self) -> dict[str, Any]:
@@ -170,11 +172,7 @@ class ExportedShip:
         }  # fmt: skip
 
     def about(self) -> Iterator[str]:
-        model = self.ship.model
-        yield f"{model.configuration.ship.name}: motion between two banks by the terms {model.terms.name}."
-        yield f"Written by narrows {version('narrows')}."
-        if model.source.text:
-            yield model.source.text
+        return passport(self.ship.model)
 
 
 def prefix_of(path: str | Path) -> str:

@@ -16,10 +16,13 @@ from narrows.codegen.printers.c import CArithmetic, CTranslation, c_block, c_bod
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
+from narrows.export.passport import BEYOND, tested_ends
 
 WIDTH = 108
 # How a voyage ends, in the order of their codes.
-FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED")
+FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED", "REFUSED")
+
+CANNOT_SAIL = "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
 
 # Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables.
 PLAIN = (
@@ -114,7 +117,8 @@ def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
     environment.filters["commented"] = commented
     environment.filters["set_in"] = lambda text, by="    ": text.replace("\n", f"\n{by}")
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
-    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates}
+    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
+             "beyond_bits": tuple(BEYOND.values()), "tested": tested_ends(exported.ship.model)}  # fmt: skip
     text = environment.get_template(template).render(**alike, **told)
     return text.rstrip() + "\n"
 

@@ -195,10 +195,11 @@ def write_fmu(
     Raises
     ------
     InputError
-        As ``write_c``; where the contact is ``none``, or a compiler fails.
+        As ``write_c``; where a compiler fails.
     """
-    from narrows.export.exported_ship import ExportedShip
-    from narrows.export.fmu import builds_here, fmu_bytes
+    from narrows.export.exported_ship import ExportedShip, prefix_of
+    from narrows.export.fmu import fmu_bytes
+    from narrows.export.native_build import builds_here
     from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.inputs import finite_numbers
     from narrows.simulation.ship import SimulatedShip
@@ -206,15 +207,13 @@ def write_fmu(
     form_of(path, (".fmu",))
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
-    if contact == OPEN:
-        raise InputError("an FMU tells the clearance from the banks, and contact 'none' has none; choose 'corners'")
     ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), voyage_defaults(model, u)
     speed, step = usual.speed if u is None else u, usual.dt if dt is None else dt
     finite_numbers(u=speed, dt=step)
     if not step > 0:
         raise InputError(f"dt = {step:g} s is no step; give a time over 0")
     builds = builds_here(fmi)
-    write_whole(path, fmu_bytes(ExportedShip(ship, waterway), float(speed), float(step), builds, fmi))
+    write_whole(path, fmu_bytes(ExportedShip(ship, waterway), prefix_of(path), float(speed), float(step), builds, fmi))
     return tuple(dict.fromkeys(build.folder for build in builds))
 
 
@@ -290,7 +289,7 @@ class Exporter:
 
 def _about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
     """Which platforms an FMU has libraries for, and what would make more."""
-    from narrows.export.fmu import lacks_zig
+    from narrows.export.native_build import lacks_zig
 
     alone = "no compiler is here: the FMU has its sources alone, which importers may compile"
     return [f"libraries for {', '.join(platforms)}" if platforms else alone, *filter(None, [lacks_zig()])]

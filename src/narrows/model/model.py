@@ -59,10 +59,11 @@ class Operations(Shown):
         model: Any = self
         return narrows.step(model, state, dt, **given)
 
-    def linearize(self, **at: Any) -> "narrows.Jacobian":
-        """Return the exact derivatives of the motion about a state, a ``Jacobian``."""
+    def linearize(self, *at: float, **told: Any) -> "narrows.control.LinearSystem":
+        """Linearise the motion about a steady course, to a ``LinearSystem``."""
+        # *at [m, m/s]
         model: Any = self
-        return narrows.jacobian(model, **at)
+        return narrows.control.linearize(model, *at, **told)
 
     def simulate(self, *start: float, **given: Any) -> "narrows.Voyage":
         """Simulate one voyage, to a ``Voyage``."""

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Sinkage = Literal["midship", "bow", "largest"]
 GIVES = get_args(Sinkage)
 VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
+DERIVED = "derived from its equations"
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class SquatFormula:
     function : callable
         Its arguments are names of the vocabulary.
     gives : str
-        Which sinkage: ``midship``, ``bow`` or ``largest``.
+        Which sinkage: ``midship``, ``bow``, ``largest`` or ``mean``.
     status : str
         How sure the formula is.
     limits : mapping of str to pair of float [1]
@@ -87,6 +88,7 @@ SQUAT = {
     ),
     "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SLOW),
     "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SLOW),
+    "continuity": SquatFormula(formulas.continuity, "mean", DERIVED),
 }
 
 
@@ -171,7 +173,8 @@ def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship"
     """Estimate how far a ship sinks at a speed.
 
     The first formula of ``SQUAT`` that gives the wanted sinkage and holds here is taken; if none holds, the first that
-    gives it, with notes.
+    gives it, with notes. Where continuity and energy in one dimension give a larger mean, as close to the critical
+    speed, the mean is taken.
 
     Parameters
     ----------
@@ -204,4 +207,8 @@ def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship"
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
     notes = (*doubts, *chosen.outside(configuration, speed))
-    return Squat(chosen.sinkage(configuration, speed), name, chosen.gives, critical, notes)
+    sinkage, mean = chosen.sinkage(configuration, speed), SQUAT["continuity"].sinkage(configuration, speed)
+    if formula is None and mean > sinkage:
+        less = f"{name} gives {sinkage:.3g} m, less than the mean of this canal"
+        return Squat(mean, "continuity", gives, critical, (less,))
+    return Squat(sinkage, name, gives, critical, notes)

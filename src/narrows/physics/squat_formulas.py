@@ -83,3 +83,29 @@ def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) ->
     """
     free = 1 - blockage(beam, draft, width, depth)
     return (2 * math.sin(math.asin(free) / 3)) ** 1.5 * (GRAVITY * depth) ** 0.5
+
+
+def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
+    """Section of water beside a ship under way, over the whole section of the canal [1], by continuity and energy."""
+    # Continuity U w = u and energy U^2 - u^2 = 2 g z, with w = 1 - S - z/h, are w^3 - a w^2 + F^2/2 = 0 with
+    # a = 1 - S + F^2/2. Its largest root is the subcritical flow.
+    half = u * u / (2 * GRAVITY * depth)
+    a = 1 - blockage(beam, draft, width, depth) + half
+    return a / 3 * (1 + 2 * math.cos(math.acos(1 - 13.5 * half / a**3) / 3))
+
+
+def return_flow(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
+    """Speed of the water past a ship less that of the ship [m/s], below the critical speed.
+
+    Source: Schijf (1949), continuity and energy in one dimension.
+    """
+    return u / water_past_the_ship(u, beam, draft, width, depth) - u
+
+
+def continuity(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
+    """Mean sinkage [m] in a canal, below the critical speed.
+
+    Source: Schijf (1949), continuity and energy in one dimension.
+    """
+    back = return_flow(u, beam, draft, width, depth)
+    return back * (2 * u + back) / (2 * GRAVITY)

@@ -15,7 +15,10 @@ def gear_motion(
     order: Number, position: Number, stages: Sequence[Number], gear: Mapping[str, Number], dt: Number,
     functions: Functions, put: Callable[[str, Any], Any] = lambda name, value: value,
 ) -> tuple[Any, list[Any]]:  # fmt: skip
-    """Return how far a gear moves its actuator in a step, and the stages of its dead time afterwards.
+    """Return how far a gear moves its actuator in a step [rad], and the stages of its dead time afterwards.
+
+    Source: the exponential of a first-order lag; tanks in series for the dead time, Levenspiel (1999), Chemical
+    Reaction Engineering, chapter 14.
 
     ``gear`` has ``dead_time``, ``lag`` [s], ``dead_band`` and ``rate``; ``functions`` are minimum, maximum, choice and
     exp of whatever the numbers are; ``put`` keeps what is used more than once.

@@ -14,6 +14,8 @@ CURVATURE, KEEL_STARBOARD, KEEL_PORT = 6, 12, 14
 """Their columns."""
 SECTION = 7
 """Numbers a section: along the line; starboard, port, depth, curvature, keel_starboard, keel_port."""
+MOST_EXTENT = 1e9
+"""Of a place along the line [m]."""
 FAR_WIDTHS = 100.0
 """How many widths beyond the ends the line goes straight on."""
 
@@ -81,8 +83,26 @@ def lay_track(table: Array, nodes: int, spacing: float, track: Filled) -> None:
         x, y, heading = x + ahead * c - across * si, y + ahead * si + across * c, heading + turned
 
 
+def can_fill(sections: Array, count: int, nodes: int) -> bool:
+    """Whether there are sections and nodes enough, and each section has water, one behind the other."""
+    if not (count >= 2 and nodes >= 2):
+        return False
+    for number in range(count):
+        row = SECTION * number
+        if number > 0 and not sections[row] > sections[row - SECTION]:
+            return False
+        right, left, bend = sections[row + 1], sections[row + 2], sections[row + 4]
+        if not (right > 0.0 and left > 0.0 and abs(bend) * max(right, left) < 1.0):
+            return False
+        if not (sections[row + 3] > 0.0 and sections[row + 5] > 0.0 and sections[row + 6] > 0.0):
+            return False
+    return abs(sections[0]) < MOST_EXTENT and abs(sections[SECTION * (count - 1)]) < MOST_EXTENT  # type: ignore[no-any-return]
+
+
 def fill_table(sections: Array, count: int, nodes: int, table: Filled, track: Filled) -> float:
-    """Fill table and track of a waterway, and return how long a cell is [m]."""
+    """Fill table and track of a waterway, and return how long a cell is [m]; 0 where the sections are no waterway."""
+    if not can_fill(sections, count, nodes):
+        return 0.0
     spacing = fill_cells(sections, count, nodes, table)
     lay_track(table, nodes, spacing, track)
     return spacing

@@ -45,7 +45,9 @@ if TYPE_CHECKING:
 EXACT = WATERWAY = False
 LEAVES = 0.0
 KEPT, COS, U, V, R = 7, 2, 4, 5, 6
-AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED = 0, 1, 2, 3, 4, 5
+AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED, REFUSED = 0, 1, 2, 3, 4, 5, 6
+MOST_STEPS = 1e9
+"""Steps of a voyage, as ``simulation.settings`` has them."""
 TOLERANCE = 1e-9
 """How near to contact an end is placed [m]."""
 MOST_SPEED, MOST_RATE = 100.0, 10.0
@@ -103,6 +105,15 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
     return AFLOAT if closeness[0] == 0.0 and fate == ASTERN else fate  # The first point of a waterway is in it.
 
 
+def can_sail(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
+    """Whether the step is a time in which the ship moves less than its own length, and there is water to sail in."""
+    if not (length > 0.0 and duration >= 0.0 and duration <= MOST_STEPS * length):
+        return False
+    if WATERWAY and not waterway.x_last > waterway.x_first:
+        return False
+    return min(length, duration) * abs(state[U]) <= constants.hull_length  # type: ignore[no-any-return]
+
+
 def planned(book: Book, length: float, duration: float) -> None:
     """Plan whole steps and, where the time is no multiple of them, the rest."""
     count = 1.0 * floor(duration / length + 1e-9)
@@ -124,6 +135,9 @@ def sail(
     state: Array, inputs: Inputs, constants: Constants, waterway: Place, length: float, duration: float, end: Array
 ) -> int:
     """Sail under what the caller holds until the time is up or something ends the voyage, and say what."""
+    if not can_sail(state, constants, waterway, length, duration):
+        end[0], end[1] = 0.0, 0.0
+        return REFUSED
     book = [0.0] * PLACES
     after = [0.0] * (KEPT + 2)
     closeness = [0.0] * 2

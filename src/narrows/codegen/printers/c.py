@@ -187,12 +187,13 @@ class CTranslation(Translation):
         targets = node.target.elts if isinstance(node.target, ast.Tuple) else [node.target]
         rows = [row.elts if isinstance(row, ast.Tuple) else [row] for row in node.iter.elts]
         name, self.held_numbers = f"turn_{self.held_numbers}", self.held_numbers + 1
-        yield f"for (int {name} = 0; {name} < {len(rows)}; ++{name}) {{"
-        for number, target in enumerate(targets):
+        for number in range(len(targets)):
             values = [self.expression(row[number]) for row in rows]
             kind = "int" if all(value.lstrip("-").isdigit() for value in values) else "double"
-            listed = f"(const {kind}[]){{{', '.join(values)}}}"
-            yield f"    {self.expression(target)} = {listed}[{name}];"
+            yield f"const {kind} {name}_{number}[] = {{{', '.join(values)}}};"
+        yield f"for (int {name} = 0; {name} < {len(rows)}; ++{name}) {{"
+        for number, target in enumerate(targets):
+            yield f"    {self.expression(target)} = {name}_{number}[{name}];"
 
     def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
         if name == "len":
@@ -234,11 +235,15 @@ class CTranslation(Translation):
         return f"fmod({left}, {right})"
 
 
+# Plain functions that answer yes or no.
+TRUTHS = ("is_sane", "can_sail", "can_fill")
+
+
 def _is_truth(value: ast.expr | None) -> bool:
     if isinstance(value, ast.Constant):
         return isinstance(value.value, bool)
     if isinstance(value, ast.Call):
-        return isinstance(value.func, ast.Name) and value.func.id == "is_sane"
+        return isinstance(value.func, ast.Name) and value.func.id in TRUTHS
     return isinstance(value, ast.Compare | ast.BoolOp)
 
 

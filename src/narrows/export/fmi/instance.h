@@ -1,134 +1,253 @@
-/* A ship as an FMU has it: every variable is a number of one array, and its place there is its value reference. */
+/*
+ * A ship as an FMU has it: every variable is a number of one array, and its place there is its value reference.
+ * fmi2.c and fmi3.c are the interface; choices.h is what depends on the model.
+ */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ship.h"
-#include "choices.h" /* TOKEN, SPEED, STEP_LENGTH, CANAL, GEARED, hold_gear, column_of_input */
+#include "choices.h"
 
 enum {
-    TIME, X, Y, PSI, U, V, R, DER_X, DER_Y, DER_PSI, DER_U, DER_V, DER_R, STARBOARD, PORT, AGROUND, STEP, GEAR,
-    INPUTS = GEAR + GEARED,
+    TIME, X, Y, PSI, U, V, R, GEAR,
+    DER = GEAR + GEARED,
+    CLEARANCE = DER + 6 + GEARED,
+    AGROUND = CLEARANCE + 2 * BANKS, OUTCOME, SIDE, OUTCOME_TIME, BEYOND, STEP, INPUTS,
     PARAMETERS = INPUTS + sizeof(ship_inputs) / sizeof(double),
     INDICATORS = PARAMETERS + sizeof(ship_parameters) / sizeof(double),
-    COUNT = INDICATORS + 2
+    COUNT = INDICATORS + EVENTS
 };
-enum { STATES = 6, MODEL_EXCHANGE = 0 };
+enum { STATES = 6 + GEARED, GEAR_AT = SHIP_STATES - GEARED };
+
+/* What an importer has done so far; functions say in which of these they may be called. */
+enum { MADE = 1, STARTING = 2, EVENT = 4, CONTINUOUS = 8, STEPPING = 16, ENDED = 32, FAILED = 64 };
+enum { RUNNING = EVENT | CONTINUOUS | STEPPING, GIVEN = MADE | STARTING };
+
 static const double TOUCHED = 1e-6; /* [m] room at which an importer's event is taken for a contact */
+static const double SAME_TIME = 1e-9; /* share of the time by which an importer's clock may differ */
 
 typedef struct {
-    double value[COUNT], state[SHIP_NUMBERS];
+    double value[COUNT], state[SHIP_NUMBERS], stop;
     ship_constants constants;
-    int stale, exchange; /* whether a value was set since rates were computed; whether this is model exchange */
-    void (*tell)(void *whom, const char *sentence, double number);
+    int mode, stale, parameters_stale; /* whether values were set since rates, and since constants, were computed */
+    int pending, lean;                 /* how the voyage has ended where the importer has not handled it yet; to which side */
+} Numbers;
+
+typedef struct {
+    Numbers now;
+    int exchange, with_events, early; /* model exchange; whether the importer has an event mode, or takes a step that ends early */
+    void (*tell)(void *whom, const char *sentence);
     void *whom;
 } Instance;
 
-static ship_inputs inputs_of(const Instance *m) {
-    ship_inputs inputs;
-    memcpy(&inputs, m->value + INPUTS, sizeof inputs);
-    return inputs;
+static int refuse(const Instance *m, const char *sentence) {
+    if (m->tell) m->tell(m->whom, sentence);
+    return 0;
+}
+static int refuse_with(const Instance *m, const char *sentence, double number) {
+    char text[200];
+    snprintf(text, sizeof text, sentence, number);
+    return refuse(m, text);
 }
 
-/* The pose of the state as its variables; the heading goes on counting turns. */
-static void show(Instance *m, double cosine, double sine) {
-    double *w = m->value, *z = m->state;
-    w[PSI] += atan2(z[3] * cosine - z[2] * sine, z[2] * cosine + z[3] * sine);
-    w[X] = z[0], w[Y] = z[1], w[U] = z[4], w[V] = z[5], w[R] = z[6];
-    for (int i = 0; i < GEARED; ++i) w[GEAR + i] = z[7 + i];
-    m->stale = 1;
+/* Whether a function may be called now. */
+static int may(const Instance *m, int modes) {
+    if (m->now.mode & modes) return 1;
+    return refuse(m, m->now.mode == FAILED ? "an earlier call failed: reset, or set a saved state"
+                                           : "this function is called out of turn: see the state machine of the standard");
 }
 
-static void set(Instance *m, unsigned place, double value) {
-    m->value[place] = value;
-    if (place == X || place == Y) m->state[place - X] = value;
-    if (place >= U && place <= R) m->state[4 + place - U] = value;
-    if (place == PSI) m->state[2] = cos(value), m->state[3] = sin(value);
-    if (place >= GEAR && place < INPUTS) m->state[7 + place - GEAR] = value;
-    m->stale = 1;
+static void inputs_of(const double *value, ship_inputs *inputs) { memcpy(inputs, value + INPUTS, sizeof *inputs); }
+
+/* A number goes into the state that is sailed. */
+static void put(Numbers *n, unsigned place, double value) {
+    n->value[place] = value;
+    if (place == X || place == Y) n->state[place - X] = value;
+    if (place >= U && place <= R) n->state[4 + place - U] = value;
+    if (place == PSI) n->state[2] = cos(value), n->state[3] = sin(value);
+    if (place == PSI && COUNTED) n->state[7] = value;
+    if (place >= GEAR && place < DER) n->state[GEAR_AT + place - GEAR] = value;
+    if (place >= PARAMETERS && place < INDICATORS) n->parameters_stale = 1;
+    n->stale = 1;
 }
 
 static void reset(Instance *m) {
+    Numbers *n = &m->now;
     const ship_inputs inputs = ship_at_rest;
-    memset(m->value, 0, sizeof m->value);
-    memset(m->state, 0, sizeof m->state);
-    memcpy(m->value + PARAMETERS, &ship_model, sizeof ship_model);
-    memcpy(m->value + INPUTS, &inputs, sizeof inputs);
-    m->value[STEP] = STEP_LENGTH;
-    m->state[2] = 1.0;
-    set(m, U, SPEED);
+    memset(n, 0, sizeof *n);
+    memcpy(n->value + PARAMETERS, &ship_model, sizeof ship_model);
+    memcpy(n->value + INPUTS, &inputs, sizeof inputs);
+    n->value[STEP] = STEP_LENGTH;
+    n->state[2] = 1.0, n->parameters_stale = 1, n->mode = MADE;
+    n->stop = INFINITY;
+    put(n, U, SPEED);
 }
 
-static void refresh(Instance *m) {
-    if (!m->stale) return;
-    double rate[SHIP_STATES], *w = m->value, *z = m->state;
-    ship_parameters parameters;
-    memcpy(&parameters, w + PARAMETERS, sizeof parameters);
-    ship_prepare(&parameters, &m->constants);
-    const ship_inputs inputs = inputs_of(m);
-    if (m->exchange) hold_gear(z, &inputs, &m->constants);
-    for (int i = 0; i < GEARED; ++i) w[GEAR + i] = z[7 + i];
-    ship_rates(z, &inputs, &m->constants CANAL, rate);
-    w[DER_X] = rate[0], w[DER_Y] = rate[1], w[DER_PSI] = z[2] * rate[3] - z[3] * rate[2];
-    w[DER_U] = rate[4], w[DER_V] = rate[5], w[DER_R] = rate[6];
-    if (w[AGROUND] != 0.0) memset(w + DER_X, 0, STATES * sizeof(double));
-    ship_clearance(z, w + STARBOARD, CLEARANCE_OF);
-    for (int i = 0; i < 2; ++i) w[INDICATORS + i] = w[AGROUND] != 0.0 ? -1.0 : w[STARBOARD + i];
-    m->stale = 0;
-}
-
-static double get(Instance *m, unsigned place) { return refresh(m), m->value[place]; }
-static double room(Instance *m) { return refresh(m), fmin(m->value[STARBOARD], m->value[PORT]); }
-
-/* Whether the hull has just touched a bank; from then on the ship lies still. */
-static int touches(Instance *m) {
-    if (m->value[AGROUND] != 0.0 || room(m) > TOUCHED) return 0;
-    m->value[AGROUND] = 1.0, m->stale = 1;
+/* What an importer sets: a start value, an input or a parameter, each in its time and within its bounds. */
+static int assign(Instance *m, unsigned place, double value) {
+    if (place >= COUNT) return refuse_with(m, "there is no variable %g", place);
+    const char kind = KINDS[place];
+    const int modes = kind == STATE || kind == FIXED ? GIVEN : kind == INPUT ? GIVEN | RUNNING
+                    : kind == TUNABLE ? GIVEN | EVENT | STEPPING : 0;
+    if (!modes) return refuse_with(m, "variable %g is computed: it cannot be set", place);
+    if (!(m->now.mode & modes)) return refuse_with(m, "variable %g cannot be set any more, or not in this mode", place);
+    if (!isfinite(value)) return refuse_with(m, "variable %g is set to what is no finite number", place);
+    if (place >= STEP && (value < low[place - STEP] || value > high[place - STEP]))
+        return refuse_with(m, "%g is beyond the bounds of its variable", value);
+    put(&m->now, place, value);
     return 1;
 }
 
-static int starts_afloat(Instance *m) {
-    if (room(m) > 0.0) return 1;
-    m->tell(m->whom, "the hull starts %g m into the bank; start nearer the centreline", -room(m));
-    return 0;
-}
-
-/* Sail for so long; returns 0 where a heading lies across the canal, the waterway ends, or numbers run out. */
-static int sail(Instance *m, double duration) {
-    refresh(m);
-    m->value[TIME] += duration;
-    if (m->value[AGROUND] != 0.0 || !(duration > 0.0)) return 1;
-    const double cosine = m->state[2], sine = m->state[3];
-    const ship_inputs inputs = inputs_of(m);
-    double end[2];
-    const int fate = ship_sail(m->state, &inputs, &m->constants CANAL, fmin(m->value[STEP], duration), duration, end);
-    show(m, cosine, sine);
-    if (fate == SHIP_GROUNDED) m->value[AGROUND] = 1.0;
-    if (fate == SHIP_AFLOAT || fate == SHIP_GROUNDED) return 1;
-    m->tell(m->whom, "after %g s the ship lies across the canal, leaves the waterway, or moves as none does", end[0]);
-    return 0;
-}
-
-/* The exact derivative of an unknown by a known. */
-static double slope(Instance *m, unsigned unknown, unsigned known) {
-    double by_state[36], by_input[6 * CONTROLS];
-    const ship_inputs inputs = inputs_of(m);
-    if (unknown >= X && unknown <= R) return unknown == known;
-    if (unknown < DER_X || unknown > DER_R) return 0.0;
-    if (refresh(m), m->value[AGROUND] != 0.0) return 0.0;
-    if (known >= X && known <= R) {
-        ship_by_state(m->state, &inputs, &m->constants CANAL, by_state);
-        return by_state[6 * (unknown - DER_X) + known - X];
+/* Rates, room and event indicators of the state as it is. */
+static void refresh(Instance *m) {
+    Numbers *n = &m->now;
+    double *w = n->value;
+    if (!n->stale) return;
+    if (n->parameters_stale) {
+        ship_parameters parameters;
+        memcpy(&parameters, w + PARAMETERS, sizeof parameters);
+        ship_prepare(&parameters, &n->constants);
+        n->parameters_stale = 0;
     }
-    const int column = known >= INPUTS && known < PARAMETERS ? column_of_input[known - INPUTS] : -1;
-    if (column < 0) return 0.0;
-    ship_by_input(m->state, &inputs, &m->constants CANAL, by_input);
-    return by_input[CONTROLS * (unknown - DER_X) + column];
+    ship_inputs inputs;
+    inputs_of(w, &inputs);
+    evaluate(n->state, &inputs, &n->constants, w[STEP], w + DER);
+    if (w[OUTCOME] != SHIP_AFLOAT) memset(w + DER, 0, STATES * sizeof(double));
+    indicate(n->state, &n->constants, w + CLEARANCE, w + INDICATORS);
+    if (w[OUTCOME] != SHIP_AFLOAT)
+        for (int i = 0; i < EVENTS; ++i) w[INDICATORS + i] = -1.0;
+    n->stale = 0;
+}
+static double get(Instance *m, unsigned place) { return refresh(m), m->now.value[place]; }
+
+/* Whether a variable of one of these kinds is there to be got, and may be now. */
+static int may_get(Instance *m, unsigned place, const char *kinds) {
+    if (place < COUNT && strchr(kinds, KINDS[place])) return may(m, GIVEN | RUNNING | ENDED);
+    return refuse_with(m, "there is no variable %g of this type", place);
 }
 
-/* Take over another's numbers; to whom it speaks stays. */
-static void restore(Instance *m, const Instance *from) {
-    void *whom = m->whom;
-    void (*speak)(void *, const char *, double) = m->tell;
-    memcpy(m, from, sizeof *m);
-    m->whom = whom, m->tell = speak;
+/* The ship lies still from now on: how its voyage ended, where and when. */
+static void end_voyage(Instance *m, int outcome, double lean, double time) {
+    Numbers *n = &m->now;
+    n->value[OUTCOME] = outcome, n->value[OUTCOME_TIME] = time, n->pending = SHIP_AFLOAT;
+    n->value[AGROUND] = outcome == SHIP_GROUNDED;
+    n->value[SIDE] = outcome == SHIP_GROUNDED ? (lean > 0.0) - (lean < 0.0) : 0.0;
+    for (unsigned place = U; place <= R; ++place) put(n, place, 0.0);
+}
+
+/* What is discrete: an end that was met, and whether the motion is beyond the data. Returns whether anything changed. */
+static int update(Instance *m) {
+    Numbers *n = &m->now;
+    double *w = n->value;
+    const double before = w[BEYOND], outcome = w[OUTCOME];
+    refresh(m);
+    w[BEYOND] = ship_beyond(n->state);
+    if (outcome == SHIP_AFLOAT && n->pending != SHIP_AFLOAT) end_voyage(m, n->pending, n->lean, w[TIME]);
+    else if (outcome == SHIP_AFLOAT && m->exchange)
+        for (int i = EVENTS - 1; i >= 0; --i)
+            if (w[INDICATORS + i] < (i < 3 * BANKS ? TOUCHED : 0.0)) {
+                end_voyage(m, event_outcome[i], i == 0 ? 1.0 : -1.0, w[TIME]);
+                break;
+            }
+    return w[BEYOND] != before || w[OUTCOME] != outcome;
+}
+
+/* Whether the start is one: afloat, with finite rates. */
+static int starts(Instance *m) {
+    refresh(m);
+    for (int i = 0; i < STATES; ++i)
+        if (!isfinite(m->now.value[DER + i])) return refuse(m, "the rates at the start are no numbers: check parameters and start");
+    for (int i = 0; i < EVENTS; ++i) {
+        const double room = m->now.value[INDICATORS + i];
+        if (event_outcome[i] == SHIP_GROUNDED && !(room > 0.0))
+            return refuse_with(m, "the hull starts %g m into the bank; start nearer the centreline", -room);
+        if (!(room > 0.0) && !(room == 0.0 && event_outcome[i] == SHIP_ASTERN))
+            return refuse(m, "the ship starts across the canal, or outside of the waterway");
+    }
+    m->now.value[BEYOND] = ship_beyond(m->now.state);
+    return 1;
+}
+
+/* The pose of the state as its variables; the heading goes on counting turns. */
+static void show(Numbers *n, double cosine, double sine) {
+    double *w = n->value, *z = n->state;
+    w[PSI] = COUNTED ? z[7] : w[PSI] + atan2(z[3] * cosine - z[2] * sine, z[2] * cosine + z[3] * sine);
+    w[X] = z[0], w[Y] = z[1], w[U] = z[4], w[V] = z[5], w[R] = z[6];
+    for (int i = 0; i < GEARED; ++i) w[GEAR + i] = z[GEAR_AT + i];
+    n->stale = 1;
+}
+
+/* Sail for so long, as the importer counts; 0 where that is no step or the numbers run out. Returns early where it may. */
+static int sail(Instance *m, double time, double duration, double *reached) {
+    Numbers *n = &m->now;
+    double *w = n->value, end[2];
+    *reached = w[TIME];
+    if (!(fabs(time - w[TIME]) <= SAME_TIME * (1.0 + fabs(time)))) return refuse_with(m, "the last step ended at %g s: go on from there", w[TIME]);
+    if (!(duration > 0.0) || !isfinite(duration)) return refuse_with(m, "a step of %g s is none: give a time over 0", duration);
+    if (time + duration > n->stop + SAME_TIME * (1.0 + fabs(n->stop))) return refuse_with(m, "the experiment stops at %g s", n->stop);
+    if (n->pending != SHIP_AFLOAT) update(m);
+    refresh(m);
+    *reached = w[TIME] = time + duration;
+    if (w[OUTCOME] != SHIP_AFLOAT) return 1;
+    const double cosine = n->state[2], sine = n->state[3];
+    ship_inputs inputs;
+    inputs_of(w, &inputs);
+    const int outcome = ship_sail(n->state, &inputs, &n->constants CANAL, fmin(w[STEP], duration), duration, end);
+    if (outcome == SHIP_REFUSED) return refuse_with(m, "a step of %g s takes the ship farther than its length: shorten it", fmin(w[STEP], duration));
+    show(n, cosine, sine);
+    if (outcome != SHIP_AFLOAT) {
+        n->pending = outcome, n->lean = end[1] > 0.0 ? 1 : -1;
+        if (m->early) *reached = w[TIME] = time + end[0];
+        if (!m->with_events) end_voyage(m, outcome, end[1], time + end[0]);
+        if (outcome == SHIP_DIVERGED) {
+            n->mode = FAILED;
+            return refuse_with(m, "after %g s the ship moves as none does", end[0]);
+        }
+    }
+    w[BEYOND] = ship_beyond(n->state);
+    return 1;
+}
+
+/* How fast everything changes along a direction in states, inputs and tunable parameters: exact, where seed has it. */
+static void along(Instance *m, const double *seed, double *out) {
+    Numbers *n = &m->now;
+    ship_inputs inputs, along_inputs;
+    ship_parameters parameters, along_parameters;
+    ship_constants along_constants;
+    refresh(m);
+    inputs_of(n->value, &inputs), inputs_of(seed, &along_inputs);
+    memcpy(&parameters, n->value + PARAMETERS, sizeof parameters);
+    memcpy(&along_parameters, seed + PARAMETERS, sizeof along_parameters);
+    prepare_along(&parameters, &along_parameters, &along_constants);
+    memset(out, 0, COUNT * sizeof(double));
+    memcpy(out + X, seed + X, STATES * sizeof(double));
+    evaluate_along(n->state, &inputs, &n->constants, n->value[STEP], seed + X, &along_inputs, &along_constants, out + DER);
+    if (n->value[OUTCOME] != SHIP_AFLOAT) memset(out + DER, 0, STATES * sizeof(double));
+    indicate_along(n->state, &n->constants, seed + X, &along_constants, out + CLEARANCE, out + INDICATORS);
+    if (n->value[OUTCOME] != SHIP_AFLOAT) memset(out + INDICATORS, 0, EVENTS * sizeof(double));
+}
+
+/* The sum over unknowns and knowns of weight, slope and seed; adjoint: a result for each known, else for each unknown. */
+static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
+                  const double *seed, double *result, int adjoint) {
+    double direction[COUNT], out[COUNT];
+    if (!may(m, STARTING | RUNNING | ENDED)) return 0;
+    for (size_t i = 0; i < unknowns; ++i)
+        if (unknown[i] >= COUNT || !strchr(UNKNOWNS, KINDS[unknown[i]]))
+            return refuse_with(m, "variable %g has no derivative: it is no state, rate or room", unknown[i]);
+    for (size_t i = 0; i < knowns; ++i)
+        if (known[i] >= COUNT || !strchr(KNOWNS, KINDS[known[i]]))
+            return refuse_with(m, "there is no derivative by variable %g: it is no state, input or tunable parameter", known[i]);
+    for (size_t k = 0; k < (adjoint ? knowns : 1); ++k) {
+        memset(direction, 0, sizeof direction);
+        if (adjoint) direction[known[k]] = 1.0, result[k] = 0.0;
+        else for (size_t j = 0; j < knowns; ++j) direction[known[j]] += seed[j];
+        along(m, direction, out);
+        for (size_t i = 0; i < unknowns; ++i) {
+            if (adjoint) result[k] += seed[i] * out[unknown[i]];
+            else result[i] = out[unknown[i]];
+        }
+    }
+    return 1;
 }

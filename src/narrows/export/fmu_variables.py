@@ -1,0 +1,151 @@
+"""The variables of an FMU: a value reference is a place in the one array of ``fmi/instance.h``."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from types import MappingProxyType
+
+from narrows.codegen.free_motion import OPEN
+from narrows.codegen.linearisation import LINEARISED
+from narrows.export.exported_ship import ExportedNumber, ExportedShip
+from narrows.export.passport import BEYOND
+from narrows.quantities.dimensions import dimension_of
+from narrows.quantities.names import MOTION
+from narrows.ship.checks import POSITIVE, SMALLEST
+
+
+class Kind(StrEnum):
+    """What a variable is; the letters are those of ``KINDS`` in C."""
+
+    TIME_ITSELF = "t"
+    STATE = "s"
+    RATE = "d"
+    ROOM = "c"
+    TRUTH = "b"
+    CHOICE = "e"
+    WHOLE = "i"
+    MOMENT = "o"
+    FIXED = "f"
+    INPUT = "u"
+    TUNABLE = "p"
+    INDICATOR = "n"
+
+
+REALS, INTEGERS = "tsdcofupn", "i"
+UNKNOWNS, KNOWNS = "sdcn", "sup"
+# Causality, variability and initial of the standard; no initial where it forbids one.
+STANDARD = {
+    Kind.TIME_ITSELF: ("independent", "continuous", ""), Kind.STATE: ("output", "continuous", "exact"),
+    Kind.RATE: ("local", "continuous", "calculated"), Kind.ROOM: ("output", "continuous", "calculated"),
+    Kind.TRUTH: ("output", "discrete", "calculated"), Kind.CHOICE: ("output", "discrete", "calculated"),
+    Kind.WHOLE: ("output", "discrete", "calculated"), Kind.MOMENT: ("output", "discrete", "calculated"),
+    Kind.FIXED: ("parameter", "fixed", "exact"), Kind.INPUT: ("input", "continuous", ""),
+    Kind.TUNABLE: ("parameter", "tunable", "exact"), Kind.INDICATOR: ("local", "continuous", "calculated"),
+}  # fmt: skip
+HEADING = "heading, positive clockwise seen from above"
+SIDES = ("starboard", "port")
+PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
+# How a voyage ends, in the order of the codes in C, with the reason in words.
+OUTCOMES = {
+    "afloat": "the voyage goes on",
+    "grounded": "the hull has touched a bank; the ship lies still",
+    "diverged": "the ship moves as none does; the numbers are no longer to be used",
+    "outside": "the heading lies across the canal; the ship lies still",
+    "astern": "the ship left the waterway at its beginning; it lies still",
+    "passed": "the ship has passed the end of the waterway; it lies still",
+}
+# Longest step of co-simulation, over what suits the ship: ten steps a ship length.
+LONGEST_STEP = 20.0
+WIDEST = (-math.inf, math.inf)
+# Particulars with an upper bound of their own.
+HIGHEST = MappingProxyType({"block_coefficient": 1.0, "rudder_limit": math.pi / 2})
+
+
+@dataclass(frozen=True)
+class FmuVariable:
+    name: str  # In the FMU
+    kind: Kind
+    unit: str  # In SI
+    meaning: str  # In words
+    start: float | None = None  # Its value at the start, where that may be set
+    derivative: int = 0  # Index of the variable that it is the rate of; 0 of none
+    bounds: tuple[float, float] = WIDEST  # What an importer may set
+    reference: int = 0  # Its place
+
+    @property
+    def causality(self) -> str:
+        return STANDARD[self.kind][0]
+
+    @property
+    def variability(self) -> str:
+        return STANDARD[self.kind][1]
+
+    @property
+    def initial(self) -> str:
+        return STANDARD[self.kind][2]
+
+
+def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVariable, ...]:
+    return tuple(replace(one, reference=place) for place, one in enumerate(_variables(exported, speed, dt)))
+
+
+def indicators(exported: ExportedShip) -> tuple[tuple[str, str, str], ...]:
+    """Return name, outcome and meaning of each event indicator: below 0 the voyage has ended."""
+    banks = [(f"contact_{side}", "grounded", f"the room to {side}") for side in SIDES]
+    along = [("end_ahead", "passed", "what is left ahead"), ("end_astern", "astern", "what is left astern")]
+    across = [("heading_across", "outside", "cosine of the heading over its least")]
+    has_banks = exported.ship.shape != OPEN
+    return tuple((banks + across) * has_banks + along * (exported.waterway is not None))
+
+
+def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuVariable]:
+    yield FmuVariable("time", Kind.TIME_ITSELF, "s", "time")
+    states = tuple(_states(exported))
+    for name, unit, meaning in states:
+        yield FmuVariable(name, Kind.STATE, unit, meaning, speed if name == "u" else 0.0)
+    for number, (name, unit, _) in enumerate(states):
+        # The index of a variable is its place in the list, from 1.
+        yield FmuVariable(f"der({name})", Kind.RATE, PER_SECOND.get(unit, "1/s"), f"rate of {name}", None, number + 2)
+    if exported.ship.shape != OPEN:
+        for side in SIDES:
+            yield FmuVariable(f"clearance_{side}", Kind.ROOM, "m", f"room to {side} of the hull")
+    yield FmuVariable(
+        "aground", Kind.TRUTH, "1", "whether the hull has touched a bank; from then on the ship lies still"
+    )
+    yield FmuVariable("outcome", Kind.CHOICE, "1", "how the voyage has ended")
+    yield FmuVariable("side", Kind.WHOLE, "1", "of the bank that was touched: 1 starboard, -1 port, 0 of none")
+    yield FmuVariable("outcome_time", Kind.MOMENT, "s", "when the voyage ended; 0 while it goes on")
+    beyond = ", ".join(f"{bit} {words}" for bit, words in BEYOND.values())
+    yield FmuVariable(
+        "beyond", Kind.WHOLE, "1", f"in what the motion is beyond the tests of the model, a sum of: {beyond}"
+    )
+    yield FmuVariable("step", Kind.FIXED, "s", "longest step of co-simulation", dt, 0, (SMALLEST, LONGEST_STEP * dt))
+    for one in exported.inputs:
+        yield FmuVariable(one.name, Kind.INPUT, one.unit, one.meaning, one.value)
+    for one in exported.parameters:
+        name, bounds = f"parameters.{one.name}", _bounds(exported, one)
+        yield FmuVariable(name, Kind.TUNABLE, one.unit, one.meaning, one.value, 0, bounds)
+    for name, _, meaning in indicators(exported):
+        yield FmuVariable(name, Kind.INDICATOR, "1" if "heading" in name else "m", f"event indicator: {meaning}")
+
+
+def _states(exported: ExportedShip) -> Iterator[tuple[str, str, str]]:
+    for name in LINEARISED:
+        yield name, *((MOTION[name].unit, MOTION[name].meaning) if name in MOTION else ("rad", HEADING))
+    known = {one.name: one for one in exported.state}
+    yield from ((name, known[name].unit, known[name].meaning) for name in exported.portable.gear)
+
+
+def _bounds(exported: ExportedShip, one: ExportedNumber) -> tuple[float, float]:
+    terms = exported.ship.model.terms
+    positive = one.name in POSITIVE or (one.name.endswith(("_limit", "_rate")) and not one.name.endswith("wake_rate"))
+    low, high = terms[one.name].bound if one.name in terms.names else (SMALLEST if positive else -math.inf, math.inf)
+    return min(low, one.value), max(min(high, HIGHEST.get(one.name, math.inf)), one.value)
+
+
+def unit_powers(unit: str) -> Mapping[str, int]:
+    """Return a unit as powers of base units, ``kg m/s2`` as kg 1, m 1, s -2."""
+    dimension = dimension_of(unit)
+    powers = {"kg": dimension.mass, "m": dimension.length, "s": dimension.time, "rad": int(unit.startswith("rad"))}
+    return {base: power for base, power in powers.items() if power}

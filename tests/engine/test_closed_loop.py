@@ -1,0 +1,149 @@
+"""The loop: small motions of voyages, python-control, exact delays that ground, sensors."""
+
+import math
+from functools import cache
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+from full_size import Exactly, full_size, geared
+
+import narrows as nw
+from narrows.control import ClosedLoop, PredictiveHelm, closed_loop, regulator
+from narrows.estimation import Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+
+SPEED, HOLD = 4.5, 50.0
+
+
+@cache
+def law() -> nw.control.Regulator:
+    return regulator(full_size(), HOLD, SPEED)
+
+
+def loop(**told: Any) -> ClosedLoop:
+    return closed_loop(full_size(), law(), **told)
+
+
+SLOW = nw.SteeringGear(dead_time=2.0, lag=2.5)
+
+
+@pytest.mark.parametrize(("dt", "gear"), [(1.0, None), (1.0, SLOW), (0.25, SLOW)])
+def test_small_motions_of_voyages_are_those_of_the_state_space(dt: float, gear: Any) -> None:
+    made = loop(dt=dt, gear=gear)
+    system = made.state_space()
+    voyage = made.simulate(200.0, y=HOLD + 1e-3)
+    begun = np.zeros(len(made.states))
+    begun[made.states.index("y")] = 1e-3
+    response = control.initial_response(system, np.arange(len(voyage.t)) * dt, begun).outputs
+    np.testing.assert_allclose(voyage.y - HOLD, response[0], atol=2e-6)
+    np.testing.assert_allclose(voyage.rudder - made.course["rudder"], response[2], atol=2e-3 * abs(response[2]).max())
+
+
+def test_poles_are_those_of_python_control() -> None:
+    made = loop(gear=SLOW)
+    found = made.state_space().poles()
+    rates = np.log(found[np.abs(found) > 1e-12].astype(complex)).real
+    assert made.poles()[0].real == pytest.approx(rates.max(), rel=1e-8)
+    assert made.poles()[0].real < 0
+
+
+def test_margins_bring_the_opened_loop_to_instability() -> None:
+    made = loop(gear=SLOW)
+    margins, opened = made.margins(), made.state_space(opened=True)
+
+    def grows(factor: complex, steps: int = 0) -> bool:
+        later = control.ss(np.eye(steps, k=-1), np.eye(steps)[:, :1], np.eye(steps)[-1:], 0, 1.0) if steps else 1.0
+        return bool(np.abs(control.feedback(opened * later * factor, 1).poles()).max() > 1.0)
+
+    assert not grows(1.0)
+    for name in ("gain", "gain_down"):
+        outward = 1.01 if name == "gain" else 1 / 1.01
+        assert grows(margins[name] * outward)
+        assert not grows(margins[name] / outward)
+    steps = math.floor(margins["delay"])
+    assert not grows(1.0, steps)
+    assert grows(1.0, steps + 1)
+    assert margins["sensitivity_peak"] == pytest.approx(1 / margins["distance"])
+
+
+def test_the_delay_that_it_tells_is_the_one_that_loses_the_ship() -> None:
+    """Orders heard exactly so many seconds later, by a list of orders."""
+    told = loop().margins()["delay"]
+
+    def farthest(steps: int) -> float:
+        begun = {"u": SPEED, "dt": 1.0, "duration": 6000.0, **loop().course}
+        voyage = nw.simulate(full_size(), HOLD - 1.0, controller=Exactly(law(), steps), **begun)
+        return float(np.abs(voyage.y[voyage.t > 3000.0] - HOLD).max(initial=0.0)) if len(voyage.t) > 3001 else math.inf
+
+    assert farthest(math.floor(0.9 * told)) < 0.5
+    assert farthest(math.ceil(1.1 * told)) > 1.5
+    assert loop().tolerated_delay() == pytest.approx(told, rel=0.2)
+
+
+def test_margins_of_gains_are_those_of_the_law_at_short_steps() -> None:
+    linear = nw.control.linearize(full_size(), HOLD, SPEED)
+    continuous, sampled = linear.margins(law().lines[0].gains), loop(dt=0.05).margins()
+    for name in ("gain_down", "phase_deg", "delay", "distance"):
+        assert continuous[name] == pytest.approx(sampled[name], rel=0.01)
+
+
+@pytest.mark.parametrize("dt", [0.1, 1.0, 2.0])
+@pytest.mark.parametrize("helm", ["track", "regulator", "predictive"])
+def test_every_controller_stands_two_seconds_of_delay_and_a_lag(helm: str, dt: float) -> None:
+    made: dict[str, Any] = {"track": nw.track_pilot, "regulator": regulator, "predictive": PredictiveHelm}
+    if helm == "predictive":
+        pytest.importorskip("daqp")
+    voyage = closed_loop(full_size(), made[helm](full_size(), HOLD, SPEED), gear=SLOW, u=SPEED, dt=dt).simulate(
+        400.0, y=HOLD + 1.0
+    )
+    assert voyage.outcome.kind == "afloat"
+    assert np.abs(voyage.y - HOLD).max() < 2.0
+
+
+SENSORS = [Gnss(1.5), Gyro(), RateOfTurn(), Log(), RudderIndicator()]
+
+
+def test_a_loop_with_sensors_keeps_its_line() -> None:
+    made = loop(sensors=SENSORS)
+    one, same, other = (made.simulate(300.0, seed) for seed in (1, 1, 2))
+    assert np.abs(one.y - HOLD).max() < 4.0
+    np.testing.assert_array_equal(one.y, same.y)
+    assert np.abs(one.y - other.y).max() > 0.01
+
+
+def test_late_readings_are_of_the_past() -> None:
+    late = [Gnss(1.5, late=3.0), *SENSORS[1:]]
+    assert np.abs(loop(sensors=late).simulate(300.0, 1).y - HOLD).max() < 4.0
+
+
+def test_a_fleet_sails_it_too() -> None:
+    fleet = loop(gear=SLOW).ensemble(60.0, y=[HOLD, HOLD + 2.0])
+    voyage = loop(gear=SLOW).simulate(60.0, y=HOLD + 2.0)
+    assert voyage.y[-1] == pytest.approx(float(fleet["y_end"][1]), abs=1e-9)
+
+
+def test_a_ship_that_is_another_than_the_law_was_made_for_is_linearised_where_it_settles() -> None:
+    other = full_size().with_coefficients(c_bank=1.1 * full_size().coefficients["c_bank"])
+    assert closed_loop(other, law()).poles()[0].real < 0
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: closed_loop(nw.published("mikkelsen2025_dtc"), law()), "no terms of a rudder"),
+        (lambda: closed_loop(full_size(), lambda t, state: 0.0), "does not say for which y"),
+        (lambda: loop(dt=0.0), "no time between orders"),
+        (lambda: loop(estimator=object()), "give sensors too"),
+        (lambda: loop(sensors=SENSORS).ensemble(), "sails single voyages"),
+        (lambda: closed_loop(full_size(), lambda t, state: 0.0, y=0.0, u=SPEED).margins(), "no law in arithmetic"),
+        (lambda: closed_loop(full_size(), nw.ConstantRudder(0.3), y=0.0, u=SPEED).poles(), "nothing to linearise"),
+    ],
+)
+def test_what_is_no_loop_is_one_sentence(make: Any, words: str) -> None:
+    with pytest.raises(nw.InputError, match=words):
+        make()
+
+
+def test_a_gear_of_the_loop_is_its_ships() -> None:
+    assert loop(gear=SLOW).model == geared(full_size(), dead_time=2.0, lag=2.5)
