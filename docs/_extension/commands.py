@@ -12,7 +12,7 @@ RUN = "from narrows.cli import main; main()"
 
 def text() -> str:
     """Write the verbs, each below a heading of its own."""
-    verbs = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
+    verbs = list(app.commands)
     parts = [_help(), *(f"## {verb}\n\n{_help(verb)}" for verb in sorted(verbs))]
     return "\n\n".join(parts)
 

@@ -323,7 +323,7 @@ def test_it_says_what_it_holds() -> None:
 
 
 def test_the_command_line_steers_with_it(tmp_path: Path) -> None:
-    from typer.testing import CliRunner
+    from click.testing import CliRunner
 
     from narrows.cli import app
 

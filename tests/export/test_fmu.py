@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from compiled import needs_compiler
 from exported import bent, model_of, speed_of
 from scipy.integrate import solve_ivp
-from typer.testing import CliRunner
 
 import narrows as nw
 from narrows.cli import app

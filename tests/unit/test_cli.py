@@ -135,7 +135,7 @@ def test_help(words: list[str], cli) -> None:
     ("words", "sentence"),
     [
         (["identify"], "Missing argument"),
-        (["identify", "t.csv", "--ship", "s.toml", "--bogus"], "No such option: --bogus"),
+        (["identify", "t.csv", "--ship", "s.toml", "--bogus"], "No such option '--bogus'"),
         (["identfy"], "Did you mean 'identify'"),
         (["identify", "t.csv", "--ship", "s.toml", "--seed", "x"], "--seed"),
         (["identify", "t.csv", "--ship", "s.toml", "--stream", "--report", "r.html"], "leave one of them out"),

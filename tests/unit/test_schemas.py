@@ -24,14 +24,8 @@ SCHEMAS = {path.stem: json.loads(path.read_text()) for path in FOLDER.glob("*.js
 KNOWN = Registry().with_resources([(f"{verb}.json", Resource.from_contents(own)) for verb, own in SCHEMAS.items()])
 
 
-def asks_for_json(command: Any) -> bool:
-    import inspect
-
-    return "json" in inspect.signature(command.callback).parameters
-
-
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
-VERBS = {command.name or command.callback.__name__ for command in app.registered_commands if asks_for_json(command)}
+VERBS = {name for name, verb in app.commands.items() if any(one.name == "json" for one in verb.params)}
 
 
 def errors(verb: str, value: Any) -> list[str]:

@@ -3,38 +3,23 @@
 import os
 import sys
 from contextlib import suppress
-from typing import Annotated, NoReturn
+from typing import NoReturn
 
-import typer
+import click
 
 from narrows.errors import InputError, reason
 from narrows.progress import listening
 
-app = typer.Typer(
-    name="narrows",
-    help="From captive model tests to a closed-form bank-effect model that says how far it can be trusted.",
-    epilog="--debug, anywhere, shows the traceback of an error.",
+
+@click.group(
+    "narrows",
     no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
+    context_settings={"max_content_width": 100},
+    epilog="--debug, anywhere, shows the traceback of an error.",
 )
-
-
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        from narrows import __version__
-
-        typer.echo(f"narrows {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def verbs(
-    version: Annotated[
-        bool, typer.Option("--version", help="Say which version this is.", callback=_print_version, is_eager=True)
-    ] = False,
-) -> None:
-    """Keep the verb in the command line even where there is one verb alone."""
+@click.version_option(package_name="narrows", message="narrows %(version)s")
+def app() -> None:
+    """From captive model tests to a closed-form bank-effect model that says how far it can be trusted."""
 
 
 def main() -> NoReturn:
@@ -59,7 +44,7 @@ def main() -> NoReturn:
 def _run(arguments: list[str]) -> int:
     told = sys.stderr.isatty() and "--json" not in arguments
     try:
-        with listening(lambda sentence: typer.echo(sentence, err=True), told):
+        with listening(lambda sentence: click.echo(sentence, err=True), told):
             code = app(arguments, standalone_mode=False)
     except SystemExit as left:
         code = left.code
@@ -85,5 +70,5 @@ def _silence() -> None:
 
 
 def _leave(sentence: str, code: int) -> NoReturn:
-    typer.echo(f"narrows: {sentence}", err=True)
+    click.echo(f"narrows: {sentence}", err=True)
     raise SystemExit(code)

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from narrows.cli.declarations import Option
 from narrows.cli.options import DatasetDelivery, ModelFile, numbers, speeds, verb
 from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError
@@ -22,10 +21,10 @@ if TYPE_CHECKING:
 class GridOptions:
     y: Annotated[
         str | None,
-        typer.Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+        Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
     ] = None
     speed: Annotated[
-        str | None, typer.Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
+        str | None, Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
     ] = None
 
     @property
@@ -42,10 +41,10 @@ class GridOptions:
 @dataclass(frozen=True)
 class SectionOptions:
     waterway: Annotated[
-        Path | None, typer.Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
+        Path | None, Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
     ] = None
-    at: Annotated[float, typer.Option(help="Where along the waterway [m].")] = 0.0
-    level: Annotated[float, typer.Option(help="Of its water over that of its depths [m].")] = 0.0
+    at: Annotated[float, Option(help="Where along the waterway [m].")] = 0.0
+    level: Annotated[float, Option(help="Of its water over that of its depths [m].")] = 0.0
 
     def check(self) -> None:
         if self.waterway is None and (self.at or self.level):
@@ -77,11 +76,11 @@ class SectionOptions:
 
 @dataclass(frozen=True)
 class WeatherOptions:
-    heading_deg: Annotated[float, typer.Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
-    wind: Annotated[str, typer.Option(help="Speed of a beam gust, from either side: 20m/s, 40kn.")] = "0m/s"
-    windage: Annotated[float, typer.Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
-    gust_lever: Annotated[float, typer.Option(help="Of the gust, forward of midship [m].")] = 0.0
-    gust_time: Annotated[float, typer.Option(help="How long the gust lasts [s].")] = 60.0
+    heading_deg: Annotated[float, Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
+    wind: Annotated[str, Option(help="Speed of a beam gust, from either side: 20m/s, 40kn.")] = "0m/s"
+    windage: Annotated[float, Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
+    gust_lever: Annotated[float, Option(help="Of the gust, forward of midship [m].")] = 0.0
+    gust_time: Annotated[float, Option(help="How long the gust lasts [s].")] = 60.0
 
     def disturbance(self) -> "Disturbance":
         from narrows.safety import Disturbance, wind_force
@@ -97,20 +96,18 @@ class WeatherOptions:
 
 @dataclass(frozen=True)
 class ReserveOptions:
-    reserve: Annotated[float, typer.Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3
-    keel: Annotated[float | None, typer.Option(help="Least water under the keel [m]; a twentieth of the draft.")] = None
-    most_revolutions: Annotated[
-        float | None, typer.Option(help="Of the engine [1/s], for a model with a propeller.")
-    ] = None
+    reserve: Annotated[float, Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3
+    keel: Annotated[float | None, Option(help="Least water under the keel [m]; a twentieth of the draft.")] = None
+    most_revolutions: Annotated[float | None, Option(help="Of the engine [1/s], for a model with a propeller.")] = None
 
 
 @dataclass(frozen=True)
 class CaseOptions:
     samples: Annotated[
         int | None,
-        typer.Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
+        Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
     ] = None
-    seed: Annotated[int, typer.Option(help="Of the samples.")] = 0
+    seed: Annotated[int, Option(help="Of the samples.")] = 0
 
 
 @verb("narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc")
@@ -123,13 +120,11 @@ def envelope(
     cases: CaseOptions,
     delivery: DatasetDelivery,
     controller: Annotated[
-        str, typer.Option(help="Pilot that is tried, such as regulator or human; an unknown name lists all.")
+        str, Option(help="Pilot that is tried, such as regulator or human; an unknown name lists all.")
     ] = "regulator",
-    bank: Annotated[
-        str, typer.Option(help="Kind of bank, for the rules of designers: gentle, sloping or steep.")
-    ] = "steep",
+    bank: Annotated[str, Option(help="Kind of bank, for the rules of designers: gentle, sloping or steep.")] = "steep",
     rudder_of: Annotated[
-        str | None, typer.Option(help="Model whose rudder this one borrows, where it has none of its own.")
+        str | None, Option(help="Model whose rudder this one borrows, where it has none of its own.")
     ] = None,
 ) -> None:
     """Find how fast and how far off the middle of its canal a ship is still in hand, as a table and a chart.

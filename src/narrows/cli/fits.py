@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
-from narrows.cli.app import app
+from narrows.cli.declarations import Option
 from narrows.cli.options import (
     AsJson,
     ModelDelivery,
@@ -29,19 +29,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FittingOptions:
-    split: Annotated[str, typer.Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test"
-    seed: Annotated[int, typer.Option(help="Of the random split.")] = 0
-    weights: Annotated[str, typer.Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper"
-    balance: Annotated[str, typer.Option(help="What counts alike: 'tests', however long, or 'rows'.")] = "tests"
+    split: Annotated[str, Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test"
+    seed: Annotated[int, Option(help="Of the random split.")] = 0
+    weights: Annotated[str, Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper"
+    balance: Annotated[str, Option(help="What counts alike: 'tests', however long, or 'rows'.")] = "tests"
     terms: TermsName = "paper"
     accelerations: Annotated[
-        str, typer.Option(help="'checked': of the motion where the measured ones stray; 'motion'; 'measured'.")
+        str, Option(help="'checked': of the motion where the measured ones stray; 'motion'; 'measured'.")
     ] = "checked"
     run_errors: RunErrors = "0.02,0.02,0.02"
     pass_over: Annotated[
-        str, typer.Option(help="'rudder': fit although it moves and no term has it; its force goes to other terms.")
+        str, Option(help="'rudder': fit although it moves and no term has it; its force goes to other terms.")
     ] = ""
-    pool: Annotated[str | None, typer.Option(help="'depth': hulls of their own at each depth, one bank.")] = None
+    pool: Annotated[str | None, Option(help="'depth': hulls of their own at each depth, one bank.")] = None
 
     def options(self) -> dict[str, Any]:
         from narrows.identification.run_errors import run_errors_of
@@ -59,7 +59,7 @@ def identify(
     fitting: FittingOptions,
     selection: SelectionOptions,
     delivery: ModelDelivery,
-    stream: Annotated[bool, typer.Option(help="Read block by block: for tables larger than memory.")] = False,
+    stream: Annotated[bool, Option(help="Read block by block: for tables larger than memory.")] = False,
 ) -> None:
     """Fit the coefficients to captive tests and say which of them can be trusted.
 
@@ -80,7 +80,7 @@ def identify(
 
 @verb("narrows demo -o out")
 def demo(
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
+    out: Annotated[Path, Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
     """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""
@@ -99,9 +99,9 @@ def explain(
     selection: SelectionOptions,
     delivery: ReportDelivery,
     ship: Annotated[
-        Path | None, typer.Option("--ship", help="Ship file of the tests; the model's own ship unless given.")
+        Path | None, Option("--ship", help="Ship file of the tests; the model's own ship unless given.")
     ] = None,
-    compare: Annotated[str, typer.Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
+    compare: Annotated[str, Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
 ) -> None:
     """Put a model on any table of tests: its errors, what those tests can say of it, and which terms they prefer.
 
@@ -159,9 +159,9 @@ def _show(fits: dict[str, "Fit"], answers: dict[str, "Answer"], json: bool) -> N
         print_fit(fit, label, answer=answers[label])
 
 
-@app.command(epilog="Example: narrows reproduce -o paper")
+@verb("narrows reproduce -o paper")
 def reproduce(
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
+    out: Annotated[Path, Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
     """Make every table and figure of the paper again, ours beside its own numbers."""
@@ -169,10 +169,10 @@ def reproduce(
     from narrows.studies.mikkelsen2025 import reproduce as made
 
     folder(out)
-    result = made(lambda doing: typer.echo(f"{doing} ...", err=True))
-    typer.echo("figures ...", err=True)
+    result = made(lambda doing: click.echo(f"{doing} ...", err=True))
+    click.echo("figures ...", err=True)
     write_reproduction(result, out / "report.html")
     if json:
         print_json(result.to_dict())
     else:
-        typer.echo(f"{result.summary()}\nwrote {out / 'report.html'}")
+        click.echo(f"{result.summary()}\nwrote {out / 'report.html'}")

@@ -4,8 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
+from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import ModelDelivery, WaterwayFile, verb
 from narrows.cli.output import named, print_json, say_written
 from narrows.errors import InputError
@@ -32,48 +31,44 @@ PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
 Logs = Annotated[
     list[Path] | None,
-    typer.Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", show_default=False, metavar="[LOG]..."),
+    Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", metavar="[LOG]..."),
 ]
-OptionalModel = Annotated[
-    str | None, typer.Argument(help="Model file; none for --demo.", show_default=False, metavar="[MODEL]")
-]
+OptionalModel = Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")]
 
 
 @dataclass(frozen=True)
 class LogOptions:
-    free: Annotated[str, typer.Option(help="Coefficients that may move: b_bank,c_bank; all unless given.")] = ""
-    sensors: Annotated[str, typer.Option(help="How well a log was measured: rtk, vdr, ais, or basin.")] = "vdr"
+    free: Annotated[str, Option(help="Coefficients that may move: b_bank,c_bank; all unless given.")] = ""
+    sensors: Annotated[str, Option(help="How well a log was measured: rtk, vdr, ais, or basin.")] = "vdr"
     spread: Annotated[
-        float | None, typer.Option(help="Of coefficients that no fit made: standard deviation over their size.")
+        float | None, Option(help="Of coefficients that no fit made: standard deviation over their size.")
     ] = None
     mapping: Annotated[
-        Path | None, typer.Option(help="TOML of the log's own names, units, signs and lateness; see docs/ship-log.md.")
+        Path | None, Option(help="TOML of the log's own names, units, signs and lateness; see docs/ship-log.md.")
     ] = None
     unchecked: Annotated[
-        bool, typer.Option("--unchecked", help="Fit although the log's signs, units or clock look wrong.")
+        bool, Option("--unchecked", help="Fit although the log's signs, units or clock look wrong.")
     ] = False
-    demo: Annotated[
-        bool, typer.Option("--demo", help="Fit twins of ten transits of a 400 m ship, the truth beside.")
-    ] = False
+    demo: Annotated[bool, Option("--demo", help="Fit twins of ten transits of a 400 m ship, the truth beside.")] = False
 
 
 @dataclass(frozen=True)
 class LegOptions:
     steady: Annotated[
         Path | None,
-        typer.Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, a row a leg."),
+        Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, a row a leg."),
     ] = None
     plan_steady: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             help="Plan steady legs and write the pilot's page: .html, .pdf, .svg or .png.", callback=named(PILOT_PAGES)
         ),
     ] = None
-    legs: Annotated[int, typer.Option(help="How many legs to plan, an even number.")] = 4
-    y: Annotated[
-        str | None, typer.Option(help="Offsets [m] that may be held, to either side: a,b,c or from:to:count.")
-    ] = None
-    wind: Annotated[str, typer.Option(help="Beam wind of one standard deviation: 8m/s, 16kn.")] = "8m/s"
+    legs: Annotated[int, Option(help="How many legs to plan, an even number.")] = 4
+    y: Annotated[str | None, Option(help="Offsets [m] that may be held, to either side: a,b,c or from:to:count.")] = (
+        None
+    )
+    wind: Annotated[str, Option(help="Beam wind of one standard deviation: 8m/s, 16kn.")] = "8m/s"
 
     def conditions(self) -> "SteadyConditions":
         from narrows.cli.options import speed
@@ -85,7 +80,7 @@ class LegOptions:
 @dataclass(frozen=True)
 class ForesightOptions:
     foresee: Annotated[
-        str | None, typer.Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
+        str | None, Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
     ] = None
     waterway: WaterwayFile = None
 
@@ -96,9 +91,7 @@ def learn(
     legs: LegOptions,
     ahead: ForesightOptions,
     delivery: ModelDelivery,
-    speed: Annotated[
-        str | None, typer.Option(help="Speeds that may be held, or that of transits: 8kn, 4.1m/s.")
-    ] = None,
+    speed: Annotated[str | None, Option(help="Speeds that may be held, or that of transits: 8kn, 4.1m/s.")] = None,
     model: OptionalModel = None,
     logs: Logs = None,
 ) -> None:

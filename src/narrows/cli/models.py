@@ -4,9 +4,9 @@ from inspect import signature
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+import click
 
-from narrows.cli.app import app
+from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import AsJson, ModelFile, ModelOutput, verb
 from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
@@ -19,16 +19,16 @@ WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
 WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 
 
-@app.command(epilog="Example: narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
+@verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
 def scale(
     model: ModelFile,
-    length: Annotated[float, typer.Option(help="Between perpendiculars, of the new ship [m].")],
-    density: Annotated[float | None, typer.Option(help="Of the new water [kg/m3]; as it was unless given.")] = None,
-    width: Annotated[float | None, typer.Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
-    depth: Annotated[float | None, typer.Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
-    form_factor: Annotated[float | None, typer.Option(help="Scale friction by the ITTC's line with this k.")] = None,
-    wetted_surface: Annotated[float | None, typer.Option(help="Of the old hull [m2], with --form-factor.")] = None,
-    at_speed: Annotated[str | None, typer.Option(help="Of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
+    length: Annotated[float, Option(help="Between perpendiculars, of the new ship [m].")],
+    density: Annotated[float | None, Option(help="Of the new water [kg/m3]; as it was unless given.")] = None,
+    width: Annotated[float | None, Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
+    depth: Annotated[float | None, Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
+    form_factor: Annotated[float | None, Option(help="Scale friction by the ITTC's line with this k.")] = None,
+    wetted_surface: Annotated[float | None, Option(help="Of the old hull [m2], with --form-factor.")] = None,
+    at_speed: Annotated[str | None, Option(help="Of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
     output: ModelOutput = None,
     json: AsJson = False,
 ) -> None:
@@ -62,12 +62,12 @@ def scale(
 
 @verb("narrows export c mikkelsen2025_dtc -o dtc.h")
 def export(
-    kind: Annotated[str, typer.Argument(help=WHAT, show_default=False)],
+    kind: Annotated[str, Argument(help=WHAT)],
     model: ModelFile,
-    output: Annotated[Path, typer.Option("--output", "-o", help=WHERE)],
+    output: Annotated[Path, Option("--output", "-o", help=WHERE)],
     physics: PhysicsOptions,
     water: WaterOptions,
-    fmi: Annotated[int, typer.Option(help="Of an FMU, the version of the standard: 2 or 3.")] = 2,
+    fmi: Annotated[int, Option(help="Of an FMU, the version of the standard: 2 or 3.")] = 2,
     json: AsJson = False,
 ) -> None:
     """Write a model as a file of another language, printed from the lines that voyages are sailed by.
@@ -92,5 +92,5 @@ def export(
         print_json({"summary": summary, "kind": kind, "output": str(output), "platforms": platforms, "notes": notes})
         return
     for note in notes:
-        typer.echo(note)
+        click.echo(note)
     say_written([output])

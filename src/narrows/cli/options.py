@@ -2,16 +2,14 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, fields, is_dataclass
-from functools import wraps
-from inspect import Parameter, Signature, signature
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
-import typer
 
 from narrows.cli.app import app
+from narrows.cli.declarations import Argument, Option, command
 from narrows.cli.output import DATASETS, MODELS, PAGES, TABLES, TRACKS, WATERWAYS, named, print_json, say_written
 from narrows.errors import InputError, shown
 from narrows.files import PICTURES
@@ -20,101 +18,66 @@ from narrows.quantities.names import KNOT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Table = Annotated[
-    Path, typer.Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.", show_default=False)
-]
+Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.")]
 
-ShipFile = Annotated[Path, typer.Option("--ship", help="Ship file: TOML with [ship], [canal], [water].")]
-ModelFile = Annotated[str, typer.Argument(help="Model file, or the name of a published model.", show_default=False)]
+ShipFile = Annotated[Path, Option("--ship", help="Ship file: TOML with [ship], [canal], [water].")]
+ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
 WaterwayFile = Annotated[
-    Path | None, typer.Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
+    Path | None, Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
 ]
 
-TermsName = Annotated[str, typer.Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
-RunErrors = Annotated[str, typer.Option(help="What runs differ by: gain, zero and form, as shares of the force.")]
-Plot = Annotated[Path | None, typer.Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
-Report = Annotated[Path | None, typer.Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+TermsName = Annotated[str, Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
+RunErrors = Annotated[str, Option(help="What runs differ by: gain, zero and form, as shares of the force.")]
+Plot = Annotated[Path | None, Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
+Report = Annotated[Path | None, Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
+AsJson = Annotated[bool, Option("--json", help="Print JSON instead of tables.")]
 
 ModelOutput = Annotated[
-    Path | None, typer.Option("--output", "-o", help="Model file to write: .toml.", callback=named(MODELS))
+    Path | None, Option("--output", "-o", help="Model file to write: .toml.", callback=named(MODELS))
 ]
 
 DatasetOutput = Annotated[
     Path | None,
-    typer.Option("--output", "-o", help="Data: .nc, .zarr, .csv, .parquet, .mat or .json.", callback=named(DATASETS)),
+    Option("--output", "-o", help="Data: .nc, .zarr, .csv, .parquet, .mat or .json.", callback=named(DATASETS)),
 ]
 
 TrackOutput = Annotated[
     Path | None,
-    typer.Option("--output", "-o", help="Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", callback=named(TRACKS)),
+    Option("--output", "-o", help="Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", callback=named(TRACKS)),
 ]
 
 TableOutput = Annotated[
     Path | None,
-    typer.Option("--output", "-o", help="Table to write: .csv, .parquet, .mat, .json.", callback=named(TABLES)),
+    Option("--output", "-o", help="Table to write: .csv, .parquet, .mat, .json.", callback=named(TABLES)),
 ]
 
-WaterwayOutput = Annotated[
-    Path | None, typer.Option("--output", "-o", help="GeoJSON to write.", callback=named(WATERWAYS))
-]
+WaterwayOutput = Annotated[Path | None, Option("--output", "-o", help="GeoJSON to write.", callback=named(WATERWAYS))]
 
 
 @dataclass(frozen=True)
 class SelectionOptions:
     where: Annotated[
-        str | None, typer.Option(help="Rows to take, as in 'u > 0.3 and abs(psi_deg) < 9'; on its headers too.")
+        str | None, Option(help="Rows to take, as in 'u > 0.3 and abs(psi_deg) < 9'; on its headers too.")
     ] = None
     mapping: Annotated[
         Path | None,
-        typer.Option(help="TOML of the table's own names, units and signs: [columns], [units], [positive]."),
+        Option(help="TOML of the table's own names, units and signs: [columns], [units], [positive]."),
     ] = None
-    condition: Annotated[str | None, typer.Option(help="Take this condition of the table alone.")] = None
+    condition: Annotated[str | None, Option(help="Take this condition of the table alone.")] = None
 
 
-# Verbs whose options come in groups: a parameter that is a dataclass stands for an option a field.
-Verb = Callable[..., None]
+Function = TypeVar("Function", bound=Callable[..., None])
 
 
-def verb(example: str, name: str | None = None) -> Callable[[Verb], Verb]:
-    def registered(function: Verb) -> Verb:
-        app.command(name, epilog=f"Example: {example}")(with_single_options(function))
+def verb(example: str, name: str | None = None) -> Callable[[Function], Function]:
+    """Register a function as a verb; a parameter that is a dataclass stands for an option for each field."""
+
+    def registered(function: Function) -> Function:
+        app.add_command(command(function, name, example))
         return function
 
     return registered
-
-
-def with_single_options(function: Verb) -> Verb:
-    """Return a function that takes an option for each field of the groups that another takes."""
-    hints = get_type_hints(function, include_extras=True)
-    own = signature(function).parameters
-    groups = {name: hints[name] for name in own if is_dataclass(hints[name])}
-    options = [option for name in own for option in _options(own[name], hints[name])]
-
-    @wraps(function)
-    def called(**given: Any) -> None:
-        made = {name: kind(**{one.name: given.pop(one.name) for one in fields(kind)}) for name, kind in groups.items()}
-        function(**given, **made)
-
-    called.__signature__ = Signature(options)  # type: ignore[attr-defined]
-    called.__annotations__ = {option.name: option.annotation for option in options}
-    return called
-
-
-def _options(parameter: Parameter, kind: Any) -> list[Parameter]:
-    if not is_dataclass(kind):
-        return [parameter.replace(annotation=kind, kind=Parameter.KEYWORD_ONLY)]
-    hints = get_type_hints(kind, include_extras=True)
-    return [
-        Parameter(
-            one.name,
-            Parameter.KEYWORD_ONLY,
-            default=Parameter.empty if one.default is MISSING else one.default,
-            annotation=hints[one.name],
-        )
-        for one in fields(kind)
-    ]
 
 
 # Of a speed as written, in m/s.

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-import typer
+import click
 
 from narrows.errors import InputError
 from narrows.files import form_of, is_stream
@@ -33,7 +33,7 @@ def say_written(paths: Iterable[Path | None], json: bool = False) -> None:
     files = [path for path in paths if path is not None]
     if not json and not any(map(is_stream, files)):
         for path in files:
-            typer.echo(f"wrote {path}")
+            click.echo(f"wrote {path}")
 
 
 def folder(path: Path) -> None:
@@ -55,4 +55,4 @@ def output_of(path: Path, label: str) -> Path:
 def print_json(value: object) -> None:
     from narrows.results import to_json
 
-    typer.echo(to_json(value))
+    click.echo(to_json(value))

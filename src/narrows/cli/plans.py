@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
+from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import RunErrors, SelectionOptions, TableDelivery, TermsName, verb
 from narrows.errors import InputError
 
@@ -17,20 +16,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunOptions:
-    runs: Annotated[int, typer.Option(help="How many runs there is time for.")] = 12
-    run_length: Annotated[float | None, typer.Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None
-    clearance: Annotated[float, typer.Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
+    runs: Annotated[int, Option(help="How many runs there is time for.")] = 12
+    run_length: Annotated[float | None, Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None
+    clearance: Annotated[float, Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
     speed: Annotated[
         str | None,
-        typer.Option(
+        Option(
             help="To run at: 0.6m/s,0.9m/s or from:to:count; those tested before, or three slow ones, unless given."
         ),
     ] = None
     depths: Annotated[
-        str | None, typer.Option(help="To run at [m]: a,b,c or from:to:count; for terms that know the depth.")
+        str | None, Option(help="To run at [m]: a,b,c or from:to:count; for terms that know the depth.")
     ] = None
     reach: Annotated[
-        float | None, typer.Option(help="Farthest offset from the centreline [m]; within what was tested unless given.")
+        float | None, Option(help="Farthest offset from the centreline [m]; within what was tested unless given.")
     ] = None
 
     def tank(self) -> "Tank":
@@ -46,8 +45,8 @@ class RunOptions:
 class AimOptions:
     run_errors: RunErrors = "0.02,0.02,0.02"
     terms: TermsName = "paper"
-    targets: Annotated[str, typer.Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = ""
-    criterion: Annotated[str, typer.Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
+    targets: Annotated[str, Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = ""
+    criterion: Annotated[str, Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
 
     def options(self, terms: "TermTable") -> dict[str, Any]:
         """What ``plan_tests`` is told of it."""
@@ -60,12 +59,12 @@ class AimOptions:
 
 @verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
 def plan(
-    ship: Annotated[Path, typer.Argument(help="Ship file: TOML with [ship], [canal], [water].", show_default=False)],
+    ship: Annotated[Path, Argument(help="Ship file: TOML with [ship], [canal], [water].")],
     runs: RunOptions,
     aim: AimOptions,
     selection: SelectionOptions,
     delivery: TableDelivery,
-    after: Annotated[Path | None, typer.Option(help="Captive tests that were made already.")] = None,
+    after: Annotated[Path | None, Option(help="Captive tests that were made already.")] = None,
 ) -> None:
     """Propose the captive tests that make the bank's coefficients best known."""
     from narrows.experiment_design import plan_tests

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
+from narrows.cli.declarations import Option
 from narrows.cli.options import WaterwayFile, numbers, speeds
 from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError, check_choice
@@ -19,21 +18,21 @@ if TYPE_CHECKING:
 
 HELMS = ("regulator", "predictive", "track")
 ContactKind = Annotated[
-    str, typer.Option(help="What meets the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
+    str, Option(help="What meets the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
 ]
 
 
 @dataclass(frozen=True)
 class StartOptions:
-    y: Annotated[float, typer.Option(help="Start to starboard of the centreline [m].")] = 0.0
+    y: Annotated[float, Option(help="Start to starboard of the centreline [m].")] = 0.0
     speed: Annotated[
         str | None,
-        typer.Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; as suits the ship unless given."),
+        Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; as suits the ship unless given."),
     ] = None
-    psi_deg: Annotated[float, typer.Option(help="Heading at the start [deg].")] = 0.0
-    v: Annotated[str, typer.Option(help="Sway velocity at the start, likewise.")] = "0m/s"
-    r_deg: Annotated[float, typer.Option(help="Yaw rate at the start [deg/s].")] = 0.0
-    x: Annotated[float, typer.Option(help="Start along the canal [m].")] = 0.0
+    psi_deg: Annotated[float, Option(help="Heading at the start [deg].")] = 0.0
+    v: Annotated[str, Option(help="Sway velocity at the start, likewise.")] = "0m/s"
+    r_deg: Annotated[float, Option(help="Yaw rate at the start [deg/s].")] = 0.0
+    x: Annotated[float, Option(help="Start along the canal [m].")] = 0.0
 
     @property
     def u(self) -> float | None:
@@ -47,9 +46,9 @@ class StartOptions:
 
 @dataclass(frozen=True)
 class PushOptions:
-    surge_force: Annotated[float, typer.Option("--X", help="Surge force from elsewhere [N].")] = 0.0
-    sway_force: Annotated[float, typer.Option("--Y", help="Sway force from elsewhere [N].")] = 0.0
-    yaw_moment: Annotated[float, typer.Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0
+    surge_force: Annotated[float, Option("--X", help="Surge force from elsewhere [N].")] = 0.0
+    sway_force: Annotated[float, Option("--Y", help="Sway force from elsewhere [N].")] = 0.0
+    yaw_moment: Annotated[float, Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0
 
     def values(self) -> dict[str, float]:
         return {"X": self.surge_force, "Y": self.sway_force, "N": self.yaw_moment}
@@ -57,12 +56,10 @@ class PushOptions:
 
 @dataclass(frozen=True)
 class HelmOptions:
-    rudder_deg: Annotated[float, typer.Option(help="Rudder angle [deg], positive to starboard; if terms know it.")] = (
-        0.0
-    )
-    hold: Annotated[float | None, typer.Option(help="Offset that a helm holds [m], for models with a rudder.")] = None
+    rudder_deg: Annotated[float, Option(help="Rudder angle [deg], positive to starboard; if terms know it.")] = 0.0
+    hold: Annotated[float | None, Option(help="Offset that a helm holds [m], for models with a rudder.")] = None
     controller: Annotated[
-        str | None, typer.Option(help="That helm: regulator, predictive, or track for the one without an integral.")
+        str | None, Option(help="That helm: regulator, predictive, or track for the one without an integral.")
     ] = None
 
     def of(self, model: "Model", u: float, x: float, way: "Waterway | None") -> Any:
@@ -101,11 +98,9 @@ def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway
 @dataclass(frozen=True)
 class TimeOptions:
     duration: Annotated[
-        float | None, typer.Option(help="Longest time of a voyage [s]; that of 15 ship lengths unless given.")
+        float | None, Option(help="Longest time of a voyage [s]; that of 15 ship lengths unless given.")
     ] = None
-    dt: Annotated[
-        float | None, typer.Option(help="Time step [s]; a 200th of the time of a ship length unless given.")
-    ] = None
+    dt: Annotated[float | None, Option(help="Time step [s]; a 200th of the time of a ship length unless given.")] = None
 
     def values(self, usual: "VoyageDefaults") -> dict[str, Any]:
         duration = usual.duration if self.duration is None else self.duration
@@ -114,19 +109,17 @@ class TimeOptions:
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    surge: Annotated[str, typer.Option(help="'held': the speed stays; 'free': it is integrated.")] = "held"
-    surge_inertia: Annotated[float | None, typer.Option(help="Mass in surge with its added mass [kg], for 'free'.")] = (
-        None
-    )
-    coriolis: Annotated[bool, typer.Option("--coriolis", help="Add the rigid body's Coriolis force.")] = False
+    surge: Annotated[str, Option(help="'held': the speed stays; 'free': it is integrated.")] = "held"
+    surge_inertia: Annotated[float | None, Option(help="Mass in surge with its added mass [kg], for 'free'.")] = None
+    coriolis: Annotated[bool, Option("--coriolis", help="Add the rigid body's Coriolis force.")] = False
     contact: ContactKind = "corners"
 
 
 @dataclass(frozen=True)
 class WaterOptions:
     waterway: WaterwayFile = None
-    current: Annotated[str, typer.Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s"
-    level: Annotated[float, typer.Option(help="Of the water over that of the waterway's depths [m].")] = 0.0
+    current: Annotated[str, Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s"
+    level: Annotated[float, Option(help="Of the water over that of the waterway's depths [m].")] = 0.0
 
     def read(self) -> "Waterway | None":
         current = read_speed("--current", self.current)
@@ -143,17 +136,15 @@ class WaterOptions:
 class VariedOptions:
     y: Annotated[
         str | None,
-        typer.Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+        Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
     ] = None
     speed: Annotated[
         str | None,
-        typer.Option(
-            help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; what suits the ship unless given."
-        ),
+        Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; what suits the ship unless given."),
     ] = None
-    psi_deg: Annotated[str, typer.Option(help="Heading at the start [deg], likewise.")] = "0"
-    width: Annotated[str | None, typer.Option(help="Canal width [m], likewise; the model's own unless given.")] = None
-    x: Annotated[str, typer.Option(help="Start along the waterway [m], likewise.")] = "0"
+    psi_deg: Annotated[str, Option(help="Heading at the start [deg], likewise.")] = "0"
+    width: Annotated[str | None, Option(help="Canal width [m], likewise; the model's own unless given.")] = None
+    x: Annotated[str, Option(help="Start along the waterway [m], likewise.")] = "0"
 
     @property
     def u(self) -> "np.ndarray | None":
@@ -176,11 +167,9 @@ class VariedOptions:
 
 @dataclass(frozen=True)
 class SampleOptions:
-    samples: Annotated[int, typer.Option(help="Of the coefficients from the fit's covariance.")] = 0
-    within: Annotated[
-        float | None, typer.Option(help="With --samples: map the probability of grounding so near [m].")
-    ] = None
-    seed: Annotated[int, typer.Option(help="Of the samples.")] = 0
+    samples: Annotated[int, Option(help="Of the coefficients from the fit's covariance.")] = 0
+    within: Annotated[float | None, Option(help="With --samples: map the probability of grounding so near [m].")] = None
+    seed: Annotated[int, Option(help="Of the samples.")] = 0
 
     def __post_init__(self) -> None:
         if self.within is not None and not 0 < self.within < float("inf"):

@@ -3,10 +3,10 @@
 import sys
 from typing import Annotated, Any
 
-import typer
+import click
 
 import narrows
-from narrows.cli.app import app
+from narrows.cli.declarations import Option
 from narrows.cli.options import AsJson, DatasetDelivery, ModelFile, Plot, TableOutput, TrackDelivery, verb
 from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import (
@@ -53,7 +53,7 @@ def simulate(
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = run(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options)
     delivery.write(voyage.save, voyage.plot)
-    delivery.tell(voyage.to_dict, lambda: typer.echo(voyage.summary()))
+    delivery.tell(voyage.to_dict, lambda: click.echo(voyage.summary()))
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
@@ -89,17 +89,17 @@ def map_(
         lambda: narrows.report.map_figure(voyages, chosen, samples.within, waterway, vary),
     )
     summary = map_summary(voyages)
-    delivery.tell(lambda: summary, lambda: typer.echo(summary["summary"]))
+    delivery.tell(lambda: summary, lambda: click.echo(summary["summary"]))
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
 
-@app.command(epilog="Example: narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
+@verb("narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
 def trials(
     model: ModelFile,
-    speed: Annotated[str, typer.Option(help="Of the approach: 1.2m/s, 8kn; m/s without a unit.")],
-    turn_deg: Annotated[float, typer.Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
-    zigzags: Annotated[str, typer.Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
-    dt: Annotated[float | None, typer.Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
+    speed: Annotated[str, Option(help="Of the approach: 1.2m/s, 8kn; m/s without a unit.")],
+    turn_deg: Annotated[float, Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
+    zigzags: Annotated[str, Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
+    dt: Annotated[float | None, Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
     output: TableOutput = None,
     plot: Plot = None,
     json: AsJson = False,

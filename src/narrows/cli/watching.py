@@ -11,8 +11,9 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+import click
 
+from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import ReportDelivery, WaterwayFile, verb
 from narrows.cli.output import named
 from narrows.errors import InputError
@@ -35,32 +36,32 @@ USUAL_SPEED = 4.0
 class InputOptions:
     listen: Annotated[
         list[str] | None,
-        typer.Option(help="udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."),
+        Option(help="udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."),
     ] = None
-    replay: Annotated[Path | None, typer.Option(help="A recording of NMEA 0183 to hear again.")] = None
-    score: Annotated[list[Path] | None, typer.Option(help="A recording, each a transit, to score; again.")] = None
-    limit: Annotated[float, typer.Option(help="Of --score: clearance that counts as contact [m].")] = 5.0
-    demo: Annotated[bool, typer.Option("--demo", help="A simulated bridge: a mistake at the helm by a bank.")] = False
+    replay: Annotated[Path | None, Option(help="A recording of NMEA 0183 to hear again.")] = None
+    score: Annotated[list[Path] | None, Option(help="A recording, each a transit, to score; again.")] = None
+    limit: Annotated[float, Option(help="Of --score: clearance that counts as contact [m].")] = 5.0
+    demo: Annotated[bool, Option("--demo", help="A simulated bridge: a mistake at the helm by a bank.")] = False
     pace: Annotated[
         float | None,
-        typer.Option(help="Of --replay and --demo: times real time; as fast as it goes, with --page real time."),
+        Option(help="Of --replay and --demo: times real time; as fast as it goes, with --page real time."),
     ] = None
     commands_from: Annotated[
-        list[str] | None, typer.Option(help="Host or device whose acknowledgements (ACN) are taken; none else; again.")
+        list[str] | None, Option(help="Host or device whose acknowledgements (ACN) are taken; none else; again.")
     ] = None
-    mmsi: Annotated[int | None, typer.Option(help="Whose AIS reports to read; the ship's own unless given.")] = None
-    antenna: Annotated[str, typer.Option(help="Of the position [m]: forward,starboard of midship.")] = "0,0"
+    mmsi: Annotated[int | None, Option(help="Whose AIS reports to read; the ship's own unless given.")] = None
+    antenna: Annotated[str, Option(help="Of the position [m]: forward,starboard of midship.")] = "0,0"
 
 
 @dataclass(frozen=True)
 class AlertOptions:
-    log: Annotated[Path | None, typer.Option(help="Log of alerts, on disk before they are sent: .db.")] = None
+    log: Annotated[Path | None, Option(help="Log of alerts, on disk before they are sent: .db.")] = None
     send: Annotated[
         list[str] | None,
-        typer.Option(help="ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."),
+        Option(help="ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."),
     ] = None
     recording: Annotated[
-        Path | None, typer.Option(help="Write what --demo tells, for --replay: .nmea.", callback=named((".nmea",)))
+        Path | None, Option(help="Write what --demo tells, for --replay: .nmea.", callback=named((".nmea",)))
     ] = None
 
 
@@ -69,11 +70,11 @@ LOOPBACK, PORT = "127.0.0.1", 8765
 
 @dataclass(frozen=True)
 class PageOptions:
-    page: Annotated[bool, typer.Option("--page", help="Show it in a browser too: prints the address.")] = False
-    port: Annotated[int, typer.Option(help="Of --page.", min=0, max=65_535)] = PORT
-    host: Annotated[
-        str, typer.Option(help="Of --page: this machine alone unless given; 0.0.0.0 for all who reach it.")
-    ] = LOOPBACK
+    page: Annotated[bool, Option("--page", help="Show it in a browser too: prints the address.")] = False
+    port: Annotated[int, Option(help="Of --page.", type=click.IntRange(0, 65_535))] = PORT
+    host: Annotated[str, Option(help="Of --page: this machine alone unless given; 0.0.0.0 for all who reach it.")] = (
+        LOOPBACK
+    )
 
 
 @verb("narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db")
@@ -82,11 +83,9 @@ def monitor(
     alerts: AlertOptions,
     page: PageOptions,
     delivery: ReportDelivery,
-    model: Annotated[
-        str | None, typer.Argument(help="Model file; none for --demo.", show_default=False, metavar="[MODEL]")
-    ] = None,
+    model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
     waterway: WaterwayFile = None,
-    y: Annotated[float, typer.Option(help="Line that a pilot who takes over brings the ship to [m].")] = 0.0,
+    y: Annotated[float, Option(help="Line that a pilot who takes over brings the ship to [m].")] = 0.0,
 ) -> None:
     """Watch a ship beside the banks of its waterway, and warn: decision support, no type-approved equipment.
 
@@ -163,7 +162,7 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
                 scorer.add(monitored.update(tick, tick.t))
         transits.append(scorer.transit())
     scores = score_transits(transits, inputs.limit)
-    delivery.tell(scores.to_dict, lambda: typer.echo("\n".join([scores.summary(), *scores.notes])))
+    delivery.tell(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
 
 
 def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
@@ -219,7 +218,7 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
     with stage("compiling what is not compiled yet"):
         monitored.prepare(USUAL_SPEED)
     if not json and sys.stdin.isatty():
-        typer.echo(HINT)
+        click.echo(HINT)
         ticks = with_keys(ticks, monitored)
     ticks = outlets.ask(ticks, monitored)
     log = TransitLog(monitored.model.configuration.ship, monitored.waterway)
@@ -255,9 +254,9 @@ def _say(number: int, status: "BridgeStatus") -> None:
     for alert in status.changed:
         said = f"{number:6d} s  {alert.priority.words}, {alert.state.value}: {alert.text}"
         bell = "\a" if alert.sounds and sys.stdout.isatty() else ""
-        typer.secho(bell + said, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
+        click.secho(bell + said, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
     if number % SAID_EVERY == 0:
-        typer.echo(f"{number:6d} s  {status.line()}")
+        click.echo(f"{number:6d} s  {status.line()}")
 
 
 def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
@@ -268,7 +267,7 @@ def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
         write_transit_report(transit, delivery.report)
 
     def words() -> None:
-        typer.echo("\n".join([transit.summary(), *transit.notes]))
+        click.echo("\n".join([transit.summary(), *transit.notes]))
 
     delivery.tell(transit.to_dict, words)
 
@@ -282,7 +281,7 @@ def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
 
     log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
     if log and log.aside:
-        typer.secho(log.aside, err=True, bold=True)
+        click.secho(log.aside, err=True, bold=True)
     addresses = [address for address in alerts.send or () if not address.startswith(SIGNAL_K)]
     sends = [stack.enter_context(sender_to(address)) for address in addresses]
 
@@ -317,7 +316,7 @@ def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
 
     shown = BridgePage()
     address = stack.enter_context(shown.open(page.host, page.port))
-    typer.secho(f"The page: {address}", err=True, bold=True)
+    click.secho(f"The page: {address}", err=True, bold=True)
     outlets.told.append(shown.tell)
     outlets.asked.append(shown.watch)
 

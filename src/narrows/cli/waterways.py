@@ -3,10 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from narrows.cli.app import app
-from narrows.cli.options import AsJson, WaterwayOutput
+from narrows.cli.declarations import Argument, Option
+from narrows.cli.options import AsJson, WaterwayOutput, verb
 from narrows.cli.output import print_json, say_written
 from narrows.errors import InputError
 
@@ -14,15 +12,15 @@ from narrows.errors import InputError
 REACH = 1000.0
 
 
-@app.command(epilog="Example: narrows waterway 1W7RH001.000 --line axis.geojson -o canal.geojson")
+@verb("narrows waterway 1W7RH001.000 --line axis.geojson -o canal.geojson")
 def waterway(
-    file: Annotated[Path, typer.Argument(help="GeoJSON, or a cell of an electronic chart (.000).", show_default=False)],
+    file: Annotated[Path, Argument(help="GeoJSON, or a cell of an electronic chart (.000).")],
     line: Annotated[
         Path | None,
-        typer.Option(help="Centreline for a chart: GeoJSON with a LineString, as it is sailed."),
+        Option(help="Centreline for a chart: GeoJSON with a LineString, as it is sailed."),
     ] = None,
-    reach: Annotated[float, typer.Option(help="How far off a bank is looked for in a chart [m].")] = REACH,
-    draft: Annotated[float, typer.Option(help="Of a ship [m]: the width is then where the keel has room.")] = 0.0,
+    reach: Annotated[float, Option(help="How far off a bank is looked for in a chart [m].")] = REACH,
+    draft: Annotated[float, Option(help="Of a ship [m]: the width is then where the keel has room.")] = 0.0,
     output: WaterwayOutput = None,
     json: AsJson = False,
 ) -> None:

@@ -1,0 +1,84 @@
+"""Arguments and options of verbs, declared by annotation: ``Annotated[float, Option(help="...")]``."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, fields, is_dataclass
+from inspect import Parameter, signature
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import click
+
+TYPES: dict[type, click.ParamType[Any, Any]] = {
+    float: click.FLOAT, int: click.INT, str: click.STRING, Path: click.Path(path_type=Path),
+}  # fmt: skip
+
+
+class Option:
+    """An option of a verb; its name is that of the parameter unless names are given."""
+
+    def __init__(self, *names: str, help: str, callback: Callable[[Any], Any] | None = None, **attributes: Any) -> None:
+        self.names, self.help, self.attributes = names, help, attributes
+        if callback:
+            self.attributes["callback"] = lambda context, parameter, value: callback(value)
+
+    def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
+        """Return what click takes for it: kind is the type, a union with None or a list of many included."""
+        names = self.names or (f"--{name.replace('_', '-')}",)
+        typed: dict[str, Any] = {"is_flag": True} if kind is bool else {"type": TYPES[_single(kind)]}
+        if default is Parameter.empty:
+            typed["required"] = True
+        else:
+            typed |= {"default": default, "show_default": kind is not bool and default not in (None, "")}
+        many = any(get_origin(part) is list for part in (kind, *get_args(kind)))
+        return click.Option([*names, name], help=self.help, multiple=many, **(typed | self.attributes))
+
+
+class Argument(Option):
+    """An argument of a verb, required unless it has a default."""
+
+    def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
+        many = any(get_origin(part) is list for part in (kind, *get_args(kind)))
+        given = {} if default is Parameter.empty else {"default": default, "required": False}
+        kinds: dict[str, Any] = {"type": TYPES[_single(kind)], "nargs": -1 if many else 1}
+        return click.Argument([name], help=self.help, **kinds, **given, **self.attributes)
+
+
+def _single(kind: Any) -> type:
+    """The type of one value of ``X | None`` or ``list[X]``."""
+    while get_origin(kind) in (list, UnionType):
+        kind = next(part for part in get_args(kind) if part is not type(None))
+    return kind  # type: ignore[no-any-return]
+
+
+def command(function: Callable[..., Any], name: str | None, example: str) -> click.Command:
+    """Return the verb of a function; a parameter that is a dataclass stands for an option for each field."""
+    hints = get_type_hints(function, include_extras=True)
+    groups = {own: hints[own] for own in signature(function).parameters if is_dataclass(hints[own])}
+
+    def called(**given: Any) -> Any:
+        given = {own: list(value) or None if isinstance(value, tuple) else value for own, value in given.items()}
+        made = {own: kind(**{one.name: given.pop(one.name) for one in fields(kind)}) for own, kind in groups.items()}
+        return function(**given, **made)
+
+    return click.Command(
+        name or function.__name__.replace("_", "-"), callback=called, params=list(_parameters(function, hints)),
+        help=function.__doc__, epilog=f"Example: {example}",
+    )  # fmt: skip
+
+
+def _parameters(function: Callable[..., Any], hints: dict[str, Any]) -> Iterator[click.Parameter]:
+    for name, parameter in signature(function).parameters.items():
+        if not is_dataclass(hints[name]):
+            yield _declared(name, hints[name], parameter.default)
+            continue
+        kinds = get_type_hints(hints[name], include_extras=True)
+        for one in fields(hints[name]):
+            default = Parameter.empty if one.default is MISSING else one.default
+            yield _declared(one.name, kinds[one.name], default)
+
+
+def _declared(name: str, hint: Any, default: Any) -> click.Parameter:
+    assert get_origin(hint) is Annotated, f"the parameter {name} of a verb is declared by no Option or Argument"
+    kind, declaration = get_args(hint)[:2]
+    return declaration.parameter(name, kind, default)  # type: ignore[no-any-return]
