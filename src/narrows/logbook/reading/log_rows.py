@@ -4,7 +4,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from narrows.logbook.settings import MOST_ROWS
 from narrows.logbook.ship_record import SIGNALS
 from narrows.quantities.names import KNOT, Quantity
 from narrows.readers import cells
-from narrows.readers.headers import DEGREE, Vocabulary, recognised_in
+from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary, recognised_in
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.ship_file import load_toml
 
@@ -50,14 +50,22 @@ class LogMapping:
 
 
 class RowReader:
-    def __init__(self, table: str, mapping: LogMapping) -> None:
-        self.table, self.mapping = table, mapping
+    def __init__(self, table: str, mapping: LogMapping, mmsi: int | None = None) -> None:
+        self.table, self.mapping, self.mmsi = table, mapping, mmsi
         self.notes: tuple[str, ...] = ()
         self.begin: pd.Timestamp | None = None
         self.absent: Counter[str] = Counter()
 
     def rows(self, raw: pd.DataFrame) -> LogRows:
-        frame, notes = self.mapping.columns.applied(renamed(raw), self.table, VOCABULARY)
+        mapped = self.mapping.columns
+        if is_ais_archive(raw):
+            raw, self.mmsi = one_ship(raw, self.mmsi, self.table)
+            mapped = replace(mapped, units={**archive_units(mapped.columns), **mapped.units})
+        elif self.mmsi is not None:
+            raise InputError(
+                f"{self.table}: mmsi = {self.mmsi} asks for AIS reports, and this table has none; leave it out"
+            )
+        frame, notes = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
         self.notes = notes
         recognised = recognised_in(frame, QUANTITIES, self.table)
         cells.check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, self.table)
@@ -84,7 +92,8 @@ class RowReader:
         if not len(frame):
             return np.empty(0)
         dated = frame["time"] if frame["time"].dtype.kind == "M" else frame["time"].astype(str)
-        times = pd.to_datetime(dated, utc=True, errors="coerce", format="ISO8601")
+        by_day = dated.dtype.kind != "M" and bool(DAY_FIRST.match(dated.iloc[0]))
+        times = pd.to_datetime(dated, utc=True, errors="coerce", format="%d/%m/%Y %H:%M:%S" if by_day else "ISO8601")
         if times.isna().any():
             row = cells.row_number(frame, times.isna().to_numpy())
             raise InputError(f"{self.table}: row {row}, column 'time' is no date and time; write 2026-05-01T10:00:00Z")
@@ -200,12 +209,22 @@ QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES
 LABELS = ("record", "time")
 VOCABULARY = Vocabulary(QUANTITIES, LABELS, blanks=True)
 
-# What logs often call a column, in any case of letters; units stand in the header as ever.
+# What logs often call a column, in any case of letters, a blank for an underscore; units stand in the header as ever.
 ALIASES = {
-    "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time",
-    "lat": "latitude", "lon": "longitude", "lng": "longitude", "hdg": "heading", "hdt": "heading",
-    "sog": "speed_over_ground", "cog": "course_over_ground", "rot": "r", "stw": "u",
+    "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time", "basedatetime": "time",
+    "base_date_time": "time", "lat": "latitude", "lon": "longitude", "lng": "longitude", "hdg": "heading",
+    "hdt": "heading", "sog": "speed_over_ground", "cog": "course_over_ground", "rot": "r", "rate_of_turn": "r",
+    "stw": "u", "rudder_angle": "rudder",
+    **{name: name for name in (*QUANTITIES, *LABELS) if len(name) > 1},
 }  # fmt: skip
+# A date as the Danish archive writes it, 31/12/2015 23:59:59.
+DAY_FIRST = re.compile(r"\d\d/\d\d/\d{4} ")
+# Columns of AIS archives and their units by ITU-R M.1371, which the headers do not state: those of the Danish Maritime
+# Authority (Timestamp, MMSI, Latitude, ...) and of NOAA's MarineCadastre (MMSI, BaseDateTime, LAT, ...).
+ARCHIVE_UNITS = {"speed_over_ground": "kn", "course_over_ground": "deg", "heading": "deg"}
+SHIP = "mmsi"
+# The archives do not document in which form their rate of turn stands.
+UNDOCUMENTED = "r"
 
 # Numbers by which AIS says that it has none (ITU-R M.1371), as they stand and in SI.
 ABSENT = {
@@ -215,15 +234,51 @@ ABSENT = {
 }  # fmt: skip
 
 
-def renamed(frame: pd.DataFrame) -> pd.DataFrame:
-    headers = [str(header) for header in frame.columns]
-    return frame.rename(columns={old: new for old in headers if (new := _documented(old)) and new not in headers})
+def is_ais_archive(frame: pd.DataFrame) -> bool:
+    """Whether a table has the headers of an AIS archive: ships by number, and their time without a unit."""
+    plain = [_plain(str(header)) for header in frame.columns]
+    return SHIP in plain and any(ALIASES.get(header) == "time" for header in plain)
+
+
+def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.DataFrame, int | None]:
+    """Return the rows of one ship of an archive, with the units of AIS in the headers, and its number."""
+    plain = {str(header): _plain(str(header)) for header in frame.columns}
+    ships = pd.to_numeric(frame[next(header for header, name in plain.items() if name == SHIP)], errors="coerce")
+    if mmsi is None and ships.nunique() > 1:
+        raise InputError(f"{table}: holds several ships; name one by its number, as mmsi={int(ships.iloc[0])}")
+    mmsi = int(ships.iloc[0]) if mmsi is None and ships.notna().any() else mmsi
+    kept = {header: ARCHIVE_UNITS.get(ALIASES.get(name, "")) for header, name in plain.items()
+            if ALIASES.get(name) != UNDOCUMENTED}  # fmt: skip
+    units = {header: f"{header} [{unit}]" for header, unit in kept.items() if unit}
+    return frame.loc[ships == mmsi, list(kept)].rename(columns=units), mmsi
+
+
+def archive_units(columns: Mapping[str, str]) -> dict[str, str]:
+    """Return the units of columns of an archive that a mapping names."""
+    return {name: unit for name, unit in ARCHIVE_UNITS.items() if name in columns}
+
+
+def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:
+    """Return a table with the documented names, but for headers that a mapping reads."""
+    headers, kept = [str(header) for header in frame.columns], set(mapped)
+    new = {old: name for old in headers if old not in kept and _bare(old) not in kept and (name := _documented(old))}
+    return frame.rename(columns={old: name for old, name in new.items() if name not in headers})
 
 
 def _documented(header: str) -> str | None:
-    match = re.fullmatch(r"([A-Za-z]+)(\s*[\[(].*[\])]|_[a-z]+)?", header.strip())
-    name = ALIASES.get(match[1].lower()) if match else None
+    match = re.fullmatch(
+        r"([#A-Za-z][A-Za-z_ ]*?)\s*(\s*[\[(].*[\])]|_(?:" + "|".join(SUFFIXES) + "))?", header.strip()
+    )
+    name = ALIASES.get(_plain(match[1])) if match else None
     return None if match is None or name is None else name + (match[2] or "")
+
+
+def _plain(header: str) -> str:
+    return re.sub(r"\s+", "_", header.strip().removeprefix("#").strip()).lower()
+
+
+def _bare(header: str) -> str:
+    return re.sub(r"\s*[\[(].*[\])]$", "", header)
 
 
 OF_COLUMNS = ("columns", "units", "positive")

@@ -31,7 +31,8 @@ def read_log(
 
     Columns are those of ``SIGNALS``, SI and radians unless a header carries a unit, and those of docs/ship-log.md:
     longitude and latitude, heading and course from north, velocities in fixed axes, wind as felt on board. Empty
-    cells are times at which that was not measured.
+    cells are times at which that was not measured. Tables of the Danish and of NOAA's AIS archive are read as they
+    are, speeds in knots and directions in degrees by the standard of AIS.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def read_log(
     gap : float [s]
         A time without a row after which another record begins, where no column ``record`` names them.
     mmsi : int, optional
-        Whose AIS reports to read of a recording; what the ship reports of itself unless given.
+        Whose AIS reports to read of a recording or of an AIS archive; what the ship reports of itself unless given.
 
     Returns
     -------
@@ -151,8 +152,6 @@ def stream_log(
     table = Path(log) if isinstance(log, str | os.PathLike) else log
     if isinstance(table, Path) and not table.is_file():
         raise InputError(f"{table}: there is no such file; check the path")
-    if mmsi is not None and not (isinstance(table, Path) and is_nmea(table)):
-        raise InputError(f"mmsi = {mmsi} asks for AIS reports, and the log is no recording of NMEA 0183; leave it out")
     water = read_waterway(waterway) if isinstance(waterway, str | Path) else waterway
     return StreamedLog(table, log_mapping(mapping, units, late, antenna, condition), water, gap, mmsi)
 
@@ -160,7 +159,8 @@ def stream_log(
 class LogReading:
     def __init__(self, log: StreamedLog) -> None:
         self.log = log
-        self.rows = RowReader(log.name, log.mapping)
+        heard = isinstance(log.table, Path) and is_nmea(log.table)
+        self.rows = RowReader(log.name, log.mapping, None if heard else log.mmsi)
         stem = log.table.stem if isinstance(log.table, Path) else "record"
         self.split = RecordSplit(log.name, stem, log.gap)
         self.about: tuple[str, ...] = ()
@@ -181,7 +181,9 @@ class LogReading:
 
     def notes(self) -> tuple[str, ...]:
         told = {
-            f"cut into {self.given} records where nothing came for {self.log.gap:g} s": self.split.cuts > 0,
+            f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time": (
+                self.split.cuts > 0
+            ),
             "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded > 0,
             "positions are brought from the antenna to midship, where the heading is known": any(
                 self.log.mapping.antenna
