@@ -1,5 +1,6 @@
 """Pages in a headless Chromium: no error, no request, the package's own numbers; refusals that write nothing."""
 
+import re
 import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from exported import model_of
 from opened_pages import opened, settled
+from scipy.stats import norm
 
 import narrows as nw
 from browsers import chromium
@@ -147,8 +149,90 @@ def test_a_phone_held_upright_at_night(paper: Path, browser: Any) -> None:
     while page.evaluate("document.documentElement.dataset.palette") != "night":
         page.click("#palette")
     assert max(page.evaluate(DARK)) < 40
-    box = page.locator("#canal").bounding_box()
-    assert box["height"] > 1.3 * box["width"]
+    assert page.locator("input[name=u]").bounding_box()["y"] < 844, "the first slider is on the first screen"
+    page.evaluate("document.querySelector('input[name=width]').scrollIntoView()")
+    page.wait_for_function("scrollY > 0")
+    assert abs(page.locator("#canal").bounding_box()["y"]) < 1, "the picture stays in sight of the sliders"
+
+
+def test_a_headline_doubts_what_the_tests_do_not_settle(tmp_path: Path, browser: Any) -> None:
+    """A third of the ships that the covariance allows turn the other way: the first line says so, in plain words."""
+    model = nw.published("mikkelsen2025_dtc")
+    size = [0.02 * abs(value) + 1e-9 if name != "c_bank" else 2.4 * value for name, value in model.coefficients.items()]
+    doubted = replace(model, covariance=np.diag(np.square(size)), verdicts={"c_bank": "weakly identified"})
+    nw.export.write_page(doubted, tmp_path / "ship.html")
+    page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
+    said = page.inner_text("#turning")
+    expected = 100 * float(norm.cdf(-1 / 2.4))
+    shares = [int(word) for word in said.replace("%", "").split() if word.isdigit()]
+    assert "It may turn" in said
+    assert "the tests do not settle this" in said
+    assert abs(shares[0] - expected) < 8
+    assert "c_bank" not in page.evaluate(BESIDE)
+    sure = replace(doubted, covariance=np.diag(np.square(size)) / 400, verdicts={})
+    nw.export.write_page(sure, tmp_path / "sure.html")
+    assert "and turns the bow" in opened(browser, tmp_path / "sure.html", 1280, 800)[0].inner_text("#turning")
+    assert wrong == []
+
+
+def test_a_model_without_a_bank_says_so(tmp_path: Path, browser: Any) -> None:
+    """In a canal a hundred ship lengths wide: the picture shows the ship, not the banks."""
+    notes = nw.export.write_page(nw.published("yasukawa2015_kvlcc2"), tmp_path / "ship.html")
+    assert any("mmg+delta" in note for note in notes)
+    page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
+    assert page.inner_text("#turning").startswith("This model has no bank force")
+    assert "both banks" not in page.evaluate("document.body.innerText")
+    assert not page.locator("#field").is_visible()
+    assert page.locator("#canal").bounding_box()["height"] > 200
+    assert "None of these ships meets a bank" in page.inner_text("#mapped")
+    assert wrong == []
+
+
+def test_beyond_the_data_follows_the_voyage(shown: tuple[Any, list[str]]) -> None:
+    """The start is within the tests; the way to the bank is not, from the second on that Python says."""
+    page, _ = shown
+    page.click("#first")
+    drawn(page)
+    model = nw.published("mikkelsen2025_dtc")
+    y, u = page.evaluate("[narrowsPage.settings.values.y, narrowsPage.settings.values.u]")
+    voyage = nw.simulate(model, y=y, u=u, dt=3.984 / 200 / u, duration=7 * 3.984 / u)
+    limit = 1.01 * model.data_range.abs_y[1]
+    left = voyage.t[np.abs(voyage.y) > limit][0]
+    said = page.evaluate(BESIDE)
+    assert "farther off the middle than in the tests" in said
+    assert 0 <= float(said.split("From ")[1].split(" s")[0]) - left < 0.4
+
+
+def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: Any) -> None:
+    nw.export.write_page(nw.published("mikkelsen2025_dtc").scale(355.0).model, tmp_path / "ship.html")
+    page, _ = opened(browser, tmp_path / "ship.html", 1280, 800)
+    said = page.evaluate("document.body.innerText")
+    assert "e+" not in said
+    assert re.search(r"within 1,\d\d\d? ?\d*0? m", page.inner_text("#fleet"))
+
+
+def test_a_page_without_scripts_and_for_screen_readers(paper: Path, shown: tuple[Any, list[str]]) -> None:
+    page, _ = shown
+    assert (
+        "needs JavaScript" in paper.read_text(encoding="utf-8").partition("<noscript>")[2].partition("</noscript>")[0]
+    )
+    assert page.locator("input[type=checkbox][aria-valuetext]").count() == 0
+    for name in ("--port", "--starboard"):
+        colours = page.evaluate("name => ['--page', name].map(one => getComputedStyle(root).getPropertyValue(one))".replace(
+            "root", "document.documentElement"), name)  # fmt: skip
+        assert contrast(*colours) >= 4.5, "WCAG 2.2, 1.4.3"
+
+
+def contrast(one: str, other: str) -> float:
+    """Ratio of the relative luminances of two colours, by WCAG 2.2."""
+
+    def luminance(colour: str) -> float:
+        parts = [int(colour.strip()[place : place + 2], 16) / 255 for place in (1, 3, 5)]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    light = sorted(map(luminance, (one, other)))
+    return (light[1] + 0.05) / (light[0] + 0.05)
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import zlib
 from collections.abc import Iterator, Mapping
-from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,10 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from narrows.codegen.free_motion import STATE
 from narrows.codegen.printers.javascript import javascript_name
 from narrows.errors import InputError, needs
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.page.page_sliders import ASSUMED, COEFFICIENTS, Slider, both_ways, covered, deviation, sliders_of
+from narrows.export.passport import passport
 from narrows.export.rendering import c_text
 from narrows.export.scripts import javascript_text
 from narrows.model.model import Model
@@ -41,7 +42,7 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
     lacking = lacks_zig()
     wasm = None if lacking else wasm_of(exported)
     own = title or f"{ship.model.configuration.ship.name} between the banks of a canal: every line is one ship"
-    return page_text(exported, u, own, why, wasm), tuple(filter(None, [lacking, why]))
+    return page_text(exported, u, own, why, wasm), tuple(filter(None, [lacking, why, ship.model.bank_note]))
 
 
 BARE_DEFLATE = -15
@@ -70,7 +71,8 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     known: set[str] = set()
     given = {"model.js": model_script(exported)}
     return template.get_template("page.html.j2").render(
-        title=title, foot=_foot(exported), helm=helm, data=data.replace("<", "\\u003c"),
+        title=title, banks=exported.ship.model.feels_bank, foot=_foot(exported), helm=helm,
+        passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
         style=smaller(asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8")),
         shared="".join(bundled(name, given, known) for name in FIRST),
         worker=bundled("worker.js", given, set(known)), script=bundled("page.js", given, known),
@@ -99,11 +101,10 @@ def packed(wasm: bytes) -> str:
 
 
 def _foot(exported: ExportedShip) -> str:
-    model = exported.ship.model
     return (
-        f"{model.configuration.summary()}. {model.source.text + '. ' if model.source.text else ''}Sailed here, by the "
-        f"equations of the package: Runge-Kutta steps of a 200th of a ship length, 100th on the map. The speed is "
-        f"{'held' if exported.ship.surge == 'held' else 'free'}. Written by narrows {version('narrows')}."
+        f"{exported.ship.model.configuration.summary()}. Sailed here, by the equations of the package: Runge-Kutta "
+        f"steps of a 200th of a ship length, 100th on the map. The speed is "
+        f"{'held' if exported.ship.surge == 'held' else 'free'}."
     )
 
 
@@ -161,6 +162,7 @@ def smaller(text: str) -> str:
 LENGTHS = 7.0
 # Of fleet.c: ships of a task, those whose paths are kept, and points of a path.
 MOST, PATHS, SAMPLES = 4096, 1024, 96
+UNSETTLED = "The tests of this ship do not settle how strongly the banks pull and turn it."
 UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
 
 
@@ -175,7 +177,9 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
         "shape": {
             "states": len(kept), "parameters": len(exported.parameters), "most": MOST, "paths": PATHS,
             "samples": SAMPLES, "rudder": kept.index("rudder") if "rudder" in kept else -1,
+            "turned": _turned(exported),
         },
+        "banks": model.feels_bank, "settled": not model.trust_note,
         "names": {
             "parameters": [javascript_name(one.name) for one in exported.parameters],
             "inputs": [javascript_name(one.name) for one in exported.inputs],
@@ -185,9 +189,22 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
         "root": _written(root_of(model, names)), "share": ASSUMED,
         "assumed": UNSURE if model.covariance is None else "",
         "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
-        "tested": {"u": covered(model.data_range.speed), "y": both_ways(model.data_range.abs_y)},
+        "tested": {
+            "u": covered(model.data_range.speed), "y": both_ways(model.data_range.abs_y),
+            "psi": both_ways(model.data_range.abs_psi),
+        },
         "notes": _notes(model, sliders),
     }  # fmt: skip
+
+
+def _turned(exported: ExportedShip) -> list[int]:
+    """The places of the state that begin where the rudder does: itself, orders on their way, the last one."""
+    kept, steering = exported.portable.kept, exported.steering
+    start = {**dict.fromkeys((*STATE, "rudder"), 0.0), "cos_psi": 1.0}
+    at = [steering.memory({**start, "rudder": angle}) if steering else {} for angle in (0.0, 1.0)]
+    turned = {"rudder", *(name for name, value in at[1].items() if value != at[0][name])}
+    turned |= {stage for one in exported.portable.geared for stage in one.stages}
+    return [place for place, name in enumerate(kept) if name in turned]
 
 
 def _written(root: np.ndarray) -> list[Any]:
@@ -205,8 +222,9 @@ def _bounds(model: Model, name: str) -> list[float | None]:
 def _notes(model: Model, sliders: list[Slider]) -> list[str]:
     said = {slider.name for slider in sliders if slider.tested}
     unsaid = [words for name, words in (("u", "speeds"), ("y", "offsets")) if name not in said]
+    notes = [UNSETTLED] if model.trust_note else []  # Without a bank force the headline says it.
     silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if unsaid else ""
-    return [*model.notes, *filter(None, [silent])]
+    return [*notes, *filter(None, [silent])]
 
 
 def root_of(model: Model, names: list[str]) -> np.ndarray:

@@ -65,7 +65,7 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
     )
     fine = _fine(most / 200)
     yield Slider("y", "start, to starboard", "m", VOYAGE, _to(-most, fine), _to(most, fine), fine,
-                 _to(most / 9, fine), both_ways(known.abs_y))  # fmt: skip
+                 _to(min(most / 9, ship.length), fine), both_ways(known.abs_y))  # fmt: skip
     yield Slider(
         "psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0, both_ways(known.abs_psi, math.degrees(1.0))
     )

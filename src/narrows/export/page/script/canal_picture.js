@@ -4,33 +4,31 @@ import { PORT, STARBOARD } from "./outcome.js";
 
 const SHOWN = 600;
 const BINS = 90;
-const ROOM = { bank: 62, behind: 0.85, ahead: 0.35 };
+const ROOM = { bank: 62, narrow: 40, behind: 0.85, ahead: 0.35 };
 const TALLEST = 330;
+const LEAST = 0.5; // share of the picture's width that the voyage takes, however wide the canal
 const LYING = 24;
 
 /** `back` is the canvas of what stands, `front` that of what moves. */
 export function canalPicture(back, front, { length, beam, view }) {
   const hull = { length, beam };
-  let camera, colours, width, upright;
+  let camera, colours, width, bank;
   const views = () => [canalView(back, colours), canalView(front, { ...colours, land: "transparent" })];
 
-  /** The whole voyage across the canvas, or upright on a narrow one: one scale, so that nothing is drawn out of shape. */
+  /** The whole voyage across the canvas, at one scale; of a canal that is too wide for it the middle. */
   function framed(of, palette, narrow) {
-    [width, colours, upright] = [of, palette, narrow];
+    [width, colours, bank] = [of, palette, narrow ? ROOM.narrow : ROOM.bank];
     const [along, space] = [view + (ROOM.behind + ROOM.ahead) * length, back.parentElement.clientWidth];
-    const bank = narrow ? 56 : ROOM.bank;
-    const metres = narrow ? Math.max(along / 560, width / (space - 2 * bank)) : Math.max(along / space, width / TALLEST);
-    for (const canvas of [back, front]) {
-      canvas.style.height = `${narrow ? along / metres : width / metres + 2 * bank}px`;
-    }
-    const ahead = narrow ? { down: 1, heading: 0 } : { right: 0, heading: -Math.PI / 2 };
-    camera = { along: -ROOM.behind * length, across: 0, metresPerPixel: metres, right: 0.5, down: 0.5, ...ahead };
+    const tallest = narrow ? TALLEST / 2 : TALLEST;
+    const metres = Math.max(along / space, Math.min(width / tallest, along / space / LEAST));
+    for (const canvas of [back, front]) canvas.style.height = `${Math.min(width / metres, tallest) + 2 * bank}px`;
+    camera = { along: -ROOM.behind * length, across: 0, metresPerPixel: metres, right: 0, down: 0.5, heading: -Math.PI / 2 };
   }
 
   function draw({ tracks, ended, alone }) {
     const [canal] = views();
     canal.look(camera);
-    const [from, to] = [-3 * length, view + 3 * length];
+    const [from, to] = [-3 * length, camera.along + back.clientWidth * camera.metresPerPixel];
     canal.water([-1, 1].map((side) => [[from, side * width / 2], [to, side * width / 2]]));
     canal.track([[from, 0], [to, 0]], { stroke: "ink", width: 1, dash: [6, 9], opacity: 0.25 });
     fans(canal, tracks, ended);
@@ -68,7 +66,7 @@ export function canalPicture(back, front, { length, beam, view }) {
     const size = view / BINS;
     for (const { kind, x } of ended) if (kind === side && x >= 0 && x < view) counts[Math.floor(x / size)] += 1;
     const most = Math.max(...counts, ended.length * 0.03);
-    const deep = ((upright ? 56 : ROOM.bank) - 22) * camera.metresPerPixel;
+    const deep = (bank - 22) * camera.metresPerPixel;
     const out = (side === PORT ? -1 : 1);
     counts.forEach((count, bin) => {
       if (!count) return;
@@ -82,12 +80,11 @@ export function canalPicture(back, front, { length, beam, view }) {
     const pen = back.getContext("2d");
     pen.font = "600 12px system-ui, sans-serif";
     for (const [side, sign] of [[PORT, -1], [STARBOARD, 1]]) {
-      const [x, y] = canal.toPixels([camera.along, sign * width / 2]);
+      const [, y] = canal.toPixels([camera.along, sign * width / 2]);
       pen.fillStyle = colours[side];
-      pen.textAlign = upright ? "center" : "left";
       pen.textBaseline = "middle";
-      if (upright) pen.fillText(side, x + sign * 36, 14);
-      else pen.fillText(`${side} bank`, 12, y + sign * 14);
+      pen.textAlign = bank < ROOM.bank ? "right" : "left"; // On a phone the scale stands at the left.
+      pen.fillText(`${side} bank`, bank < ROOM.bank ? back.clientWidth - 12 : 12, y + sign * 14);
     }
     pen.textAlign = "left";
   }

@@ -1,6 +1,9 @@
 // What became of ships, in numbers and in sentences.
 import { AFLOAT, AGROUND, room } from "./fleet_shape.js";
 
+/** A length in words: three digits, as 1,110 m or 13.7 m. */
+export const metres = (x) => `${x.toLocaleString("en", { maximumSignificantDigits: 3 })} m`;
+
 export const [PORT, STARBOARD, SAILS, LOST] = ["port", "starboard", "sails", "lost"];
 
 /** How each ship of an answer ended, where [m over ground] and when [s]. */
@@ -28,33 +31,49 @@ export function tally(ended) {
   };
 }
 
-/** Which way the water turns the bow, beside which bank: first of all, and in words that need no other. */
-export function turningSentence({ y, turning, steers, middle }) {
+const SURE = 0.95;
+const NO_BANK = "This model has no bank force: the ship sails as in open water, until it touches a bank.";
+const MIDDLE = "In the middle of the canal both banks pull alike: the bow stays.";
+
+/** Which way the water turns the bow, beside which bank, and how sure that is; `agree` is the share of ships that turn so. */
+export function turningSentence({ y, turning, steers, middle, banks, settled, agree }) {
+  if (!banks) return NO_BANK;
+  if (Math.abs(y) < middle || !turning) return MIDDLE;
   const near = y > 0 ? STARBOARD : PORT;
-  if (Math.abs(y) < middle || !turning) return "In the middle of the canal both banks pull alike: the bow stays.";
-  const way = turning > 0 ? STARBOARD : PORT;
-  const sense = way === near ? "towards" : "away from";
+  const [way, other] = turning > 0 ? [STARBOARD, PORT] : [PORT, STARBOARD];
+  const nearer = `The <b class="${near}">${near}</b> bank is nearer`;
   const helm = steers ? " The helm answers with the rudder." : "";
-  return `The <b class="${near}">${near}</b> bank is nearer, and turns the bow to <b class="${way}">${way}</b>, ${sense} it.${helm}`;
+  const turns = `the bow to <b class="${way}">${way}</b>, ${way === near ? "towards" : "away from"} it`;
+  if (settled && agree >= SURE) return `${nearer}, and turns ${turns}.${helm}`;
+  const against = agree < 1 ? ` ${share(1 - agree, 1)} of the ships that the tests allow turn to ${other}.` : "";
+  return `${nearer}. It may turn ${turns}, but the tests do not settle this.${against}${helm}`;
+}
+
+/** From when on a voyage is farther off the middle, or more across the canal, than the tests were [s]; nothing where it is not. */
+export function leaves(path, { y, psi }, seconds) {
+  const first = (limit, size) => (limit ? path.findIndex((point) => size(point) > limit) : -1);
+  const places = [first(y?.[1], ([, offset]) => Math.abs(offset)), first(psi?.[1], ([, , sine]) => Math.asin(Math.abs(sine)))];
+  const words = ["farther off the middle", "more across the canal"];
+  return places.flatMap((place, kind) => (place < 0 ? [] : [`From ${(place * seconds).toFixed(1)} s on the ship is ${words[kind]} than in the tests.`]));
 }
 
 export function fleetSentence({ ships, port, starboard, sails, lost, half }, length, view) {
   const grounded = [[port, PORT], [starboard, STARBOARD]].filter(([count]) => count)
     .map(([count, side]) => `<b class="${side}">${share(count, ships)}</b> ground on the <b class="${side}">${side}</b> bank`);
-  if (!grounded.length) return `Of ${ships.toLocaleString("en")} ships <b>none grounds</b> within ${view.toFixed(0)} m.`;
-  const where = `, half of them within <b>${half.toPrecision(3)} m</b> (${(half / length).toFixed(1)} ship lengths)`;
+  if (!grounded.length) return `Of ${ships.toLocaleString("en")} ships <b>none grounds</b> within ${metres(view)}.`;
+  const where = `, half of them within <b>${metres(half)}</b> (${(half / length).toFixed(1)} ship lengths)`;
   const rest = [[sails, "still sail"], [lost, "turn across the canal"]].filter(([count]) => count)
     .map(([count, what]) => `; ${share(count, ships)} ${what}`);
   return `Of ${ships.toLocaleString("en")} ships ${grounded.join(" and ")}${where}${rest.join("")}.`;
 }
 
 export function aloneSentence({ kind, x, y, time }, length) {
-  if (kind === SAILS) return `The solid ship still sails after ${x.toPrecision(3)} m, ${offset(y)}.`;
+  if (kind === SAILS) return `The solid ship still sails after ${metres(x)}, ${offset(y)}.`;
   if (kind === LOST) return `The solid ship turns across the canal after ${time.toFixed(1)} s.`;
-  return `The solid ship touches the ${kind} bank after ${time.toFixed(1)} s, ${x.toPrecision(3)} m on (${(x / length).toFixed(1)} ship lengths).`;
+  return `The solid ship touches the ${kind} bank after ${time.toFixed(1)} s, ${metres(x)} on (${(x / length).toFixed(1)} ship lengths).`;
 }
 
-export const offset = (y) => `${Math.abs(y).toPrecision(2)} m to ${y > 0 ? STARBOARD : PORT} of the middle`;
+export const offset = (y) => `${Math.abs(y).toLocaleString("en", { maximumSignificantDigits: 2 })} m to ${y > 0 ? STARBOARD : PORT} of the middle`;
 
 function share(count, ships) {
   const percent = 100 * count / ships;

@@ -20,7 +20,7 @@ export function scenarioOf(data) {
   const rowOf = (y, psi, u, rudder, step) => {
     const state = new Float64Array(row);
     state.set([0, y, Math.cos(psi), Math.sin(psi), u]);
-    if (shape.rudder >= 0) state[shape.rudder] = rudder;
+    for (const place of shape.turned) state[place] = rudder;
     state[shape.states] = step;
     return state;
   };

@@ -5,12 +5,13 @@ import { bankTurning, drawField, turningField } from "./field_chart.js";
 import { pathOf } from "./fleet_shape.js";
 import { drawMap, mapCells } from "./map_chart.js";
 import { model } from "./model.js";
-import { outcomes } from "./outcome.js";
+import { SAILS, metres, outcomes } from "./outcome.js";
 import { said } from "./sentences.js";
 
 const LEVELS = [40, 100];
 const PATIENCE = 1500; // [ms] that a finer map may take
 const SQUARED = 5; // times as many cells, about
+const ASKED = 400; // ships
 const NARROW = "(max-width: 760px)";
 
 export function sceneOf({ data, scenario, crew, here, settings, at }) {
@@ -31,8 +32,9 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     const path = overGround(pathOf(answer, 0, shape), task, current);
     const start = scenario.begun(values);
     const turning = (state) => bankTurning(model, constants, inputs, state);
+    const seconds = task.every * task.starts[shape.states];
     const field = turningField(model, constants, inputs, { start: task.starts, width: values.width });
-    return { values: { ...values }, start, path, turning, field, first: task.starts, alone: outcomes(answer, shape, current)[0] };
+    return { values: { ...values }, start, path, seconds, turning, field, agree: now?.agree ?? 1, first: task.starts, alone: outcomes(answer, shape, current)[0] };
   }
 
   function overGround(path, { starts, every }, current) {
@@ -40,9 +42,22 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     return path.map(([x, ...rest], place) => [x + current * Math.min(place * step, (path.length - 1) * step), ...rest]);
   }
 
+  /** The share of ships whose banks turn the bow as those of the ship as it is set do. */
+  function agreeing({ parameters, told }) {
+    const inputs = object(names.inputs, told);
+    const way = Math.sign(now.turning(now.first));
+    let [asked, alike] = [0, 0];
+    for (let row = shape.parameters; row < parameters.length && asked < ASKED; row += shape.parameters, asked += 1) {
+      const constants = model.prepare(object(names.parameters, parameters.subarray(row, row + shape.parameters)));
+      alike += Math.sign(bankTurning(model, constants, inputs, now.first)) === way;
+    }
+    return asked ? alike / asked : 1;
+  }
+
   async function sailFan(mine) {
     const current = now.values.current || 0;
     const task = scenario.fan(now.values);
+    if (data.banks) now.agree = agreeing(task);
     const answer = await crew.sailed(task, () => mine === run);
     if (mine !== run) return;
     now.ended = outcomes(answer, shape, current);
@@ -82,7 +97,7 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
   function drawAlone() {
     picture.framed(now.values.width, colours, narrow());
     draw();
-    plots.field = drawField(at.field, height(), now.field, { ...now, alone: now.path, colours });
+    if (data.banks) plots.field = drawField(at.field, height(), now.field, { ...now, alone: now.path, colours });
     if (now.map) drawTheMap();
   }
 
@@ -95,6 +110,7 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
   function drawTheMap() {
     const { across } = now.map;
     const pixels = mapCells(now.map, across, colours, scenario.view, ship.length);
+    at.mapped.textContent = now.map.ended.every(({ kind }) => kind === SAILS) ? `None of these ships meets a bank within ${metres(scenario.view)}.` : "";
     plots.map = drawMap(at.map, height(), { pixels, across }, { ...now, speeds: data.speeds, tested: data.tested, colours });
   }
 

@@ -1,5 +1,5 @@
 // The words of the page: a headline, what the ship does, what to doubt, and the same for those who hear the page.
-import { aloneSentence, fleetSentence, offset, tally, turningSentence } from "./outcome.js";
+import { aloneSentence, fleetSentence, leaves, offset, tally, turningSentence } from "./outcome.js";
 import { beyond } from "./settings.js";
 
 const MIDDLE = 1e-3;
@@ -8,7 +8,8 @@ export function said(at, data, now, view) {
   const { values, start, alone, ended, first } = now;
   const turning = now.turning(first);
   const middle = MIDDLE * values.width;
-  written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle }));
+  const { banks, settled } = data;
+  written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, settled, agree: now.agree }));
   if (ended.length) written(at.fleet, fleetSentence(tally(ended), data.ship.length, view));
   written(at.alone, aloneSentence(alone, data.ship.length));
   listed(at.caveats, caveats(data, now));
@@ -17,11 +18,12 @@ export function said(at, data, now, view) {
 }
 
 /** What stands beside the headline: what the model says of itself, then what is beyond its data, assumed or moved. */
-function caveats(data, { values, start }) {
+function caveats(data, { values, start, path, seconds }) {
   const out = beyond(data, values).map(({ label, told }) => told ?? label);
   const moved = start.moved ? [`There is no room for that: the ship starts ${offset(start.y)}.`] : [];
   const assumed = data.assumed && values.doubt > 0 ? [`${data.assumed}: each ± ${(100 * values.doubt * data.share).toFixed(0)} %.`] : [];
-  return [...moved, ...data.notes, ...(out.length ? [`Beyond the data: ${out.join("; ")}.`] : []), ...assumed];
+  const gone = leaves(path, data.tested, seconds);
+  return [...moved, ...data.notes, ...gone, ...(out.length ? [`Beyond the data: ${out.join("; ")}.`] : []), ...assumed];
 }
 
 function written(element, html) {

@@ -63,7 +63,7 @@ function row(host, slider, { values }, changed) {
     const shown = slider.switch ? ["off", "on"][value] : said(value, slider);
     output.textContent = out ? `${shown} · ${slider.beyond}` : shown;
     output.classList.toggle("beyond", Boolean(out));
-    input.setAttribute("aria-valuetext", `${slider.label}: ${output.textContent}`);
+    if (!slider.switch) input.setAttribute("aria-valuetext", `${slider.label}: ${output.textContent}`);
   };
 }
 
