@@ -58,6 +58,7 @@ def test_a_page_is_small_and_asks_for_nothing(paper: Path, shown: tuple[Any, lis
     assert wrong == []
     assert page.evaluate("document.documentElement.scrollWidth") <= 1280
     assert "http" not in page.evaluate("document.getElementById('data').textContent")
+    assert "may be used" in page.inner_html("footer details")
 
 
 def test_the_headline_says_which_way_the_bow_turns(shown: tuple[Any, list[str]]) -> None:
@@ -213,13 +214,12 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
 
 def test_a_page_without_scripts_and_for_screen_readers(paper: Path, shown: tuple[Any, list[str]]) -> None:
     page, _ = shown
-    assert (
-        "needs JavaScript" in paper.read_text(encoding="utf-8").partition("<noscript>")[2].partition("</noscript>")[0]
-    )
+    hint = paper.read_text(encoding="utf-8").partition("<noscript>")[2].partition("</noscript>")[0]
+    assert "needs JavaScript" in hint
     assert page.locator("input[type=checkbox][aria-valuetext]").count() == 0
-    for name in ("--port", "--starboard"):
-        colours = page.evaluate("name => ['--page', name].map(one => getComputedStyle(root).getPropertyValue(one))".replace(
-            "root", "document.documentElement"), name)  # fmt: skip
+    style = "getComputedStyle(document.documentElement)"
+    for name in ("port", "starboard"):
+        colours = page.evaluate(f"['page', '{name}'].map((one) => {style}.getPropertyValue(`--${{one}}`))")
         assert contrast(*colours) >= 4.5, "WCAG 2.2, 1.4.3"
 
 
