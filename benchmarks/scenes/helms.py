@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 import narrows as nw
+from narrows.control.regulator_gains import RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import HeldLine, Regulator
-from narrows.control.stacked_regulators import Tightness, stacked_gains
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.ship import SimulatedShip
@@ -79,7 +79,7 @@ def _known(fleet: Fleet, line: HeldLine) -> HeldLine:
     holds = np.abs(needs["rudder"]) <= fleet.model.configuration.gear.limit
     at = {"y": np.full(fleet.count, line.y), "u": np.full(fleet.count, SPEED)}
     at |= {name: np.where(holds, needs[name], np.nan) for name in ("v", "rudder")}
-    gains = stacked_gains(SimulatedShip(fleet.model), fleet.truths, at, Tightness(knowing=True))
+    gains = stacked_gains(SimulatedShip(fleet.model), fleet.truths, at, RegulatorWeights(bank=1.0))
     holds &= np.isfinite(gains).all(axis=1)
     known = {name: np.where(holds, column, getattr(line, name)) for name, column in needs.items()}
     one, two, three, four, five, six = (np.where(holds, *each) for each in zip(gains.T, line.gains, strict=True))

@@ -14,21 +14,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.control import HeldLine, Regulator, linearize, regulator
-from narrows.control.regulator import rate_driven
+from narrows.control import HeldLine, LinearSystem, Regulator, linearize, regulator
+from narrows.control.regulator_gains import RegulatorWeights, rate_driven
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering, steering_of
 from narrows.waterway import Bank, Centreline, Waterway
 
-# The calmest helm by Bryson's rule: half a beam off the line weighs as much as 5 degrees off the heading, 10 degrees of
-# rudder, that rudder put over in 0.1, or half a beam for 1.2 of the time of a ship length.
+# Weights by Bryson's rule, other than the usual: half a beam off the line weighs as much as 5 degrees off the heading,
+# 10 degrees of rudder, that rudder put over in 0.1, or half a beam for 1.2 of the time of a ship length.
 OFF_HEADING, HARD, STROKE_TIME, INTEGRAL_TIME = np.radians(5.0), np.radians(10.0), 0.1, 1.2
+BANK = 0.3
 
 SHIPS = {"steered": (steered, 0.2), "mmg": (mmg, 0.6)}
 FURTHER = (("steered", "straight"), ("mmg", "waterway"))
 """With a kernel of their own to compile."""
+
+
+def driven(linear: LinearSystem) -> tuple[np.ndarray, np.ndarray]:
+    """The linear ship with the rate of its rudder as the input."""
+    A, b = rate_driven(linear.A[None], linear.B[None, :, 0])
+    return A[0], b[0]
 
 
 def told(model: nw.Model, y: float, u: float = 1.0, **more: Any) -> dict[str, Any]:
@@ -42,22 +49,23 @@ def told(model: nw.Model, y: float, u: float = 1.0, **more: Any) -> dict[str, An
 @pytest.mark.parametrize("ship", SHIPS)
 def test_gains_are_those_of_python_control(ship: str) -> None:
     model, y = SHIPS[ship][0](), SHIPS[ship][1]
-    A, b = rate_driven(linearize(model, y, 1.0), bank=False)
+    A, b = driven(linearize(model, y, 1.0))
+    doubting = A.copy()
+    doubting[:4, 0] *= BANK
     half, time = model.configuration.ship.beam / 2, model.configuration.ship.length
     rate = min(HARD / (STROKE_TIME * time), model.configuration.gear.rate)
     weights = np.diag([half**-2, OFF_HEADING**-2, 0.0, 0.0, HARD**-2, (half * INTEGRAL_TIME * time) ** -2])
-    gains, _, poles = control.lqr(A, b[:, None], weights, [[rate**-2]])
-    np.testing.assert_allclose(regulator(model, y, 1.0).lines[0].gains, gains[0], rtol=1e-6)
-    assert poles.real.max() < 0
-    whole, _ = rate_driven(linearize(model, y, 1.0))
-    assert np.linalg.eigvals(whole - np.outer(b, gains[0])).real.max() < 0
+    gains, *_ = control.lqr(doubting, b[:, None], weights, [[rate**-2]])
+    asked = RegulatorWeights(1.0, 5.0, 10.0, STROKE_TIME, INTEGRAL_TIME, BANK)
+    np.testing.assert_allclose(regulator(model, y, 1.0, weights=asked).lines[0].gains, gains[0], rtol=1e-6)
+    assert np.linalg.eigvals(A - np.outer(b, gains[0])).real.max() < 0
 
 
 @pytest.mark.parametrize("ship", SHIPS)
 def test_small_motions_are_those_of_the_linear_loop(ship: str) -> None:
     model, y = SHIPS[ship][0](), SHIPS[ship][1]
     law, time = regulator(model, y, 1.0), model.configuration.ship.length
-    A, b = rate_driven(linearize(model, y, 1.0))
+    A, b = driven(linearize(model, y, 1.0))
     closed = control.ss(A - np.outer(b, law.lines[0].gains), np.zeros((6, 1)), np.eye(6), np.zeros((6, 1)))
     begun = told(model, y, duration=4 * time, dt=time / 2000)
     voyage = nw.simulate(model, **{**begun, "y": y + 1e-4}, controller=law)

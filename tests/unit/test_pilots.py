@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.control.linearization import linearize
-from narrows.control.regulator import regulator_gains
-from narrows.control.stacked_regulators import Tightness, best_gains, stacked_gains
+from narrows.control.regulator_gains import USUAL, RegulatorWeights, regulator_gains, stacked_gains
+from narrows.control.riccati import best_gains
 from narrows.control.steady_course import solved
 from narrows.model.data_range import DataRange
 from narrows.safety.best_estimate_courses import BestEstimateCourses
@@ -83,7 +83,7 @@ class TestGains:
         ship, offsets, u = SimulatedShip(certain()), np.array([-30.0, 0.0, 45.0]), 5.0
         v, rudder = solved(ship, {"y": offsets, "u": u}, 3, 1)
         course = {"y": offsets, "u": np.full(3, u), "v": v, "rudder": rudder}
-        found = stacked_gains(ship, {}, course, Tightness())
+        found = stacked_gains(ship, {}, course)
         for y, gains in zip(offsets, found, strict=True):
             linear = linearize(certain(), y=float(y), u=u)
             np.testing.assert_allclose(gains, regulator_gains(certain(), linear), rtol=1e-7, atol=1e-14)
@@ -93,7 +93,8 @@ class TestGains:
         ship = SimulatedShip(certain())
         course = {name: np.array([value]) for name, value in {"y": 0.0, "u": 5.0, "v": 0.0, "rudder": 0.0}.items()}
         by_y = [
-            stacked_gains(ship, {}, course, Tightness(own, 4.0, knowing=True))[0, 0] for own in (1.0, 4.0, 16.0, 64.0)
+            stacked_gains(ship, {}, course, RegulatorWeights(1.0 / own, bank=1.0))[0, 0]
+            for own in (1.0, 4.0, 16.0, 64.0)
         ]
         assert by_y == sorted(by_y)
 
@@ -224,7 +225,7 @@ class TestChoice:
             )  # fmt: skip
             shares[tuning] = float(((np.abs(tried["rudder"]) <= question.rudder_limit) & tried["held"]).mean())
         assert shares[chosen.tuning] > max(shares.values()) - 0.03
-        assert shares[chosen.tuning] > shares[Tightness()] + 0.05
+        assert shares[chosen.tuning] > shares[USUAL] + 0.02
 
     def test_a_pilot_that_there_is_not_is_refused(self) -> None:
         with pytest.raises(nw.InputError, match=" or ".join(PILOTS)):
@@ -257,7 +258,7 @@ class TestWords:
 
     def test_two_shares_reach_the_headline_the_table_and_the_chart(self) -> None:
         ship = replace(narrow(), covariance=narrow().covariance / 4)
-        found = nw.safe_envelope(ship, np.linspace(-16, 16, 9), np.array([3.0, 5.0]), samples=200)
+        found = nw.safe_envelope(ship, np.linspace(-16, 16, 9), np.array([3.0, 5.0]), samples=200, controller="track")
         data = found.data
         assert bool((data["known"] >= data["held"]).all())
         assert "The limit" in found.summary()
@@ -267,7 +268,7 @@ class TestWords:
         assert all(row["known"] >= row["held"] for row in rows)
         words = [text.get_text() for text in found.plot().legends[0].get_texts()]
         assert "by a pilot who knew the ship" in words
-        assert any(note.startswith("one pilot for all cases: a regulator") for note in found.notes)
+        assert any(note.startswith("one pilot for all cases: a track pilot") for note in found.notes)
 
     def test_a_certain_ship_is_limited_by_its_rudder_and_not_by_who_knows_it(self) -> None:
         found = nw.safe_envelope(

@@ -2,10 +2,13 @@
 
 from narrows.control.closed_loop import ClosedLoop as ClosedLoop
 from narrows.control.closed_loop import closed_loop as closed_loop
+from narrows.control.design import RegulatorDesign as RegulatorDesign
+from narrows.control.design import design as design
 from narrows.control.linear_system import LinearSystem as LinearSystem
 from narrows.control.linearization import linearize as linearize
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import regulator as regulator
+from narrows.control.regulator_gains import RegulatorWeights as RegulatorWeights
 from narrows.control.regulator_law import HeldLine as HeldLine
 from narrows.control.regulator_law import Regulator as Regulator
 from narrows.control.self_propulsion import self_propulsion as self_propulsion

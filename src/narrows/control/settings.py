@@ -4,28 +4,12 @@ import math
 
 import numpy as np
 
-# Bryson's rule: heading and rudder off the course [rad] that weigh as much as half a beam off the line. The first pair
-# is the calmest helm; a regulator takes the first that holds nearly all ships, the track pilot always the first.
-WEIGHT_LADDER = tuple(
-    (math.radians(heading), math.radians(rudder)) for heading, rudder in ((5, 10), (3, 20), (2, 40), (1, 160))
-)
+# Bryson's rule for the track pilot and the plans: heading and rudder off the course [rad] that weigh as much as half a
+# beam off the line.
+OFF_HEADING, OFF_RUDDER = math.radians(5.0), math.radians(10.0)
 
-OFF_HEADING, OFF_RUDDER = WEIGHT_LADDER[0]
-
-# Weights of the scaled states of a regulator: offset, heading, sway, yaw, rudder, integral [1].
-WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
-
-# Ships of drawn coefficients, and the share of them that a regulator is to hold by the linear theory [1].
-DRAWN_SHIPS, HELD_SHARE = 64, 0.98
-
-# Time in which that much rudder put over weighs as much; no faster than the gear does it.
-STROKE_TIME = 0.1
-
-# Time for which half a beam off the line weighs as much: the integral.
-INTEGRAL_TIME = 1.2
-
-# Time that a bend is looked ahead, and in which the integral is led back where the gear cannot follow.
-LEAD_TIME, UNWINDING_TIME = 0.45, 0.15
+# Time that a bend is looked ahead.
+LEAD_TIME = 0.45
 
 # Speed over the one that a regulator was made for, below which its gains stay [1].
 SLOWEST = 0.05
@@ -108,3 +92,21 @@ LOOP_DURATION = 40.0
 # begins, its offset late over that at the start beyond which it is lost [1], the longest delay [ship lengths], and how
 # close the answer is [1].
 LOOP_TIME, LOOP_OFFSET, LOST_LOOP, MOST_DELAY, DELAY_DIGITS = 120.0, 0.03, 1.0, 2.0, 0.02
+
+# Numbers of flights that design a regulator.
+# Ship lengths of a flight, the last of them through which the ship is to be on its line, and steps a ship length.
+FLIGHT_LENGTHS, LATE_LENGTHS, FLIGHT_STEPS = 11.7, 1.2, 50
+
+# Standard deviations of what the regulator sees: the offset in beams [1]; the heading [rad], and as much of the speed
+# for the sway velocity and of a turn a ship length for the yaw rate.
+FLIGHT_NOISE = 0.01, np.radians(0.1)
+
+# Standard deviation of the heading at the start [rad].
+FLIGHT_HEADING = np.radians(1.0)
+
+# What a design costs beside the share of lost ships: a late offset of half a beam, and a travel of the rudder of so
+# much a ship length [rad], as shares of a lost ship [1].
+OFF_SHARE, TRAVEL_SHARE, FULL_TRAVEL = 0.3, 0.1, np.radians(10.0)
+
+# First step of the search, of logarithms [1]; ships that judge over those that tune.
+DESIGN_STEP, DESIGN_JUDGES = 0.3, 10

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.control.regulator_gains import RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import FELT
 from narrows.control.self_propulsion import with_propulsion
-from narrows.control.stacked_regulators import Tightness, stacked_gains
 from narrows.control.steady_course import solved
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -104,7 +104,7 @@ def _knowing(ship: SimulatedShip, grid: Grid, workers: int | None) -> dict[str, 
         course = {name: columns[name] for name in ("y", *(a.name for a in ship.actuators)) if name in columns}
         course |= {"u": np.broadcast_to(columns["u"], count)}
         course |= {"v": np.where(found, v, np.nan), "rudder": np.where(found, rudder, np.nan)}
-        gains[one.region(block)] = stacked_gains(ship, columns, course, Tightness(knowing=True)).reshape(*shape, -1)
+        gains[one.region(block)] = stacked_gains(ship, columns, course, RegulatorWeights(bank=1.0)).reshape(*shape, -1)
     parts = {KNOWING(name): xr.DataArray(gains[..., i], dims=list(one.sizes)) for i, name in enumerate(FELT)}
     return {**parts, KNOWING("made_for"): xr.DataArray(float(values["u"]))}
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from narrows.control.regulator_gains import USUAL, RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import FELT, HeldLine, Regulator
-from narrows.control.settings import LEAD_TIME, UNWINDING_TIME
-from narrows.control.stacked_regulators import Tightness, stacked_gains
+from narrows.control.settings import LEAD_TIME
 from narrows.control.track_pilot import FELT as TRACKED
 from narrows.control.track_pilot import track_gains
 from narrows.errors import InputError
@@ -44,7 +44,7 @@ class Pilot:
     law: Callable[[SimulatedShip, Numbers, Course], ControlLaw]
 
 
-def _regulator_numbers(courses: BestEstimateCourses, tuning: Tightness) -> Numbers:
+def _regulator_numbers(courses: BestEstimateCourses, tuning: RegulatorWeights) -> Numbers:
     """Gains, and rudder, heading and drift of the most likely course."""
     gains = courses.filled(stacked_gains(courses.ship, courses.values, courses.course, tuning))
     return {**{f"by_{name}": gains[..., i] for i, name in enumerate(FELT)}, **courses.held()}
@@ -84,7 +84,7 @@ def _hand(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
 
 
 # Regulators that trust the bank of the most likely coefficients, beside the usual one.
-TIGHTER = Tightness(8.0, knowing=True), Tightness(16.0, knowing=True), Tightness(32.0, 4.0, knowing=True)
+TIGHTER = tuple(RegulatorWeights(offset, bank=1.0) for offset in (1 / 4, 1 / 8, 1 / 16))
 
 # A human at the wheel, as a control law: what is seen becomes an order late, in whole degrees, up to a cap.
 # From a look to the next, and from an order to its being heard [s].
@@ -97,7 +97,7 @@ CAP_DEG = 20.0
 PILOTS = {
     "regulator": Pilot(
         "a regulator made for the most likely coefficients, as tight as holds most",
-        (Tightness(), *TIGHTER), _regulator_numbers, _regulator,
+        (USUAL, *TIGHTER), _regulator_numbers, _regulator,
     ),
     "track": Pilot(
         "a track pilot without an integral, made on the centreline for the most likely coefficients, and told what "
@@ -118,7 +118,7 @@ def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any],
     time = ship.model.configuration.ship.length / np.asarray(made_for)
     one, two, three, four, five, six = gains
     line = HeldLine(held["y"], (one, two, three, four, five, six), held["rudder"], held["psi"], held["v"])
-    return Regulator((line,), made_for, LEAD_TIME * time, UNWINDING_TIME * time)
+    return Regulator((line,), made_for, LEAD_TIME * time, USUAL.unwinding_time * time)
 
 
 # Degrees, of which whole ones are made up.

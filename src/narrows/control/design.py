@@ -1,0 +1,224 @@
+"""Design regulators by flights: the few weights of one law, tuned on drawn ships, judged on others."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.control.flights import Flights, Flown, Push, Scene
+from narrows.control.regulator import regulator
+from narrows.control.regulator_gains import USUAL, RegulatorWeights
+from narrows.control.regulator_law import Regulator
+from narrows.control.settings import (
+    DESIGN_JUDGES,
+    DESIGN_STEP,
+    FLIGHT_LENGTHS,
+    FULL_TRAVEL,
+    OFF_SHARE,
+    TRAVEL_SHARE,
+)
+from narrows.control.steady_course import check_rudder
+from narrows.errors import InputError, check_count
+from narrows.model.model import Model
+from narrows.progress import bar
+from narrows.results import Described
+from narrows.ship.actuators import SteeringGear
+from narrows.simulation.inputs import finite_numbers
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SIX, FIVE, THREE = (math.radians(angle) for angle in (6.0, 5.0, 3.0))
+# What a ship meets: an offset, a bank that recedes twice, gusts, and far off the middle a gust and a bank that recedes.
+SCENES = {
+    "offset": Scene(0.8, 0.3),
+    "bank": Scene(1.0, 0.0, (Push(2.0, 3.5, 0.0, SIX), Push(5.9, 7.4, 0.0, -SIX))),
+    "gust": Scene(0.8, 0.0, (Push(2.0, 3.2, SIX, FIVE), Push(5.9, 7.0, -SIX, -FIVE))),
+    "hard": Scene(1.3, 0.0, (Push(2.0, 3.2, 1.5 * SIX, 1.5 * FIVE), Push(4.9, 6.1, 0.0, FIVE))),
+}
+# What is tuned, as logarithms; the share of the bank is its own.
+TUNED = ("heading_deg", "rudder_deg", "stroke_time", "integral_time", "unwinding_time")
+
+
+@dataclass(frozen=True, repr=False)
+class RegulatorDesign(Described):
+    """A regulator designed by flights: what ``design`` returns.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    y : float [m]
+        Offset that it was designed for.
+    u : float [m/s]
+        Surge velocity.
+    weights : RegulatorWeights
+        Those that lose fewest ships.
+    judged : mapping of str to mapping
+        By scene: the shares of other ships that are ``lost`` and that ``usual`` weights lose, and the median ``travel``
+        of the rudder of both [rad].
+    """
+
+    model: Model
+    y: float
+    u: float
+    weights: RegulatorWeights
+    judged: Mapping[str, Mapping[str, float]]
+
+    @property
+    def regulator(self) -> Regulator:
+        """The regulator at the offset and speed of the design."""
+        return regulator(self.model, self.y, self.u, weights=self.weights)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give what was judged: a row a scene."""
+        import pandas as pd
+
+        return pd.DataFrame.from_dict({name: dict(row) for name, row in self.judged.items()}, orient="index")
+
+    def summary(self) -> str:
+        """Say how many ships are lost, and how many usual weights lose."""
+        parts = [f"{name} {1000 * row['lost']:.0f} ({1000 * row['usual']:.0f})" for name, row in self.judged.items()]
+        return f"Lost of 1000 ships that it was not tuned on, in brackets by usual weights: {', '.join(parts)}."
+
+
+def design(
+    model: Model, y: float, u: float, *, gear: SteeringGear | None = None, noise: Mapping[str, float] | None = None,
+    ships: int = 200, rounds: int = 20, seed: int = 0, progress: bool = False,
+) -> RegulatorDesign:  # fmt: skip
+    """Tune the weights of a regulator by flights of drawn ships, with the gear's delays and noise.
+
+    Ships of coefficients drawn from the model's covariance fly four scenes: an offset, a bank that recedes, gusts, and
+    both far off the middle. A ship is lost where it meets a bank, or is late still half a beam off its line. What is
+    minimised is the share of lost ships, with small shares for the late offset and the travel of the rudder. The result
+    is judged on other ships.
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder and the covariance of its coefficients.
+    y : float [m]
+        Offset to hold, to starboard of the middle.
+    u : float [m/s]
+        Surge velocity through the water.
+    gear : SteeringGear, optional
+        Of the flights; the model's own unless given.
+    noise : mapping of str to float, optional
+        Standard deviations of what the regulator sees: y [m], psi [rad], v [m/s], r [rad/s].
+    ships : int
+        Drawn for the tuning; ten times as many judge.
+    rounds : int
+        Of the search, twelve designs each.
+    seed : int
+        Of all that is drawn.
+    progress : bool
+        Show a bar on stderr.
+
+    Returns
+    -------
+    RegulatorDesign
+        Weights, the regulator, and what it loses of other ships.
+
+    Raises
+    ------
+    InputError
+        Where the model has no rudder or no covariance, or a number is out of range.
+
+    References
+    ----------
+    Hansen and Ostermeier (2001), Completely derandomized self-adaptation in evolution strategies, Evolutionary
+    Computation 9(2), 159-195.
+    """
+    check_rudder(model)
+    if model.covariance is None:
+        raise InputError("a design draws ships from the covariance of the coefficients; identify the model from tests")
+    finite_numbers(y=y, u=u, **(noise or {}))
+    check_count("ships", ships, 10)
+    check_count("rounds", rounds, 1)
+    check_count("seed", seed)
+    flown = model if gear is None else with_gear(model, gear)
+    scenes = tuple(SCENES.values())
+    flights = Flights(flown, y, u, scenes, ships, seed, noise)
+
+    def cost(point: np.ndarray) -> float:
+        weights = weights_at(point)
+        flown = flights.fly(weights) if weights else None
+        return math.inf if flown is None else cost_of(flown)
+
+    with bar(rounds, progress) as advance:
+        best = searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, seed, advance)
+    weights = weights_at(best) or USUAL
+    judge = Flights(flown, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
+    return RegulatorDesign(model, float(y), float(u), weights, _judged(judge, weights))
+
+
+def with_gear(model: Model, gear: SteeringGear) -> Model:
+    """Return the model with another steering gear."""
+    from dataclasses import replace
+
+    return replace(model, configuration=replace(model.configuration, steering=gear))
+
+
+def weights_at(point: np.ndarray) -> RegulatorWeights | None:
+    """Return the weights of a point of the search; None where they are none."""
+    tuned: dict[str, Any] = {n: getattr(USUAL, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
+    bank = float(point[-1])
+    return RegulatorWeights(**tuned, bank=bank) if 0.0 <= bank <= 1.0 else None
+
+
+def cost_of(flown: Flown) -> float:
+    late = np.minimum(flown.off, 3.0)
+    travel = np.minimum(flown.travel, 2 * FULL_TRAVEL * FLIGHT_LENGTHS)
+    return float(
+        flown.lost.mean() + OFF_SHARE * late.mean() + TRAVEL_SHARE * travel.mean() / (FULL_TRAVEL * FLIGHT_LENGTHS)
+    )
+
+
+def _judged(flights: Flights, weights: RegulatorWeights) -> dict[str, dict[str, float]]:
+    tuned, usual = flights.fly(weights), flights.fly(USUAL)
+    assert tuned is not None
+    assert usual is not None
+    return {
+        name: {
+            "lost": float(tuned.lost[row].mean()), "usual": float(usual.lost[row].mean()),
+            "travel": float(np.median(tuned.travel[row])), "usual_travel": float(np.median(usual.travel[row])),
+        }
+        for row, name in enumerate(SCENES)
+    }  # fmt: skip
+
+
+def searched(
+    cost: Callable[[np.ndarray], float], start: np.ndarray, rounds: int, seed: int, advance: Callable[[int], Any]
+) -> np.ndarray:
+    """Return the best point of an evolution strategy with an adapted covariance (CMA-ES)."""
+    random, n = np.random.default_rng(seed), len(start)
+    count = 4 + 2 * int(2 * math.log(n))
+    share = np.log(count / 2 + 0.5) - np.log(np.arange(1, count // 2 + 1))
+    share /= share.sum()
+    effective = 1 / (share**2).sum()
+    path_rate, step_rate = 4 / (n + 4), (effective + 2) / (n + effective + 5)
+    one = 2 / ((n + 1.3) ** 2 + effective)
+    several = min(1 - one, 2 * (effective - 2 + 1 / effective) / ((n + 2) ** 2 + effective))
+    expected = math.sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n * n))
+    mean, size, covariance = start.copy(), DESIGN_STEP, np.eye(n)
+    path, step_path, best = np.zeros(n), np.zeros(n), (cost(start), start)
+    for _ in range(rounds):
+        lengths, axes = np.linalg.eigh(covariance)
+        moves = (random.standard_normal((count, n)) * np.sqrt(lengths)) @ axes.T
+        costs = np.array([cost(mean + size * move) for move in moves])
+        order = np.argsort(costs, kind="stable")
+        if costs[order[0]] < best[0]:
+            best = float(costs[order[0]]), mean + size * moves[order[0]]
+        chosen = moves[order[: count // 2]]
+        move = share @ chosen
+        mean = mean + size * move
+        whitened = axes @ ((axes.T @ move) / np.sqrt(lengths))
+        step_path = (1 - step_rate) * step_path + math.sqrt(step_rate * (2 - step_rate) * effective) * whitened
+        path = (1 - path_rate) * path + math.sqrt(path_rate * (2 - path_rate) * effective) * move
+        covariance = (1 - one - several) * covariance + one * np.outer(path, path)
+        covariance += several * (chosen.T * share) @ chosen
+        size *= math.exp(step_rate / (1 + step_rate) * (float(np.linalg.norm(step_path)) / expected - 1))
+        advance(1)
+    return best[1]

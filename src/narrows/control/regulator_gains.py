@@ -1,0 +1,123 @@
+"""Gains of regulators by their weights: of one ship on its course, or of many, each on a course of its own."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isfinite, radians
+from typing import Any
+
+import numpy as np
+
+from narrows.codegen.linearisation import LINEARISED
+from narrows.control.linear_system import LinearSystem
+from narrows.control.regulator_law import FELT
+from narrows.control.riccati import best_gains, holding
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.simulation.ship import SimulatedShip
+
+# Weights of the scaled states: offset, heading, sway, yaw, rudder, integral [1].
+SCALED_WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class RegulatorWeights:
+    """What weighs alike in a regulator, by Bryson's rule, and how it trusts the bank.
+
+    The usual numbers were tuned by flights of the KCS at full size (``python decisions/regulator_weights.py``);
+    ``design`` tunes them for another ship.
+
+    Parameters
+    ----------
+    offset : float [half beams]
+        Off the line; weighs as much as each of the others.
+    heading_deg : float [deg]
+        Off the course.
+    rudder_deg : float [deg]
+        Off that of the course.
+    stroke_time : float [1]
+        In which that rudder is put over, in times of a ship length; no faster than the gear does it.
+    integral_time : float [1]
+        For which the offset lasts, in the same times.
+    bank : float [1]
+        Share of the model's slope of the bank's force by the offset, which tests settle worst: 0 takes the force to be
+        the same at every distance. Where the share leaves the model's ship unstable, the whole slope is taken.
+    unwinding_time : float [1]
+        In which the integral is led back where the gear cannot follow, in times of a ship length.
+
+    Raises
+    ------
+    InputError
+        Where a number is not over 0, or the share is not from 0 to 1.
+    """
+
+    offset: float = 1.0
+    heading_deg: float = 2.3
+    rudder_deg: float = 14.0
+    stroke_time: float = 0.095
+    integral_time: float = 1.7
+    bank: float = 0.5
+    unwinding_time: float = 0.26
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            right = 0 <= value <= 1 if entry.name == "bank" else value > 0
+            if not (right and isfinite(value)):
+                raise InputError(f"weights of a regulator: {entry.name} = {value} is out of range; see its docstring")
+
+
+USUAL = RegulatorWeights()
+
+
+def gains_of(
+    ship: SimulatedShip, motion: np.ndarray, push: np.ndarray, speed: np.ndarray, weights: RegulatorWeights
+) -> np.ndarray:
+    """Return gains for what ``FELT`` names, (n, 6), of systems (n, 6, 6) driven by the rudder's rate; NaN for none."""
+    # Each state in what weighs as much as the others, and time in ship lengths: the equation is of size 1.
+    hull, gear, one = ship.model.configuration.ship, ship.model.configuration.gear, np.ones(len(speed))
+    time, off, rudder = hull.length / speed, weights.offset * hull.beam / 2, radians(weights.rudder_deg)
+    size = np.stack(
+        [off * one, radians(weights.heading_deg) * one, speed, speed / hull.length, rudder * one,
+         off * weights.integral_time * time], axis=1,
+    )  # fmt: skip
+    rate = np.minimum(rudder / (weights.stroke_time * time), gear.rate)
+    scaled = time[:, None, None] * motion * size[:, None, :] / size[:, :, None]
+    drive = (time * rate)[:, None] * push / size
+    trusting = best_gains(scaled, drive, SCALED_WEIGHTS)
+    doubting = scaled.copy()
+    doubting[:, :4, 0] *= weights.bank
+    gains = best_gains(doubting, drive, SCALED_WEIGHTS)
+    gains = np.where(holding(scaled, drive, gains)[:, None], gains, trusting)
+    return np.asarray(gains * rate[:, None] / size)
+
+
+def stacked_gains(
+    ship: SimulatedShip, values: Mapping[str, Any], course: Mapping[str, Any], weights: RegulatorWeights = USUAL
+) -> np.ndarray:
+    """Return the gains of a regulator for each of many courses, (n, 6)."""
+    linear = ship.linearisation({**ship.values(), **values})
+    matrix = linear.linear({**course, "psi": -np.arctan(course["v"] / course["u"])})
+    states, speed = [LINEARISED.index(name) for name in FELT[:4]], np.asarray(course["u"], float)
+    rows = np.broadcast_to(matrix, (len(speed), *matrix.shape[-2:]))[:, states]
+    rudder = len(LINEARISED) + linear.controlled.index("rudder")
+    return gains_of(ship, *rate_driven(rows[:, :, states], rows[:, :, rudder]), speed, weights)
+
+
+def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeights = USUAL) -> tuple[Any, ...]:
+    """Return the gains of a regulator on one course, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]."""
+    motion, push = rate_driven(linear.A[None], linear.B[None, :, linear.controls.index("rudder")])
+    gains = gains_of(SimulatedShip(model), motion, push, np.array([float(linear.course["u"])]), weights)[0]
+    if not np.isfinite(gains).all():
+        y, u = float(linear.course["y"]), float(linear.course["u"])
+        raise InputError(
+            f"no regulator holds this ship {y:g} m off the middle at {u:g} m/s: its rudder turns nothing there"
+        )
+    return tuple(gains.tolist())
+
+
+def rate_driven(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return systems of ``FELT`` driven by the rudder's rate, (n, 6, 6) and (n, 6), of those of y, psi, v, r."""
+    driven, push = np.zeros((len(A), len(FELT), len(FELT))), np.zeros((len(A), len(FELT)))
+    driven[:, :4, :4], driven[:, :4, 4] = A, b
+    driven[:, 5, 0], push[:, 4] = 1.0, 1.0
+    return driven, push

@@ -1,0 +1,108 @@
+"""Regulators designed by flights: flights beside voyages, the search beside known minima, fewer lost ships."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from full_size import full_size
+
+import narrows as nw
+from narrows.control import RegulatorDesign, RegulatorWeights, closed_loop, design, regulator
+from narrows.control.design import SCENES, searched
+from narrows.control.flights import Flights, Push, Scene
+from narrows.simulation.grid import sampled
+
+SPEED, HOLD = 4.5, 50.0
+QUIET = {"y": 0.0, "psi": 0.0, "v": 0.0, "r": 0.0}
+
+
+def test_a_flight_is_a_voyage_of_its_ship() -> None:
+    """By ``simulate``, with the pushes as forces in newtons."""
+    weights = RegulatorWeights(heading_deg=3.0, bank=0.2)
+    push = Push(2.0, 3.5, 0.05, 0.08)
+    flights = Flights(full_size(), HOLD, SPEED, (Scene(1.0, 0.2, (push,)),), 6, 4, QUIET)
+    flown = flights.fly(weights)
+    linear, hull = flights.systems[0], full_size().configuration.ship
+    moment = float(linear.B[3, 0] / linear.G[3, linear.disturbances.index("N")])
+    time, ships = hull.length / SPEED, {name: c.to_numpy() for name, c in sampled(full_size(), 6, 4).items()}
+    starts = flights._begun
+    for ship in (0, 3, 5):
+        model = full_size().with_coefficients(**{name: float(column[ship]) for name, column in ships.items()})
+        law = regulator(full_size(), HOLD, SPEED, weights=weights)
+        course, psi = law.lines[0], float(np.arctan2(starts[ship, 3], starts[ship, 2]))
+        acting = {"Y": (moment / hull.length * push.force), "N": moment * push.moment}
+        forces = {n: [(push.start * time, value), (push.stop * time, 0.0)] for n, value in acting.items()}
+        voyage = nw.simulate(
+            model, HOLD + 0.2 * hull.beam, SPEED, 11.7 * time, time / 50, psi=psi, v=course.v, rudder=course.rudder,
+            controller=law, **forces,
+        )  # fmt: skip
+        off = np.abs(voyage.y[:-1] - HOLD)[voyage.t[:-1] > 10.5 * time - 0.01].max() / (hull.beam / 2)
+        assert flown.off[0, ship] == pytest.approx(off, rel=1e-6)
+        assert flown.travel[0, ship] == pytest.approx(np.abs(np.diff(voyage.rudder[:-1])).sum(), rel=1e-6)
+
+
+def test_noise_is_as_large_as_it_is_said_to_be() -> None:
+    """The rudder of a ship that sees its offset alone with noise works in proportion to it, and not without."""
+    certain = replace(full_size(), covariance=0.0 * full_size().covariance)
+    travel = []
+    for size in (0.0, 0.3, 0.6):
+        flights = Flights(certain, HOLD, SPEED, (Scene(1.0, 0.0),), 50, 4, {**QUIET, "y": size})
+        travel.append(float(np.median(flights.fly(RegulatorWeights()).travel)))
+    assert travel[2] > 1.5 * travel[1] > 1.5 * travel[0]
+
+
+def test_the_search_finds_the_minimum_of_a_valley() -> None:
+    """Of a quadratic whose axes differ by a factor of a thousand, turned."""
+    turned = np.linalg.qr(np.random.default_rng(2).standard_normal((4, 4)))[0]
+    matrix, least = turned @ np.diag([1.0, 10.0, 100.0, 1000.0]) @ turned.T, np.array([0.3, -0.2, 0.5, 0.1])
+    found = searched(lambda x: float((x - least) @ matrix @ (x - least)), np.zeros(4), 150, 0, lambda done: None)
+    np.testing.assert_allclose(found, least, atol=1e-3)
+
+
+@cache
+def doubtful() -> nw.Model:
+    """As if the tests knew the ship less than half as well: the best weights are others than the usual."""
+    return replace(full_size(), covariance=2.5**2 * full_size().covariance)
+
+
+@cache
+def designed() -> RegulatorDesign:
+    return design(doubtful(), HOLD, SPEED, ships=120, rounds=10, gear=nw.SteeringGear(dead_time=1.0, lag=1.5))
+
+
+def test_a_designed_regulator_loses_fewer_ships_that_it_was_not_tuned_on() -> None:
+    judged = designed().judged
+    lost, usual = (np.mean([row[name] for row in judged.values()]) for name in ("lost", "usual"))
+    assert lost < usual - 0.01
+    assert list(judged) == list(SCENES)
+    assert "in brackets by usual weights" in designed().summary()
+    assert designed().to_dataframe().shape == (4, 4)
+
+
+def test_it_is_the_regulator_of_its_weights_and_stands_delays() -> None:
+    made = designed()
+    assert made.regulator == regulator(doubtful(), HOLD, SPEED, weights=made.weights)
+    assert closed_loop(doubtful(), made.regulator).margins()["delay"] > 4.0
+
+
+def test_the_seed_decides_all_that_is_drawn() -> None:
+    told: dict[str, Any] = {"ships": 20, "rounds": 2}
+    one, same, other = (design(doubtful(), HOLD, SPEED, seed=seed, **told).weights for seed in (1, 1, 2))
+    assert one == same != other
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: design(nw.published("mikkelsen2025_dtc"), 0.0, 1.0), "no terms of a rudder"),
+        (lambda: design(replace(full_size(), covariance=None), HOLD, SPEED), "draws ships from the covariance"),
+        (lambda: design(full_size(), HOLD, SPEED, ships=1), "ships"),
+        (lambda: RegulatorWeights(bank=1.5), "bank = 1.5"),
+        (lambda: RegulatorWeights(heading_deg=0.0), "heading_deg = 0.0"),
+    ],
+)
+def test_what_is_no_design_is_one_sentence(make: Any, words: str) -> None:
+    with pytest.raises(nw.InputError, match=words):
+        make()
