@@ -56,7 +56,7 @@ def test_wider_data_never_leave_out_what_narrower_covered(
 def test_a_range_that_is_not_known_is_named_only_where_asked() -> None:
     assert extrapolation(DataRange(), {"speed": 1.0}) == ()
     (sentence,) = extrapolation(DataRange(), {"speed": 1.0}, unknown=True)
-    assert sentence == "Beyond the data, or not: they do not say what surge velocity they covered."
+    assert sentence == "Not known whether tested: the model gives no range of surge velocity that its data covered."
 
 
 def test_angles_are_spoken_of_in_degrees() -> None:

@@ -77,6 +77,18 @@ class DataRange:
         slack = SLACK * max(abs(low), abs(high))
         return np.logical_or(values < low - slack, values > high + slack)
 
+    def covers(self, name: str, values: Number) -> Number:
+        """Return whether the data covered values, for each; False where that is not known.
+
+        Parameters
+        ----------
+        name : str
+            As for ``outside``.
+        values : number
+            In its unit.
+        """
+        return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
+
 
 def extrapolation(
     known: DataRange, asked: Mapping[str, Number], measures: Mapping[str, Measure] = MEASURES, unknown: bool = False
@@ -86,7 +98,7 @@ def extrapolation(
     for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
         covered, measure = getattr(known, name), measures[name]
         if covered is None and unknown:
-            sentences.append(f"Beyond the data, or not: they do not say what {measure.words} they covered.")
+            sentences.append(f"Not known whether tested: the model gives no range of {measure.words} that its data covered.")
         elif np.any(known.outside(name, values)):
             there = measure.shown(float(np.min(values)), float(np.max(values)))
             sentences.append(f"Beyond the data: {measure.words} {there}; they covered {measure.shown(*covered)}.")

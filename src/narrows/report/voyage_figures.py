@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
 from narrows.errors import InputError
-from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.style import (
@@ -238,7 +237,7 @@ def map_figure(
         else:
             _say_nothing_grounds(axes, quantity, str(map_summary(voyages)["summary"]))
         axes.set_xlabel(LABELS.get(dims[0], dims[0]))
-        keys += _mark_tested(axes, quantity, model.data_range)
+        keys += _mark_tested(axes, quantity, model)
         axes.legend(handles=keys, frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
         if dims == ["y"] and within is None and waterway is None:
             _clearance_on_top(axes, model.configuration)
@@ -266,19 +265,21 @@ def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> N
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center")
 
 
-def _mark_tested(axes: Axes, quantity: xr.DataArray, known: DataRange) -> list[Any]:
-    tested = {"y": known.abs_y and (-known.abs_y[1], known.abs_y[1]), "u": known.speed}
+def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model) -> list[Any]:
+    known, nothing = model.data_range, (np.inf, np.inf)
+    tested = {"y": (-known.abs_y[1], known.abs_y[1]) if known.abs_y else nothing, "u": known.speed or nothing}
     marked = False
     for axis, name in enumerate(str(name) for name in quantity.dims):
-        if (covered := tested.get(name)) is not None:
-            marked |= _hatch_beyond(axes, axis, covered)
+        if name in tested:
+            marked |= _hatch_beyond(axes, axis, tested[name] if model.feels_bank else nothing)
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": PURPLE, "hatch": ".."}
     return [Patch(label="not tested: the model's guess", **look)] if marked else []
 
 
 def _hatch_beyond(axes: Axes, axis: int, covered: tuple[float, float]) -> bool:
     low, high = (axes.get_ylim if axis else axes.get_xlim)()
-    bands = [(start, stop) for start, stop in ((low, covered[0]), (covered[1], high)) if start < stop]
+    ends = ((low, min(covered[0], high)), (max(covered[1], low), high))
+    bands = [(start, stop) for start, stop in ends if start < stop]
     for start, stop in bands:
         (axes.axhspan if axis else axes.axvspan)(start, stop, fc="none", ec=PURPLE, hatch="..", lw=0, zorder=3)
     (axes.set_ylim if axis else axes.set_xlim)(low, high)

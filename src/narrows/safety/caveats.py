@@ -43,8 +43,8 @@ def with_caveats(found: SafeEnvelope, request: EnvelopeRequest, under: Keel, sam
         "pilot": request.pilot,
         "pilot_words": PILOTS[request.pilot].words,
         "samples": samples,
-        "untested": untested_section(model),
-        "trust": model.trust_note,
+        "untested": untested_reasons(model),
+        "trust": left_out(model),
         **{name: list(covered) for name, covered in ranges.items() if covered is not None},
         **rules.attributes(),
     }
@@ -136,16 +136,18 @@ def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
 # What of an envelope lies within the tests behind its model.
 # How ranges of the data are spoken of on a bridge.
 IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
-SECTION = ("depth_to_draft", "width_to_beam")
+SPOKEN = {"speed": "speed", "abs_y": "offset", "depth_to_draft": "h/T", "width_to_beam": "W/B"}
+NO_BANK = "no term of this model feels a bank (fit tests near a bank with --terms paper, or take a model that has one)"
+UNKNOWN = "the file does not give the ranges that its tests covered in"
 
 
 def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-    """Return which offsets and speeds the tests covered, (offsets, speeds); all where they do not say."""
+    """Return which offsets and speeds the tests covered, (offsets, speeds): none where that or the bank is not known."""
     # offsets (n,) [m]; speeds (m,) [m/s]
     # A place nearer to the middle than the tests were is inside.
     known = _to_the_middle(model)
-    off, fast = known.outside("abs_y", np.abs(offsets)), known.outside("speed", speeds)
-    return np.asarray(~np.asarray(off)[:, None] & ~np.asarray(fast)[None])
+    near, fast = known.covers("abs_y", np.abs(offsets)), known.covers("speed", speeds)
+    return np.asarray(model.feels_bank & np.asarray(near)[:, None] & np.asarray(fast)[None])
 
 
 def _to_the_middle(model: Model) -> DataRange:
@@ -159,16 +161,34 @@ def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple
     return extrapolation(_to_the_middle(model), asked, IN_KNOTS, unknown=True)
 
 
-def untested_section(model: Model) -> str:
-    """Say in what the section of water is none that was tested; nothing where it is one, or that is not known."""
-    known = model.data_range
+def untested_reasons(model: Model) -> str:
+    """Say why the answer is the model's guess: no bank, ranges that are not known, a section that was not tested."""
+    known, words = model.data_range, []
+    if not model.feels_bank:
+        words.append(NO_BANK)
+    unknown = [name for name in ("speed", "abs_y", *_section(model)) if getattr(known, name) is None]
+    if unknown:
+        words.append(f"{UNKNOWN} {', '.join(SPOKEN[name] for name in unknown)}")
     there = [
         f"{IN_KNOTS[name].words} {IN_KNOTS[name].shown(value, value)} ({IN_KNOTS[name].shown(*getattr(known, name))} "
         "was tested)"
         for name, value in _section(model).items()
         if known.outside(name, value)
     ]
-    return " and ".join(there)
+    return " and ".join((*words, *there))
+
+
+def left_out(model: Model) -> str:
+    """Say, in sentences, what is not known of the model and therefore not counted in its answer."""
+    lines = [model.trust_note]
+    banks = [term.name for term in model.terms.terms if term.from_bank]
+    if banks and not model.verdicts:
+        lines.append(f"The model file has no verdicts: whether its tests determine {', '.join(banks)} is not known.")
+    if model.covariance is None:
+        lines.append("The uncertainty of the coefficients is not known, so it is not counted.")
+    if model.configuration.canal.depth is None:
+        lines.append("The depth of the canal is not known, so squat and grounding of the keel are not counted.")
+    return " ".join(filter(None, lines))
 
 
 def _section(model: Model) -> dict[str, float]:

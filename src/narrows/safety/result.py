@@ -84,12 +84,12 @@ class SafeEnvelope(Shown):
 
     @property
     def untested(self) -> str:
-        """In what the section of water is none that was tested; nothing where it is one, or that is not known."""
+        """Why the answer is the model's guess: no bank, unknown ranges, an untested section; nothing where it is none."""
         return str(self.data.attrs["untested"])
 
     @property
     def trust(self) -> str:
-        """What the model's tests do not settle of the banks, in a sentence; nothing where they do."""
+        """What is not known of the model and not counted in the answer, in sentences; nothing where all is known."""
         return str(self.data.attrs.get("trust", ""))
 
     @property
@@ -190,7 +190,9 @@ class SafeEnvelope(Shown):
         return [self._reason(index, ends, share) for index, ends in enumerate(self._ends(share))]
 
     def safest_offset(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return at each speed the offset [m] where it is safe and needs the least rudder, NaN where there is none.
+        """Return at each speed the safe offset [m] that needs the least rudder, NaN where there is none.
+
+        Of offsets that need the same, it is the one nearest to the middle.
 
         Parameters
         ----------
@@ -198,8 +200,13 @@ class SafeEnvelope(Shown):
             Of the samples.
         """
         need = self.data["rudder_95"].where(self.safe(share), np.inf).transpose("u", "y").to_numpy()
-        offsets = self.data["y"].to_numpy()
-        safest = [float(offsets[row.argmin()]) if np.isfinite(row).any() else math.nan for row in need]
+        offsets, (port, starboard) = self.data["y"].to_numpy(), self.walls
+        aside = np.abs(offsets - (starboard - port) / 2)
+        # Of offsets that need the same rudder, the one nearest to the middle.
+        nearest = [np.where(row <= row.min() + LEAST_ANGLE, aside, np.inf).argmin() for row in need]
+        safest = [
+            float(offsets[at]) if np.isfinite(row).any() else math.nan for row, at in zip(need, nearest, strict=True)
+        ]
         return xr.DataArray(safest, coords={"u": self.data["u"]}, dims="u", attrs={"units": "m"})
 
     @property

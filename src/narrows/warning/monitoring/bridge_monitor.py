@@ -168,9 +168,8 @@ def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tupl
     here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
     asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}
     asked |= {"width_to_beam": float(here.width) / ship.beam, "depth_to_draft": float(here.depth) / ship.draft}
-    return tuple(
-        extrapolation(model.data_range, {name: value for name, value in asked.items() if math.isfinite(value)})
-    )
+    known = {name: value for name, value in asked.items() if math.isfinite(value)}
+    return tuple(extrapolation(model.data_range, known, unknown=True))
 
 
 def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
