@@ -24,8 +24,11 @@ FUNCTIONS = {
 OTHER_FUNCTIONS = {
     "jacobian or control.linearize": ("linearize", "linearise", "linear"),
     "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
-    "measured_tests": ("datasets", "load_dataset", "example_data"), "Configuration": ("Config", "Setup"),
-    "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet"),
+    "measured_tests": ("datasets", "load_dataset", "example_data", "demo_tests"), "read_captive": ("read_tests",),
+    "model.plot(), voyage.plot() or map_figure, by what is drawn": ("plot", "figure", "draw"),
+    "published": ("list_models", "models", "ships"), "read_waterway": ("read_geojson", "read_canal", "load_waterway"),
+    "Configuration": ("Config", "Setup"),
+    "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet", "sweep", "monte_carlo"),
 }  # fmt: skip
 
 

@@ -11,6 +11,8 @@ import pandas as pd
 import pytest
 
 import narrows as nw
+from narrows.cli.app import GROUPS, app
+from narrows.cli.options import speed
 from tables import frame_of, many_runs, short_twin, written
 
 SCRIPT = Path(sys.executable).parent / "narrows"
@@ -122,12 +124,15 @@ def test_debug_shows_the_traceback(ship_file: Path, tmp_path: Path, monkeypatch)
         main()
 
 
-@pytest.mark.parametrize("words", [["--help"], ["identify", "--help"], ["demo", "--help"]])
+HELP = [[], ["--help"], ["-h"], ["help"], ["identify", "--help"], ["demo", "-h"], ["help", "map"]]
+
+
+@pytest.mark.parametrize("words", HELP)
 def test_help(words: list[str], cli) -> None:
     code, out, err = cli(*words)
     assert (code, err) == (0, "")
     assert out.startswith("Usage: ")
-    if words[0] != "--help":
+    if len(words) > 1:
         assert "Example: narrows" in out
 
 
@@ -136,7 +141,9 @@ def test_help(words: list[str], cli) -> None:
     [
         (["identify"], "Missing argument"),
         (["identify", "t.csv", "--ship", "s.toml", "--bogus"], "No such option '--bogus'"),
-        (["identfy"], "Did you mean 'identify'"),
+        (["identfy"], "did you mean 'identify'"),
+        (["fit"], "write narrows identify"),
+        (["xyzzy"], "verbs: "),
         (["identify", "t.csv", "--ship", "s.toml", "--seed", "x"], "--seed"),
         (["identify", "t.csv", "--ship", "s.toml", "--stream", "--report", "r.html"], "leave one of them out"),
     ],
@@ -145,6 +152,24 @@ def test_usage_errors_are_one_line(words: list[str], sentence: str, cli) -> None
     code, out, err = cli(*words)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert sentence in err
+
+
+def test_every_verb_stands_in_one_group() -> None:
+    listed = [verb for verbs in GROUPS.values() for verb in verbs]
+    assert set(app.commands) <= set(listed)
+    assert len(listed) == len(set(listed))
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_printed_for_a_shell(shell: str, cli) -> None:
+    code, out, err = cli("--completion", shell)
+    assert (code, err) == (0, "")
+    assert "_NARROWS_COMPLETE" in out
+
+
+@pytest.mark.parametrize("text", ["8kn", "8 kn", "8kt", "8 kts", "8knots", "8 Knots", "14.816 km/h", "14.816kmh"])
+def test_speeds_in_the_units_that_people_write(text: str) -> None:
+    assert speed("--speed", text) == pytest.approx(8 * 1852 / 3600)
 
 
 def test_the_installed_command(good: Path, ship_file: Path, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pandas as pd
 from narrows.captive import check, formats
 from narrows.captive.check import MotionColumns, check_kinematics
 from narrows.captive.columns import COLUMNS, columns_with
+from narrows.captive.screening import screened
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source
@@ -50,7 +51,10 @@ def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, .
     frame, of_layout = formats.translated(mapped if early is None else mapped[early], where or "", table)
     if early is None and where:
         frame = frame[chosen_late(raw, frame, where, table, asked.known)]
-    return frame, (*notes, *of_layout)
+    if not len(frame):
+        return frame, (*notes, *of_layout)
+    frame, left_out = screened(frame, recognised_in(frame, asked.known, table), tests_of(frame, table), table)
+    return frame, (*notes, *of_layout, *left_out)
 
 
 def checked(

@@ -30,3 +30,11 @@ ROW_GAP = 2.5  # usual times from row to row: over more nothing is compared, as 
 SHORTEST_RECORD = 20  # rows that the filter needs to run in and out
 # [N, N, N m] standard deviation of measured forces: middle of FHR's harmonic tests
 FORCE_NOISE = {"X": 0.35, "Y": 0.5, "N": 0.65}
+# Marks of missing values and spikes, which are left out
+MISSING_MARKS = (999.0, 999.9, 999.99, 9999.0, 9999.9, 9999.99, 99999.0, 999999.0, 32767.0, 32768.0, 1e10, 9.99e9)
+MARK_APART = 3.0  # [1] times the spread of the other rows by which such a number is no measurement
+SPIKE = 20.0  # [1] the same for any number: a ramp or an oscillation has rows between
+LONE_SHARE = 0.01  # [1] of a run's rows that spikes may be, one at least
+USUAL_SHARE = 0.95  # [1] of a column's sizes in the table that are below the one which is usual
+FEWEST_SCREENED = 8  # rows of a run that are compared among themselves; shorter runs are compared together
+MOST_SPOILED = 0.05  # [1] of a table's rows: where more of a column are wrong it is refused

@@ -3,23 +3,89 @@
 import os
 import sys
 from contextlib import suppress
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
-from narrows.errors import InputError, reason
+from narrows.errors import InputError, near_miss, reason, shown
 from narrows.progress import listening
+
+# Verbs in the order in which one uses them; a verb of none of these groups comes last.
+GROUPS = {
+    "Start": ("demo", "reproduce"),
+    "Tests and models": ("estimate", "ships", "plan", "identify", "explain", "scale"),
+    "Voyages": ("waterway", "simulate", "map", "trials"),
+    "On board": ("envelope", "learn", "monitor"),
+    "Other programs": ("export",),
+}
+# What a verb is called elsewhere.
+ELSEWHERE = {
+    "identify": ("fit", "regress", "train"), "simulate": ("run", "sail", "voyage"), "map": ("sweep", "ensemble"),
+    "envelope": ("safe", "chart", "limits"), "trials": ("manoeuvre", "zigzag", "turn"), "monitor": ("watch", "serve"),
+    "waterway": ("canal", "channel"), "explain": ("check", "compare", "report"), "export": ("convert", "fmu"),
+    "plan": ("design",), "learn": ("update", "log"), "demo": ("example", "test"),
+}  # fmt: skip
+SHELLS = ("bash", "zsh", "fish")
+
+
+class Verbs(click.Group):
+    """The verbs in groups, and near names answered with the right one."""
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        word = args[0]
+        if word == "help":
+            args = [*args[1:2], "--help"]
+            word = args[0]
+            if word == "--help":
+                click.echo(ctx.get_help())
+                ctx.exit()
+        if self.get_command(ctx, word) is None and not word.startswith("-"):
+            meant = next((verb for verb, others in ELSEWHERE.items() if word.lower() in others), "")
+            near = f"; write narrows {meant}" if meant else near_miss(word, self.commands)
+            raise InputError(f"there is no verb {shown(word)}{near or self._all}")
+        return super().resolve_command(ctx, args)
+
+    @property
+    def _all(self) -> str:
+        return f"; verbs: {', '.join(self.commands)}"
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        grouped = {verb for verbs in GROUPS.values() for verb in verbs}
+        rest = {"More": tuple(verb for verb in self.commands if verb not in grouped)}
+        for title, verbs in (GROUPS | rest).items():
+            rows = [(verb, self.commands[verb].get_short_help_str(62)) for verb in verbs if verb in self.commands]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+
+
+def _complete(context: click.Context, _: click.Parameter, shell: str | None) -> None:
+    if shell is None or context.resilient_parsing:
+        return
+    from click.shell_completion import get_completion_class
+
+    if completion := get_completion_class(shell):
+        click.echo(completion(app, {}, "narrows", "_NARROWS_COMPLETE").source())
+    context.exit()
 
 
 @click.group(
     "narrows",
-    no_args_is_help=True,
-    context_settings={"max_content_width": 100},
-    epilog="--debug, anywhere, shows the traceback of an error.",
+    cls=Verbs,
+    invoke_without_command=True,
+    context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
+    epilog="narrows VERB --help shows options and an example; --debug, anywhere, shows the traceback of an error.",
 )
 @click.version_option(package_name="narrows", message="narrows %(version)s")
-def app() -> None:
+@click.option(
+    "--completion", type=click.Choice(SHELLS), expose_value=False, is_eager=True, callback=_complete,
+    help='Print completion for a shell: eval "$(narrows --completion bash)" in its start-up file.',
+)  # fmt: skip
+@click.pass_context
+def app(context: click.Context) -> None:
     """From captive model tests to a closed-form bank-effect model that says how far it can be trusted."""
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
 
 
 def main() -> NoReturn:
@@ -43,6 +109,8 @@ def main() -> NoReturn:
 
 def _run(arguments: list[str]) -> int:
     told = sys.stderr.isatty() and "--json" not in arguments
+    if "_NARROWS_COMPLETE" in os.environ:
+        app(arguments, prog_name="narrows", complete_var="_NARROWS_COMPLETE")
     try:
         with listening(lambda sentence: click.echo(sentence, err=True), told):
             code = app(arguments, standalone_mode=False)

@@ -81,10 +81,13 @@ def verb(example: str, name: str | None = None) -> Callable[[Function], Function
 
 
 # Of a speed as written, in m/s.
-SPEED_UNITS = {"": 1.0, "m/s": 1.0, "kn": KNOT, "km/h": 1 / 3.6}
+SPEED_UNITS = {
+    "": 1.0, "m/s": 1.0, "mps": 1.0, **dict.fromkeys(("kn", "kt", "kts", "knot", "knots"), KNOT),
+    **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
+}  # fmt: skip
 # Values of a range.
 MOST = 1_000_000
-UNIT = re.compile(r"(?:m/s|kn|km/h)?\s*$")
+UNIT = re.compile(rf"(?:{'|'.join(sorted(filter(None, SPEED_UNITS), key=len, reverse=True))})?\s*$", re.IGNORECASE)
 
 
 def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5:101") -> np.ndarray:
@@ -109,14 +112,15 @@ def speeds(option: str, text: str) -> np.ndarray:
     between = ":" if ":" in text else ","
     words = text.split(between)
     carry = words[:2] if between == ":" else words
-    units = {UNIT.search(word)[0].strip() for word in carry}  # type: ignore[index]
-    if len(units) > 1:
+    written = [UNIT.search(word)[0].strip() for word in carry]  # type: ignore[index]
+    units = {SPEED_UNITS[unit.lower()] for unit in written}
+    if len(units) > 1 or len({not unit for unit in written}) > 1:
         raise InputError(
             f"{option} {shown(text)} has several units, or numbers without; give each number the same unit"
         )
-    (unit,) = units
-    plain = between.join([word.strip().removesuffix(unit) for word in carry] + words[len(carry) :])
-    return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17") * SPEED_UNITS[unit]
+    bare = [word.strip().removesuffix(unit).strip() for word, unit in zip(carry, written, strict=True)]
+    plain = between.join(bare + words[len(carry) :])
+    return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17") * units.pop()
 
 
 def speed(option: str, text: str) -> float:

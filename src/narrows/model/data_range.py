@@ -98,7 +98,9 @@ def extrapolation(
     for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
         covered, measure = getattr(known, name), measures[name]
         if covered is None and unknown:
-            sentences.append(f"Not known whether tested: the model gives no range of {measure.words} that its data covered.")
+            sentences.append(
+                f"Not known whether tested: the model gives no range of {measure.words} that its data covered."
+            )
         elif np.any(known.outside(name, values)):
             there = measure.shown(float(np.min(values)), float(np.max(values)))
             sentences.append(f"Beyond the data: {measure.words} {there}; they covered {measure.shown(*covered)}.")

@@ -39,7 +39,7 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
 
 
 def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) -> np.ndarray:
-    values = _floats(frame[header])
+    values = floats(frame[header])
     # NaN is not below either.
     wrong = ~(np.abs(values) < LARGEST)
     if blanks:
@@ -58,7 +58,7 @@ def _blank(column: pd.Series) -> np.ndarray:
     return empty if column.dtype.kind in "fiub" else empty | (column.astype(str).str.strip() == "").to_numpy()
 
 
-def _floats(column: pd.Series) -> np.ndarray:
+def floats(column: pd.Series) -> np.ndarray:
     """A column as floats, not a number where it holds dates, lists or integers without end."""
     if column.dtype.kind in "mM":
         return np.full(len(column), np.nan)

@@ -142,7 +142,7 @@ UNKNOWN = "the file does not give the ranges that its tests covered in"
 
 
 def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-    """Return which offsets and speeds the tests covered, (offsets, speeds): none where that or the bank is not known."""
+    """Return which offsets and speeds the tests covered, (offsets, speeds); none where that is not known."""
     # offsets (n,) [m]; speeds (m,) [m/s]
     # A place nearer to the middle than the tests were is inside.
     known = _to_the_middle(model)

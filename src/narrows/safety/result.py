@@ -84,7 +84,7 @@ class SafeEnvelope(Shown):
 
     @property
     def untested(self) -> str:
-        """Why the answer is the model's guess: no bank, unknown ranges, an untested section; nothing where it is none."""
+        """Why the answer is the model's guess: no bank, unknown ranges, an untested section; else nothing."""
         return str(self.data.attrs["untested"])
 
     @property

@@ -1,0 +1,59 @@
+"""One wrong cell among hundreds does not change a coefficient, and is named by row and column."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import narrows as nw
+from narrows.captive.measured import measured_files
+from narrows.errors import InputError
+
+HULL = {"length": 7.0, "beam": 1.0, "draft": 0.33, "block_coefficient": 0.65}
+SHIP = {"ship": HULL, "canal": {"width": 7.0, "depth": 0.5}}
+ROWS = 200
+
+
+def table() -> pd.DataFrame:
+    """Three runs of a ship that sways, in SI, in time and kinematics of one motion."""
+    t = np.tile(np.linspace(0, 20, ROWS), 3)
+    omega, size = 0.6, np.repeat([0.1, 0.2, 0.3], ROWS)
+    y, v, vdot = size * np.sin(omega * t), omega * size * np.cos(omega * t), -(omega**2) * size * np.sin(omega * t)
+    still = np.zeros_like(t)
+    columns = {"t": t, "y": y, "psi": still, "u": still + 0.8, "v": v, "r": still, "udot": still, "vdot": vdot,
+               "rdot": still, "heave": still, "X": still - 5.0, "Y": -700 * vdot - 40 * v, "N": 20 * v}  # fmt: skip
+    return pd.DataFrame({"test": np.repeat(["a", "b", "c"], ROWS), **columns})
+
+
+@pytest.mark.parametrize("column", ["Y", "v", "u", "r", "X", "y"])
+@pytest.mark.parametrize("mark", [9999.0, -999.0, 1e10])
+def test_one_mark_of_a_missing_value_is_left_out_by_row(column: str, mark: float) -> None:
+    spoiled = table()
+    spoiled.loc[250, column] = mark
+    tests = nw.read_captive(spoiled, SHIP)
+    assert len(tests.columns["Y"]) == 3 * ROWS - 1
+    assert any("row 250" in note and repr(column) in note for note in tests.notes)
+
+
+def test_a_spike_of_any_size_is_left_out() -> None:
+    spoiled = table()
+    spoiled.loc[7, "N"] = 4321.0
+    assert len(nw.read_captive(spoiled, SHIP).columns["Y"]) == 3 * ROWS - 1
+
+
+def test_a_clean_table_keeps_every_row() -> None:
+    """A step, a ramp and noise are measurements."""
+    clean = table()
+    clean["X"] += np.where(clean.index > 100, -15.0, 0.0) + np.random.default_rng(1).normal(0, 1, len(clean))
+    assert len(nw.read_captive(clean, SHIP).columns["Y"]) == 3 * ROWS
+
+
+def test_measured_tests_keep_every_row() -> None:
+    path, ship = measured_files("kcs")
+    assert not any("left out" in note for note in nw.read_captive(path, ship).notes)
+
+
+def test_a_column_with_many_wrong_rows_is_refused() -> None:
+    spoiled = table()
+    spoiled.loc[::10, "Y"] = -999.0
+    with pytest.raises(InputError, match=r"row 0, column .Y. holds -999, as do 59 more rows"):
+        nw.read_captive(spoiled, SHIP)
