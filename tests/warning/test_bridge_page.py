@@ -63,6 +63,11 @@ def test_a_doubt_is_told_beside_the_headline() -> None:
     assert Watched().status(forecast()).headline == "No contact within 120 s, rudder as it is"
 
 
+def test_nothing_is_clear_while_a_last_chance_or_a_contact_comes() -> None:
+    words = [Watched().status(forecast(*told)).word for told in ((), (100.0, 46.0), (100.0,))]
+    assert words == ["clear", "watch", "watch"]
+
+
 def test_water_to_both_sides_is_that_of_geometry() -> None:
     """Along the line, by hand; at a heading, the corners reach further to both sides alike."""
     room = clearances(SHIP, canal(), estimate(0.0, dict.fromkeys("xyurv", 0.0) | {"x": 800.0, "y": 40.0, "psi": 0.0}))

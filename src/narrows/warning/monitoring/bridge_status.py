@@ -11,7 +11,7 @@ from narrows.warning.alerts.alert import ANY_SENSOR, HOLDS, LOG_LATE, SHIP_OR_WA
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.waterway.waterway import Waterway
 
-NOT_AVAILABLE = "not available"
+NOT_AVAILABLE, CLEAR, WATCH = "not available", "clear", "watch"
 # Situations in which less is to be believed.
 DOUBTS = tuple(one.identifier for one in (*ANY_SENSOR, SHIP_OR_WATER, LOG_LATE))
 
@@ -47,10 +47,13 @@ class BridgeStatus:
 
     @property
     def word(self) -> str:
-        """In a word: never ``clear`` where nothing can be foretold."""
+        """In a word: never ``clear`` where nothing can be foretold, or while a last chance or a contact comes."""
         if self.forecast is None:
             return NOT_AVAILABLE
-        return self.level.words if self.level else "clear"
+        if self.level:
+            return self.level.words
+        likely = self.forecast.likely
+        return WATCH if math.isfinite(min(likely.last_chance, likely.contact)) else CLEAR
 
     @property
     def headline(self) -> str:

@@ -4,7 +4,7 @@ import { UNKNOWN, capital, clock, knots, metres, percent, rate, seconds, sided }
 
 const RAIL = 100; // From midships to either end of the rudder's scale.
 const ICONS = {
-  "not available": "unknown", clear: "clear", caution: "caution", warning: "warning", alarm: "alarm",
+  "not available": "unknown", clear: "clear", watch: "watch", caution: "caution", warning: "warning", alarm: "alarm",
   "emergency alarm": "alarm",
 };
 
