@@ -86,7 +86,7 @@ def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) ->
 
 
 def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Section of water beside a ship under way, over the whole section of the canal [1], by continuity and energy."""
+    """Section of water beside a ship under way, over the section of the canal [1]. Source: Schijf (1949)."""
     # Continuity U w = u and energy U^2 - u^2 = 2 g z, with w = 1 - S - z/h, are w^3 - a w^2 + F^2/2 = 0 with
     # a = 1 - S + F^2/2. Its largest root is the subcritical flow.
     half = u * u / (2 * GRAVITY * depth)
