@@ -15,6 +15,9 @@ from .codegen.printers.latex import latex as latex
 from .control import self_propulsion as self_propulsion
 from .control import steady_course as steady_course
 from .control import track_pilot as track_pilot
+from .empirical import estimate_model as estimate_model
+from .empirical import published as published
+from .empirical import ready_ships as ready_ships
 from .errors import InputError as InputError
 from .experiment_design import Plan as Plan
 from .experiment_design import Tank as Tank
@@ -64,7 +67,6 @@ from .model.froude import nondimensional as nondimensional
 from .model.froude import scale_model as scale_model
 from .model.model import Model as Model
 from .model.model_file import load_model as load_model
-from .model.model_file import published as published
 from .model.model_file import save_model as save_model
 from .model.rudder_transfer import borrow_rudder as borrow_rudder
 from .model.sections import Source as Source

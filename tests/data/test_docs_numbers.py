@@ -24,8 +24,10 @@ PAGES = {
     "helms": "control.md",
     "channel_rules": "safe-envelope.md",
     "log_faults": "ship-log.md",
+    "main_dimensions": "main-dimensions.md",
 }
 CHECKED = {
+    "main_dimensions": {"sailed": False},
     "separation": {"sets": ("harmonic yaw, one run", "and straight runs off the centreline")},
     "helms": {"chosen": ("gust",)},
     "estimation": {"ways": ("considered",)},

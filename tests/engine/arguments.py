@@ -365,6 +365,14 @@ class Table:
                 {"canal": nw.Canal(8.0), "length": 60.0, "heading": 1.0},
             ),
             "published": Entry({"name": "mikkelsen2025_dtc"}, {"name": "yasukawa2015_kvlcc2"}),
+            "ready_ships": Entry({}, {}),
+            "estimate_model": Entry(
+                {"ship": nw.Ship(200.0, 30.0, 10.0, 0.65), "canal": nw.Canal(300.0, 15.0)},
+                {"ship": nw.Ship(210.0, 30.0, 10.0, 0.65), "canal": nw.Canal(300.0, 16.0), "water": nw.Water(1000.0),
+                 "kind": "bulk", "speed": 6.0, "propeller": nw.Propeller(6.0, 1.5, 0.3, 0.4, -0.4, 0.0),
+                 "rudder": nw.Rudder(40.0, 2.7, 1.0, 0.5, 0.7, -0.9, 0.4, 0.4),
+                 "steering": nw.SteeringGear(30.0, 3.0)},
+            ),
         }  # fmt: skip
 
     @property

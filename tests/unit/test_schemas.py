@@ -78,6 +78,8 @@ WORDS = {
     "plan": "{ship} --runs 2 --targets b_bank,a_udot",
     "export": "c mikkelsen2025_dtc -o {out}.h",
     "scale": "mikkelsen2025_dtc --length 355",
+    "estimate": "--length 230 --type container --width 250",
+    "ships": "",
     "simulate": "mikkelsen2025_dtc --y 0.5",
     "map": "mikkelsen2025_dtc --y -1,0,1 --speed 0.8,1",
     "envelope": "{full} --y 0,30 --speed 8kn --samples 5",

@@ -70,7 +70,7 @@ def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
 
 def usual(name: str) -> str:
     """Return what a particular is for a published ship, with the source, in words; nothing where there is none."""
-    from narrows.model.model_file import published
+    from narrows.empirical.fleet import published
 
     example = published(EXAMPLE).configuration
     values, size = example.values(), f"{example.ship.length:g} m long"

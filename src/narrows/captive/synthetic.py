@@ -8,9 +8,9 @@ import numpy as np
 
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.tests import CaptiveTests
+from narrows.empirical.fleet import published
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.model.model_file import published
 from narrows.model.sections import Source
 from narrows.ship.motion import Motion
 

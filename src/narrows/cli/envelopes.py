@@ -131,7 +131,7 @@ def envelope(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
     """
-    from narrows.model.model_file import model_named
+    from narrows.empirical.fleet import model_named
     from narrows.model.rudder_transfer import borrow_rudder
     from narrows.report.envelope_chart import envelope_chart, print_envelope
     from narrows.safety import safe_envelope

@@ -108,9 +108,9 @@ def explain(
     MODEL is a model file, or the name of a published model.
     """
     from narrows.captive import read_captive
+    from narrows.empirical.fleet import model_named
     from narrows.identification import explain as explained
     from narrows.identification.conditions import the_condition
-    from narrows.model.model_file import model_named
     from narrows.report.explanation_report import print_explanation, write_explanation
 
     chosen = model_named(model)

@@ -99,7 +99,7 @@ def learn(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
-    from narrows.model.model_file import model_named
+    from narrows.empirical.fleet import model_named
 
     _check(model, logs, logged, legs, ahead, delivery)
     if logged.demo:

@@ -36,8 +36,9 @@ def scale(
 
     MODEL is a model file, or the name of a published model.
     """
+    from narrows.empirical.fleet import model_named
     from narrows.model.froude import Friction, scale_model
-    from narrows.model.model_file import model_named, save_model
+    from narrows.model.model_file import save_model
     from narrows.report.printed_tables import print_scaled
 
     friction = None
@@ -74,7 +75,7 @@ def export(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.model.model_file import model_named
+    from narrows.empirical.fleet import model_named
 
     check_choice("what to export", kind, EXPORTERS)
     exporter = EXPORTERS[kind]

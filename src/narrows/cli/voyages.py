@@ -42,7 +42,7 @@ def simulate(
     """
     from math import radians
 
-    from narrows.model.model_file import model_named
+    from narrows.empirical.fleet import model_named
     from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.voyage import simulate as run
 
@@ -71,7 +71,7 @@ def map_(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.model.model_file import model_named
+    from narrows.empirical.fleet import model_named
     from narrows.results import save_dataset
     from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.ensemble import ensemble
@@ -109,8 +109,8 @@ def trials(
     MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
     """
     from narrows.cli.options import speed as read_speed
+    from narrows.empirical.fleet import model_named
     from narrows.manoeuvres.manoeuvring_trials import parse_zigzags, sail_trials
-    from narrows.model.model_file import model_named
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
     result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, parse_zigzags(zigzags), dt)

@@ -126,7 +126,7 @@ def _monitor_of(
     model: str, waterway: Path | None, inputs: InputOptions, y: float, publisher: "AlertPublisher"
 ) -> "BridgeMonitor":
     from narrows.cli.options import numbers
-    from narrows.model.model_file import model_named
+    from narrows.empirical.fleet import model_named
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.waterway import read_waterway
 

@@ -9,6 +9,7 @@ import numpy as np
 from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
+from narrows.empirical.fleet import published
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
 from narrows.experiment_design.expected_fit import expected_std, half_width
@@ -30,7 +31,6 @@ from narrows.identification.run_errors import RunErrors
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
-from narrows.model.model_file import published
 from narrows.results import Tabulated
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_from

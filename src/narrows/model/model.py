@@ -163,8 +163,8 @@ class Model(Configured, Operations):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is open of the banks."""
-        return self.bank_notes
+        """What to say first: what it was estimated from, and what is open of the banks."""
+        return tuple(filter(None, (self.source.estimate, *self.bank_notes)))
 
     def summary(self) -> str:
         """Say whose model it is, of which terms, and where its numbers come from."""

@@ -34,11 +34,14 @@ class Source:
         File name of the table of tests.
     sha256 : str
         Hash of that file.
+    estimate : str
+        What the model was estimated from, in sentences, where no test of the ship made it.
     """
 
     text: str = ""
     table: str = ""
     sha256: str = ""
+    estimate: str = ""
 
 
 def sections_of(

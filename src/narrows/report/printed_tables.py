@@ -1,15 +1,19 @@
-"""A plan of tests in the terminal."""
+"""Plans, scaled and estimated models, ships and waterways in the terminal."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.experiment_design.plan import UNITS, Plan
 from narrows.model.froude import Scaled
-from narrows.report.terminal import console_of, table_of
+from narrows.model.model import Model
+from narrows.report.terminal import WIDTH, console_of, table_of
 from narrows.waterway import Waterway
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Characters; a narrow terminal wraps lines rather than losing digits.
 COLUMN = 14
@@ -49,6 +53,37 @@ def print_scaled(scaled: Scaled) -> None:
     console.print(shown["summary"])
     for note in scaled.notes:
         console.print(f"- {note}")
+
+
+# Columns of the list of ships that fit a terminal, and their heads.
+SHIP_HEADS = {"ship": "ship", "length": "L [m]", "beam": "B [m]", "draft": "T [m]", "measured": "measured"}
+
+
+def estimate_summary(model: Model) -> dict[str, Any]:
+    """Return what was estimated as plain values: each coefficient with its standard deviation."""
+    table = model.to_dataframe()
+    return {
+        "coefficients": table[["value", "std", "unit"]].to_dict("index"),
+        "summary": model.summary(),
+        "notes": list(model.notes),
+    }
+
+
+def print_estimate(model: Model) -> None:
+    console = console_of()
+    table = model.to_dataframe()
+    rows = ((str(name), f"{row['value']:.3g}", f"{row['std']:.2g}", str(row["unit"])) for name, row in table.iterrows())
+    for note in model.notes:
+        console.print(note, soft_wrap=True)
+    console.print(table_of(("", "estimate", "std", "unit"), rows, left=("", "unit"), no_wrap=True))
+
+
+def print_ships(table: "pd.DataFrame") -> None:
+    console = console_of(WIDTH)
+    cells = ((str(name), *(_cell(row[column]) for column in SHIP_HEADS)) for name, row in table.iterrows())
+    left = ("name", "ship", "measured")
+    console.print(table_of(("name", *SHIP_HEADS.values()), cells, left=left, no_wrap=True))
+    console.print("Each name goes wherever a model file does; --json gives sources, rudder and banks of each.")
 
 
 STATIONS, CROSSINGS_SHOWN = 2001, 11

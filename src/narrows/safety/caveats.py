@@ -45,6 +45,7 @@ def with_caveats(found: SafeEnvelope, request: EnvelopeRequest, under: Keel, sam
         "samples": samples,
         "untested": untested_reasons(model),
         "trust": left_out(model),
+        "estimate": model.source.estimate,
         **{name: list(covered) for name, covered in ranges.items() if covered is not None},
         **rules.attributes(),
     }
@@ -53,7 +54,7 @@ def with_caveats(found: SafeEnvelope, request: EnvelopeRequest, under: Keel, sam
 
 def envelope_notes(request: EnvelopeRequest, under: Keel) -> tuple[str, ...]:
     model, configuration = request.model, request.model.configuration
-    notes = [*model.bank_notes, *beyond_tests(model, request.offsets, request.speeds), *under.notes]
+    notes = [*model.notes, *beyond_tests(model, request.offsets, request.speeds), *under.notes]
     if model.covariance is None:
         notes.append("no covariance of the coefficients is known: the samples are of disturbances alone")
     if configuration.canal.depth is not None:

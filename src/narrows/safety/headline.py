@@ -20,7 +20,10 @@ def headline(data: xr.Dataset, share: float) -> str:
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     by_model = ((data["held"] >= share) & data["clear"]).to_numpy()
     block, section = largest_rectangle(by_model & data["tested"].to_numpy(), y, u), data.attrs["untested"]
-    guess = [f"Not tested, so what follows is the model's guess: {section}."] if section else []
+    # The first sentence of an estimate says that it is one.
+    estimate = data.attrs.get("estimate", "")
+    guess = [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
+    guess += [f"Not tested, so what follows is the model's guess: {section}."] if section else []
     if block is None:
         return " ".join([*guess, _nowhere(data, by_model), *_known(data, share, None), _way(data, share)])
     offsets, speeds = _offsets(data, block, share), u[block[1]] / KNOT

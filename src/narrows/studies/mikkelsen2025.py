@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.captive.synthetic import twin
+from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
-from narrows.model.model_file import published
 from narrows.results import Shown
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.stability import bank_stiffness, eigenvalues

@@ -1,0 +1,5 @@
+"""A ship without a towing tank: models from main dimensions, and a fleet of ready ships."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

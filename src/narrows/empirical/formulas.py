@@ -1,0 +1,200 @@
+"""Formulas of the literature for the primes of the MMG method from main dimensions, in deep water, at even keel.
+
+All primes follow Yasukawa and Yoshimura (2015): forces over 1/2 rho L d U^2, about midship, of the hull without rudder.
+A formula whose author uses 1/2 rho L^2 U^2, or counts the added mass in surge with Y_r, is converted in its row.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from narrows.physics.shallow import kijima_drift_force, kijima_drift_moment, kijima_yaw_moment
+from narrows.quantities.names import Number
+
+
+@dataclass(frozen=True)
+class Hull:
+    """The ratios that the formulas take."""
+
+    length_to_beam: Number  # L/B
+    beam_to_draft: Number  # B/T
+    block_coefficient: Number  # C_B
+    x_g: Number = 0.0  # Centre of gravity forward of midship over L
+
+    @property
+    def slenderness(self) -> Number:
+        """T/L."""
+        return 1 / (self.length_to_beam * self.beam_to_draft)
+
+    @property
+    def fullness(self) -> Number:
+        """C_B B/L."""
+        return self.block_coefficient / self.length_to_beam
+
+    @property
+    def mass(self) -> Number:
+        """m' = 2 C_B B/L."""
+        return 2 * self.fullness
+
+
+# Relative sizes of the ships behind the regressions, for the one sentence on ships outside of them.
+RANGES = {
+    "length_to_beam": ("L/B", 5.0, 8.0),
+    "beam_to_draft": ("B/T", 2.2, 4.5),
+    "block_coefficient": ("C_B", 0.5, 0.87),
+}
+
+# How a formula was read.
+AGREE, ALONE = "independent transcriptions agree", "unverified: one transcription"
+
+
+@dataclass(frozen=True)
+class Formula:
+    """One formula for one coefficient."""
+
+    coefficient: str  # As in the table of terms, or a particular of propeller or rudder
+    source: str
+    law: Callable[[Hull], Number]
+    read: str = AGREE  # How it was read, and which reading was taken where transcriptions disagree
+
+    @property
+    def verified(self) -> bool:
+        """Whether two independent transcriptions agree, or printed data decided between them."""
+        return not self.read.startswith("unverified")
+
+
+CLARKE = "Clarke, Gedling and Hine (1983)"
+ZHOU = "Zhou, Sheng and Feng (1983)"
+KIJIMA = "Kijima et al. (1990)"
+INOUE = "Inoue, Hirano and Kijima (1981)"
+LEE = "Lee and Shin (1998)"
+YOSHIMURA = "Yoshimura and Masumoto (2012)"
+SMITT = "Wagner Smitt (1971)"
+NORRBIN = "Norrbin (1971)"
+
+SURGE_SHARE = 0.05  # Added mass in surge over the mass
+
+
+def _cross(hull: Hull) -> Number:
+    """pi (T/L)^2 over 1/2 L^2 units, as primes of L d."""
+    return math.pi * hull.slenderness
+
+
+def _norrbin_fullness(hull: Hull) -> Number:
+    return hull.block_coefficient * hull.beam_to_draft / math.pi
+
+
+def _zhou_sway(hull: Hull) -> Number:
+    block, ratio, draft = hull.block_coefficient, hull.length_to_beam, 1 / hull.beam_to_draft
+    share = (
+        0.882
+        - 0.54 * block * (1 - 1.6 * draft)
+        - 0.156 * (1 - 0.673 * block) * ratio
+        + 0.826 * draft * ratio * (1 - 0.678 * draft)
+        - 0.638 * block * draft * ratio * (1 - 0.669 * draft)
+    )
+    return share * hull.mass
+
+
+def _zhou_yaw(hull: Hull) -> Number:
+    block = hull.block_coefficient
+    radius = (33 - 76.85 * block * (1 - 0.784 * block) + 3.43 * hull.length_to_beam * (1 - 0.63 * block)) / 100
+    return radius**2 * hull.mass
+
+
+def _clarke_sway(hull: Hull) -> Number:
+    block, ratio = hull.block_coefficient, hull.length_to_beam
+    return _cross(hull) * (1 + 0.16 * block * hull.beam_to_draft - 5.1 / ratio**2)
+
+
+def _clarke_yaw(hull: Hull) -> Number:
+    block, ratio = hull.block_coefficient, hull.length_to_beam
+    return _cross(hull) * (1 / 12 + 0.017 * block * hull.beam_to_draft - 0.33 / ratio)
+
+
+def _clarke_turning_force(hull: Hull) -> Number:
+    slope = -0.5 + 2.2 / hull.length_to_beam - 0.080 * hull.beam_to_draft
+    return -_cross(hull) * slope + SURGE_SHARE * hull.mass
+
+
+def _clarke_turning_moment(hull: Hull) -> Number:
+    return -_cross(hull) * (0.25 + 0.039 * hull.beam_to_draft - 0.56 / hull.length_to_beam)
+
+
+def _aspect(hull: Hull) -> Number:
+    return 2 * hull.slenderness
+
+
+INOUE_YAW = "the square of the aspect ratio is added; one of six transcriptions subtracts it, against KVLCC2"
+WITH_SURGE = "the author counts the added mass in surge with Y_r"
+
+# One row a formula; those of one coefficient stand together.
+FORMULAS = (
+    Formula("X_mx", CLARKE, lambda hull: SURGE_SHARE * hull.mass),
+    Formula("X_my", ZHOU, _zhou_sway, "four transcriptions agree; one leaves out C_B in the last term"),
+    Formula("X_my", CLARKE, _clarke_sway),
+    Formula("N_jz", ZHOU, _zhou_yaw, "radius over L; one transcription divides by L once more, against KVLCC2"),
+    Formula("N_jz", CLARKE, _clarke_yaw, "0.33 B/L; one transcription has 0.0033"),
+    Formula("Y_v", CLARKE, lambda hull: -_cross(hull) * (1 + 0.40 * hull.block_coefficient * hull.beam_to_draft)),
+    Formula("Y_v", INOUE, lambda hull: -(math.pi / 2 * _aspect(hull) + 1.4 * hull.fullness)),
+    Formula("Y_v", SMITT, lambda hull: -1.59 * _cross(hull), ALONE),
+    Formula("Y_v", NORRBIN, lambda hull: -_cross(hull) * (1.69 + 0.08 * _norrbin_fullness(hull)), ALONE),
+    Formula("Y_r", CLARKE, _clarke_turning_force, f"-0.080 B/T; one of four has +0.08, against KVLCC2; {WITH_SURGE}"),
+    Formula("Y_r", KIJIMA, lambda hull: 0.5 * hull.fullness + SURGE_SHARE * hull.mass,
+            "m' + m_x' - 1.5 C_B B/L; as in Yoshimura and Masumoto (2012)"),
+    Formula("Y_r", INOUE, lambda hull: math.pi / 4 * _aspect(hull), ALONE),
+    Formula("Y_r", SMITT, lambda hull: 0.32 * _cross(hull) + SURGE_SHARE * hull.mass, WITH_SURGE),
+    Formula("N_v", CLARKE, lambda hull: -_cross(hull) * (0.5 + 2.4 * hull.slenderness)),
+    Formula("N_v", INOUE, lambda hull: -_aspect(hull)),
+    Formula("N_v", SMITT, lambda hull: -0.62 * _cross(hull), ALONE),
+    Formula("N_v", NORRBIN, lambda hull: -_cross(hull) * (0.64 - 0.04 * _norrbin_fullness(hull)), ALONE),
+    Formula("N_r", CLARKE, _clarke_turning_moment),
+    Formula("N_r", INOUE, lambda hull: -0.54 * _aspect(hull) + _aspect(hull) ** 2, INOUE_YAW),
+    Formula("N_r", SMITT, lambda hull: -0.21 * _cross(hull), ALONE),
+    Formula("N_r", NORRBIN, lambda hull: -_cross(hull) * (0.47 - 0.18 * _norrbin_fullness(hull)), ALONE),
+    Formula("X_vv", YOSHIMURA, lambda hull: 1.15 * hull.fullness - 0.18),
+    Formula("X_vr", YOSHIMURA, lambda hull: 1.91 * hull.fullness - 0.08 - _zhou_sway(hull),
+            "- m_y' + 1.91 C_B B/L - 0.08; three of four have the opposite sign, against S-175 and Mariner"),
+    Formula("X_rr", YOSHIMURA, lambda hull: -0.085 * hull.fullness + 0.008 - hull.x_g * _zhou_sway(hull)),
+    Formula("X_vvvv", YOSHIMURA, lambda hull: -6.68 * hull.fullness + 1.1),
+    Formula("Y_vvv", YOSHIMURA, lambda hull: -0.185 * hull.length_to_beam - 0.48,
+            "- 0.48; three of four have + 0.48, against KVLCC2, S-175 and Mariner"),
+    Formula("Y_vvr", YOSHIMURA, lambda hull: -0.75),
+    Formula("Y_vvr", KIJIMA, lambda hull: 1.5 * hull.block_coefficient / hull.beam_to_draft - 0.65),
+    Formula("Y_vrr", YOSHIMURA, lambda hull: -(0.26 * (1 - hull.block_coefficient) * hull.length_to_beam + 0.11)),
+    Formula("Y_vrr", KIJIMA, lambda hull: -5.95 * (1 - hull.block_coefficient) / hull.beam_to_draft,
+            "T/B; one transcription and its copy have T/T"),
+    Formula("Y_rrr", YOSHIMURA, lambda hull: -0.051),
+    Formula("Y_rrr", LEE,
+            lambda hull: (-0.0233 * hull.block_coefficient / hull.beam_to_draft + 0.0063) / hull.slenderness,
+            "-0.0233; one transcription and its copy have -0.233, far from KVLCC2"),
+    Formula("N_vvv", YOSHIMURA, lambda hull: 0.69 * hull.block_coefficient - 0.66),
+    Formula("N_vvr", YOSHIMURA, lambda hull: 1.55 * hull.fullness - 0.76),
+    Formula("N_vvr", KIJIMA, lambda hull: -(57.5 * hull.fullness**2 - 18.4 * hull.fullness + 1.6)),
+    Formula("N_vrr", YOSHIMURA, lambda hull: -0.075 * (1 - hull.block_coefficient) * hull.length_to_beam + 0.098,
+            "+ 0.098; three of four have - 0.098, against KVLCC2 and S-175"),
+    Formula("N_rrr", YOSHIMURA, lambda hull: 0.25 * hull.fullness - 0.056),
+)  # fmt: skip
+
+# How primes grow from deep water to h/T, by coefficient; those that are not here stay.
+LI_WU = "Li and Wu (1990); unverified: the KCS decides 0.0129 against the 0.129 of the one transcription"
+
+
+def _li_wu(hull: Hull, depth_to_draft: Number, slope: float, curve: float) -> Number:
+    free = (depth_to_draft - 1) ** 0.82
+    return 1 + (0.413 + slope * hull.beam_to_draft + curve * hull.beam_to_draft**2) / free
+
+
+DEPTH_LAWS: dict[str, Callable[[Hull, Number], Number]] = {
+    "X_my": lambda hull, ratio: _li_wu(hull, ratio, 0.032, 0.0129),
+    "N_jz": lambda hull, ratio: _li_wu(hull, ratio, 0.0192, 0.00554),
+    "Y_v": lambda hull, ratio: kijima_drift_force(hull.beam_to_draft, 1.0, hull.block_coefficient, ratio),
+    "N_v": lambda hull, ratio: kijima_drift_moment(hull.beam_to_draft, 1.0, hull.block_coefficient, ratio),
+    "N_r": lambda hull, ratio: kijima_yaw_moment(1 / hull.slenderness, 1.0, ratio),
+}
+
+
+def depth_factor(coefficient: str, hull: Hull, depth_to_draft: float) -> float:
+    """Return the factor of a prime over deep water [1]."""
+    law = DEPTH_LAWS.get(coefficient)
+    return float(law(hull, depth_to_draft)) if law and math.isfinite(depth_to_draft) else 1.0

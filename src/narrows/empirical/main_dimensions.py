@@ -1,0 +1,271 @@
+"""A model from main dimensions: hull, propeller and rudder by formulas, banks by other ships, spread calibrated."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from narrows.empirical.bank_prior import bank_prior, tested_widths
+from narrows.empirical.calibration import COEFFICIENTS, SIGNED, Calibration, Spread
+from narrows.empirical.formulas import RANGES, Hull
+from narrows.empirical.propulsion import (
+    INCREASE_PLACE,
+    RUDDER_PLACE,
+    RUDDER_SURGE,
+    SHIP_TYPES,
+    ShipType,
+    estimated_propeller,
+    estimated_rudder,
+    resistance_prime,
+    rudder_force_increase,
+    service_speed,
+    thrust_deduction,
+)
+from narrows.errors import InputError, check_choice
+from narrows.model.data_range import DataRange
+from narrows.model.model import Model
+from narrows.model.sections import Source
+from narrows.quantities.names import GRAVITY
+from narrows.ship.actuators import Propeller, Rudder, SteeringGear
+from narrows.ship.particulars import Canal, Configuration, Ship, Water
+from narrows.terms.tables import table_named
+
+TABLE = "mmg+delta"
+SEA = Water(1025.0)
+GYRATION = 0.25  # Radius of gyration over L, Yasukawa and Yoshimura (2015) for KVLCC2; 0.25 to 0.27 is usual
+
+# Relative standard deviations of what no known ship calibrates, by the differences between the formulas and KVLCC2,
+# S-175 and between the formulas themselves.
+RUDDER_SHARE = 0.20  # Force of the rudder as a whole: wake, slipstream, straightening
+INCREASE_SHARE = 0.10  # 1 + a_H apart from it
+RESISTANCE_SHARE = 0.30
+THRUST_SHARE = 0.06
+
+# What a ship is, at most and at least.
+LONGEST = 500.0  # [m]
+SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 1.0)}
+
+FASTEST_FROUDE = 0.25  # Of the tests behind the formulas
+SHALLOWEST, DEEPEST = 1.2, 1e3  # h/T of the calibration; deep water is any
+BANK_VERDICT = "estimated from other ships"
+NEEDED = ("length", "beam", "draft", "block_coefficient")
+
+
+def estimate_model(
+    ship: Ship | Mapping[str, Any], canal: Canal, water: Water = SEA, *, kind: str | None = None,
+    speed: float | None = None, propeller: Propeller | None = None, rudder: Rudder | None = None,
+    steering: SteeringGear | None = None,
+) -> Model:  # fmt: skip
+    """Estimate the model of a ship from its main dimensions, with the spread that the formulas show on known ships.
+
+    The terms are those of the MMG standard method with the paper's bank term. The covariance holds the errors of the
+    formulas on ships whose derivatives are known, and their disagreement; the bank's coefficients are those of the
+    ships that were tested along banks. ``model.notes`` says what was filled in.
+
+    Parameters
+    ----------
+    ship : Ship or mapping
+        length, beam, draft [m] and block_coefficient; a mapping may lack beam, draft and block_coefficient where the
+        kind of ship is given.
+    canal : Canal
+        Where it sails; the derivatives are estimated for its depth, or for deep water.
+    water : Water
+        Sea water unless given.
+    kind : str, optional
+        container, tanker, bulk, general, inland or convoy: gives usual values of what is missing.
+    speed : float [m/s], optional
+        Service speed that the propeller's revolutions are balanced for; usual for the kind unless given.
+    propeller, rudder, steering : Propeller, Rudder, SteeringGear, optional
+        Estimated where not given; the gear is the rules' then.
+
+    Returns
+    -------
+    Model
+        As every other, with covariance.
+
+    Raises
+    ------
+    InputError
+        Where a dimension is missing or makes no ship, or the ship does not fit in the canal.
+
+    Examples
+    --------
+    >>> import narrows as nw
+    >>> ship = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)
+    >>> model = nw.estimate_model(ship, nw.Canal(300, 18))
+    >>> model.terms.name
+    'mmg+delta'
+    """
+    return estimated(ship, canal, water, kind, speed, propeller, rudder, steering, _all_ships())
+
+
+@cache
+def _all_ships() -> Calibration:
+    return Calibration()
+
+
+def estimated(
+    ship: Ship | Mapping[str, Any], canal: Canal, water: Water, kind: str | None, speed: float | None,
+    propeller: Propeller | None, rudder: Rudder | None, steering: SteeringGear | None, calibration: Calibration,
+) -> Model:  # fmt: skip
+    """Estimate with a calibration of one's choice, as with a ship left out."""
+    known, filled = _completed(ship, kind)
+    usual, usual_words = _type_of(known, kind)
+    hull = hull_of(known)
+    known = _with_mass(known, water)
+    configuration = Configuration(known, canal, water, steering=steering)
+    service = service_speed(known, usual) if speed is None else speed
+    resistance = resistance_prime(known, service)
+    driven = propeller or estimated_propeller(known, hull, usual, water, service)
+    steered = rudder or estimated_rudder(known, hull, usual, driven)
+    depth_to_draft = canal.depth / known.draft if canal.depth else math.inf
+    spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in COEFFICIENTS}
+    spreads |= bank_prior()
+    spreads["R_0"] = Spread(resistance, RESISTANCE_SHARE * resistance)
+    names, coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
+    parts = [name for name, part in (("propeller", propeller), ("rudder", rudder)) if part is None]
+    return Model(
+        replace(configuration, propeller=driven, rudder=steered),
+        table_named(TABLE),
+        dict(zip(names, coefficients, strict=True)),
+        covariance=covariance,
+        data_range=DataRange(
+            speed=(0.0, FASTEST_FROUDE * math.sqrt(GRAVITY * known.length)),
+            depth_to_draft=(SHALLOWEST, DEEPEST),
+            width_to_beam=tested_widths(),
+        ),
+        source=Source(
+            text="formulas of the literature, calibrated on ships whose derivatives are known",
+            estimate=" ".join(_sentences(known, filled, parts, usual_words, service, hull)),
+        ),
+        verdicts=dict.fromkeys(bank_prior(), BANK_VERDICT),
+    )
+
+
+def hull_of(ship: Ship) -> Hull:
+    """Return the ratios that the formulas take."""
+    return Hull(
+        ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient, (ship.x_g or 0.0) / ship.length
+    )
+
+
+def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, list[str]]:
+    """Return the ship with what its kind usually has in place of what is missing, and what that was."""
+    if kind is not None:
+        check_choice("kind", kind, SHIP_TYPES)
+    if isinstance(ship, Ship):
+        _check_shape(ship)
+        return ship, []
+    given = {name: value for name, value in ship.items() if value is not None}
+    if "length" not in given:
+        raise InputError("the ship has no length; give length between perpendiculars, in metres")
+    missing = [name for name in NEEDED if name not in given]
+    if missing and kind is None:
+        words = ", ".join(name.replace("_", " ") for name in missing)
+        raise InputError(f"the ship has no {words}; give it, or a kind of ship: {', '.join(SHIP_TYPES)}")
+    filled = []
+    for name in missing:
+        given[name] = _usual_dimension(name, given, SHIP_TYPES[str(kind)])
+        unit = "" if name == "block_coefficient" else " m"
+        filled.append(f"{name.replace('_', ' ')} {given[name]:.3g}{unit}")
+    try:
+        known = Ship(**given)
+    except TypeError:
+        raise InputError(
+            f"a ship takes {', '.join(NEEDED)} and other particulars of a ship file; check the names"
+        ) from None
+    _check_shape(known)
+    return known, filled
+
+
+def _usual_dimension(name: str, given: Mapping[str, Any], usual: ShipType) -> float:
+    if name == "beam":
+        return float(given["length"] / usual.length_to_beam)
+    if name == "draft":
+        return float(given["beam"] / usual.beam_to_draft)
+    return usual.block_coefficient
+
+
+def _check_shape(ship: Ship) -> None:
+    """Raise where the dimensions make no ship: a wrong unit, or two of them exchanged."""
+    if ship.length > LONGEST:
+        raise InputError(f"a length of {ship.length:g} m is over {LONGEST:g} m, and no ship's; give metres, not feet")
+    ratios = (ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient)
+    places = (f"length {ship.length:g} m, beam {ship.beam:g} m", f"beam {ship.beam:g} m, draft {ship.draft:g} m", "")
+    for (name, (low, high)), value, place in zip(SHAPES.items(), ratios, places, strict=True):
+        if not low <= value <= high:
+            where = f" ({place})" if place else ""
+            raise InputError(
+                f"{name} = {value:.3g}{where} is outside {low:g} to {high:g}; check the dimensions and units"
+            )
+
+
+def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
+    if kind is not None:
+        return SHIP_TYPES[kind], f"a {SHIP_TYPES[kind].words}"
+    guessed = "container" if ship.block_coefficient < 0.72 else "tanker"
+    return SHIP_TYPES[guessed], f"a {SHIP_TYPES[guessed].words}, by the block coefficient"
+
+
+def _with_mass(ship: Ship, water: Water) -> Ship:
+    x_g = ship.x_g or 0.0
+    mass = ship.mass or water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
+    inertia = ship.inertia or mass * ((GYRATION * ship.length) ** 2 + x_g**2)
+    return replace(ship, mass=mass, inertia=inertia, x_g=x_g)
+
+
+class _Assembled(NamedTuple):
+    names: tuple[str, ...]
+    values: np.ndarray
+    covariance: np.ndarray
+
+
+def _assembled(spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarray) -> _Assembled:
+    """Return coefficients and covariance in the order of the terms; tied coefficients share one error."""
+    terms = table_named(TABLE)
+    increase = 1 + rudder_force_increase(hull)
+    lever = RUDDER_PLACE + (increase - 1) * INCREASE_PLACE
+    values = {
+        "X_mass": 1.0, "X_thrust": 1 - thrust_deduction(hull), "X_rudder": RUDDER_SURGE, "Y_rudder": increase,
+        "N_rudder": lever, **{name: spread.value for name, spread in spreads.items()},
+    }  # fmt: skip
+    errors: list[Mapping[str, float]] = [{name: spread.std} for name, spread in spreads.items() if name not in SIGNED]
+    root = np.linalg.cholesky(correlation)
+    errors += [
+        {name: spreads[name].std * root[row, column] for row, name in enumerate(SIGNED)}
+        for column in range(len(SIGNED))
+    ]
+    rudder = ("X_rudder", "Y_rudder", "N_rudder")
+    errors += [
+        {name: RUDDER_SHARE * values[name] for name in rudder},
+        {"Y_rudder": INCREASE_SHARE * increase, "N_rudder": INCREASE_SHARE * increase * INCREASE_PLACE},
+        {"X_thrust": THRUST_SHARE * values["X_thrust"]},
+    ]
+    tied = {other: one for one, other in terms.ties}
+    columns = [[error.get(tied.get(name, name), 0.0) for error in errors] for name in terms.names]
+    table = np.array(columns)
+    return _Assembled(terms.names, np.array([values[tied.get(name, name)] for name in terms.names]), table @ table.T)
+
+
+def _sentences(ship: Ship, filled: list[str], parts: list[str], usual: str, service: float, hull: Hull) -> list[str]:
+    """Say what the model was estimated from and what was filled in."""
+    sentences = [
+        f"The model is estimated from main dimensions ({ship.length:.4g} x {ship.beam:.4g} x {ship.draft:.4g} m, block "
+        f"coefficient {ship.block_coefficient:.3g}), not from tests of this ship."
+    ]
+    if filled:
+        sentences.append(f"Usual values of {usual}: {', '.join(filled)}.")
+    if parts:
+        sentences.append(f"The {' and '.join(parts)} are those of {usual}, for {service:.3g} m/s.")
+    ratios = asdict(hull)
+    outside = [
+        f"{words} {ratios[name]:.3g} ({low:g} to {high:g})"
+        for name, (words, low, high) in RANGES.items()
+        if not low <= ratios[name] <= high
+    ]
+    if outside:
+        sentences.append(f"Outside the ships behind the formulas: {', '.join(outside)}.")
+    return sentences

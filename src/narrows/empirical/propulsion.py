@@ -1,0 +1,119 @@
+"""Propeller, rudder and resistance from main dimensions: interaction by formulas, sizes by type of ship."""
+
+import math
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from narrows.empirical.formulas import Hull
+from narrows.errors import InputError
+from narrows.quantities.names import GRAVITY
+from narrows.ship.actuators import Propeller, Rudder
+from narrows.ship.particulars import Ship, Water
+
+VISCOSITY = 1.19e-6  # Kinematic, of sea water at 15 degrees [m2/s]
+ALLOWANCE = 0.0004  # Correlation allowance and residual resistance over the wetted surface [1]
+# C_1 that follows Hirano's (1980) exp(-4 beta_P^2) where the ship drifts by 0.4 rad at its propeller, as in a turn.
+WAKE_RATE = 1.6
+LARGEST_FROUDE = 0.35  # Beyond it waves govern the resistance, which is not estimated
+
+
+@dataclass(frozen=True)
+class ShipType:
+    """What is usual of a type of ship, for what its owner does not give."""
+
+    words: str
+    block_coefficient: float
+    length_to_beam: float
+    beam_to_draft: float
+    froude: float  # Service speed over (g L)^(1/2)
+    propeller: float  # Diameter over draft
+    rudder_area: float  # Over length times draft
+    thrust: tuple[float, float, float]  # K_T = k_0 + k_1 J + k_2 J^2
+
+
+# K_T of KVLCC2 for full ships, of S-175 for slender ones; sizes as of KVLCC2, KCS, DTC and S-175.
+FULL, SLENDER = (0.2931, -0.2753, -0.1385), (0.527, -0.455, 0.0)
+ASPECT_RATIO = 1.8  # Of a rudder: its height squared over its area
+
+SHIP_TYPES = MappingProxyType({
+    "container": ShipType("container ship", 0.65, 7.0, 3.3, 0.20, 0.62, 0.018, SLENDER),
+    "tanker": ShipType("tanker", 0.82, 5.6, 2.7, 0.142, 0.48, 0.0168, FULL),
+    "bulk": ShipType("bulk carrier", 0.83, 6.2, 2.6, 0.15, 0.50, 0.0165, FULL),
+    "general": ShipType("general cargo ship", 0.70, 6.5, 2.6, 0.19, 0.60, 0.018, SLENDER),
+    "inland": ShipType("inland motor ship", 0.88, 9.6, 3.5, 0.13, 0.55, 0.030, FULL),
+    "convoy": ShipType("pushed convoy", 0.92, 8.3, 6.5, 0.10, 0.55, 0.045, FULL),
+})  # fmt: skip
+
+
+def service_speed(ship: Ship, usual: ShipType) -> float:
+    """Return the speed that the propeller is turned for [m/s]."""
+    return usual.froude * math.sqrt(GRAVITY * ship.length)
+
+
+def resistance_prime(ship: Ship, speed: float) -> float:
+    """Return R_0' over 1/2 rho L T: ITTC-57 with Watanabe's form factor, Mumford's wetted surface, an allowance."""
+    if not 0 < speed <= LARGEST_FROUDE * math.sqrt(GRAVITY * ship.length):
+        most = LARGEST_FROUDE * math.sqrt(GRAVITY * ship.length)
+        raise InputError(f"a speed of {speed:.4g} m/s is none of this ship; give one over 0 and up to {most:.3g} m/s")
+    ratio, draft = ship.length / ship.beam, ship.beam / ship.draft
+    friction = 0.075 / (math.log10(speed * ship.length / VISCOSITY) - 2) ** 2
+    form = -0.095 + 25.6 * ship.block_coefficient / (ratio**2 * math.sqrt(draft))
+    surface = 1.7 + ship.block_coefficient * draft
+    return ((1 + form) * friction + ALLOWANCE) * surface
+
+
+def thrust_deduction(hull: Hull) -> float:
+    """Return t_P: Harvald's line for single-screw ships."""
+    return 0.25 * wake(hull) + 0.14
+
+
+def wake(hull: Hull) -> float:
+    """Return w_P0: Taylor's 0.5 C_B - 0.05."""
+    return 0.5 * float(hull.block_coefficient) - 0.05
+
+
+def rudder_force_increase(hull: Hull) -> float:
+    """Return a_H: geometric mean of Yoshimura and Masumoto (2012) and Quadvlieg (2013)."""
+    return math.sqrt(3.6 * float(hull.fullness) * max(0.627 * float(hull.block_coefficient) - 0.153, 0.05))
+
+
+RUDDER_SURGE = 0.61  # 1 - t_R, Yoshimura and Masumoto (2012); KVLCC2 has 0.613
+RUDDER_PLACE, INCREASE_PLACE = 0.5, 0.45  # -x_R', -x_H' [1]; x_H' of Aoki et al. (2006)
+RUDDER_LEVER = -0.9  # l_R', Yoshimura and Masumoto (2012)
+
+
+def estimated_rudder(ship: Ship, hull: Hull, usual: ShipType, propeller: Propeller) -> Rudder:
+    """Return a rudder of usual size, in the slipstream by Yoshimura and Masumoto (2012)."""
+    area = usual.rudder_area * ship.length * ship.draft
+    ratio = 2.26 - 1.82 * (1 - propeller.wake)
+    straightening = 2.06 * float(hull.fullness) + 0.14
+    return Rudder(
+        area=area,
+        lift=6.13 * ASPECT_RATIO / (ASPECT_RATIO + 2.25),
+        wake_ratio=ratio,
+        slipstream=0.55 / ratio,
+        in_slipstream=min(propeller.diameter / math.sqrt(ASPECT_RATIO * area), 1.0),
+        position=RUDDER_LEVER,
+        straightening_starboard=straightening,
+        straightening_port=straightening,
+    )
+
+
+def estimated_propeller(ship: Ship, hull: Hull, usual: ShipType, water: Water, speed: float) -> Propeller:
+    """Return a propeller of usual size, turned so that its thrust balances the resistance at a speed."""
+    thinned = 1 / (1 - wake(hull))
+    shaped = Propeller(
+        usual.propeller * ship.draft, 0.0, wake(hull), *usual.thrust,
+        wake_rate=WAKE_RATE, wake_starboard=thinned, wake_port=thinned,
+    )  # fmt: skip
+    return replace(shaped, revolutions=balanced_revolutions(ship, hull, shaped, speed))
+
+
+def balanced_revolutions(ship: Ship, hull: Hull, propeller: Propeller, speed: float) -> float:
+    """Return the revolutions at which thrust balances resistance straight ahead [1/s]."""
+    needed = resistance_prime(ship, speed) * 0.5 * ship.length * ship.draft * speed**2 / (1 - thrust_deduction(hull))
+    inflow, size = speed * (1 - propeller.wake), propeller.diameter
+    # thrust/rho = D^4 k_0 n^2 + D^3 k_1 u n + D^2 k_2 u^2
+    square, linear = size**4 * propeller.thrust_0, size**3 * propeller.thrust_1 * inflow
+    rest = size**2 * propeller.thrust_2 * inflow**2 - needed
+    return (-linear + math.sqrt(linear**2 - 4 * square * rest)) / (2 * square)

@@ -1,0 +1,205 @@
+"""Models from main dimensions: formulas against printed derivatives, spread on left-out ships, bad input."""
+
+import math
+
+import numpy as np
+import pytest
+
+import narrows as nw
+from narrows.empirical.bank_prior import BANK_EVIDENCE, bank_prior
+from narrows.empirical.calibration import Calibration, left_out
+from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
+from narrows.empirical.known_ships import KCS, KNOWN_SHIPS, KVLCC2
+from narrows.empirical.propulsion import balanced_revolutions, resistance_prime
+
+PANAMAX = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)
+CANAL = nw.Canal(300, 24)
+
+
+def formula(name: str, source: str) -> float:
+    (law,) = (one.law for one in FORMULAS if one.coefficient == name and one.source.startswith(source))
+    return float(law(KVLCC2.hull))
+
+
+class TestPrintedDerivativesOfKvlcc2:
+    """Yasukawa and Yoshimura (2015) print them; a wrong sign, factor or reading is off by more than these."""
+
+    @pytest.mark.parametrize(
+        ("name", "source", "printed", "within"),
+        [
+            ("X_my", "Zhou", 0.223, 0.02), ("N_jz", "Zhou", 0.011, 0.03), ("Y_v", "Wagner", -0.315, 0.05),
+            ("Y_r", "Clarke", 0.083, 0.03), ("Y_r", "Kijima", 0.083, 0.07), ("N_v", "Clarke", -0.137, 0.02),
+            ("N_v", "Inoue", -0.137, 0.05), ("N_r", "Clarke", -0.049, 0.09), ("N_r", "Inoue", -0.049, 0.10),
+            ("Y_vvv", "Yoshimura", -1.607, 0.07), ("Y_vrr", "Yoshimura", -0.391, 0.03),
+            ("Y_vrr", "Kijima", -0.391, 0.05),
+        ],
+    )  # fmt: skip
+    def test_formula(self, name: str, source: str, printed: float, within: float) -> None:
+        assert formula(name, source) == pytest.approx(printed, rel=within)
+
+
+def test_clarke_by_hand() -> None:
+    """L 100, B 20, T 10, C_B 0.8, over 1/2 rho L^2: -pi (0.1)^2 (1 + 0.4 x 0.8 x 2) and so on, times L/T."""
+    hull = Hull(5.0, 2.0, 0.8)
+    laws = {one.coefficient: float(one.law(hull)) for one in FORMULAS if one.source.startswith("Clarke")}
+    assert laws["Y_v"] == pytest.approx(-0.1 * math.pi * 1.64)
+    assert laws["N_v"] == pytest.approx(-0.1 * math.pi * 0.74)
+    assert laws["N_r"] == pytest.approx(-0.1 * math.pi * (0.25 + 0.078 - 0.112))
+    assert laws["X_my"] == pytest.approx(0.1 * math.pi * (1 + 0.256 - 0.204))
+    assert laws["N_jz"] == pytest.approx(0.1 * math.pi * (1 / 12 + 0.0272 - 0.066))
+    assert laws["Y_r"] == pytest.approx(0.1 * math.pi * (0.5 - 0.44 + 0.16) + 0.05 * 0.32)
+
+
+def test_added_mass_grows_with_shallow_water_as_measured() -> None:
+    """KCS, Flanders Hydraulics: the added mass in sway at 20 % clearance over that at 100 %."""
+    measured = KCS.primes[1.2]["X_my"] / KCS.primes[2.0]["X_my"]
+    law = depth_factor("X_my", KCS.hull, 1.2) / depth_factor("X_my", KCS.hull, 2.0)
+    assert law == pytest.approx(measured, rel=0.10)
+    assert depth_factor("X_my", KCS.hull, math.inf) == 1
+
+
+def test_kcs_row_is_what_its_tests_give() -> None:
+    """The rows of the KCS and of its banks are those of the identification, at one depth."""
+    tests = nw.measured_tests("kcs").by_condition()["C0101A01"]
+    found = nw.identify(tests, terms=nw.CROSSFLOW).coefficients
+    ship = nw.published("estimated_kcs").configuration.ship
+    assert ship.length / ship.beam == pytest.approx(KCS.hull.length_to_beam, rel=1e-3)
+    scale = 0.5 * 1000 * 4.3671 * 0.2051
+    assert -found["b_uv"] / scale == pytest.approx(KCS.primes[2.0]["Y_v"], rel=2e-3)
+    assert -found["c_uv"] / scale / 4.3671 == pytest.approx(KCS.primes[2.0]["N_v"], rel=2e-3)
+    assert found["b_vdot"] / scale / 4.3671 - 0.1823 == pytest.approx(KCS.primes[2.0]["X_my"], rel=2e-3)
+    row = BANK_EVIDENCE[1]
+    assert (found["b_bank"], found["c_bank"]) == pytest.approx((row.suction, row.cushion), abs=1e-3)
+
+
+def test_intervals_hold_ships_left_out() -> None:
+    rows = left_out()
+    share = sum(row.held for row in rows) / len(rows)
+    assert 0.90 <= share <= 0.98
+    assert {row.depth_to_draft for row in rows} == {math.inf, 2.0, 1.5, 1.2}
+
+
+def test_an_estimate_takes_every_ship_and_each_changes_it() -> None:
+    usual = Calibration().estimate("Y_v", KVLCC2.hull)
+    for ship in KNOWN_SHIPS:
+        others = Calibration(tuple(other for other in KNOWN_SHIPS if other is not ship))
+        changed = others.estimate("Y_v", KVLCC2.hull)
+        assert (changed.value == usual.value) == ("Y_v" not in ship.primes[max(ship.primes)])
+
+
+def test_spread_grows_in_shallow_water() -> None:
+    calibration = Calibration()
+    deep, shallow = (calibration.estimate("Y_v", KVLCC2.hull, ratio) for ratio in (math.inf, 1.2))
+    assert shallow.std / abs(shallow.value) > deep.std / abs(deep.value)
+
+
+def test_the_bank_prior_holds_all_evidence() -> None:
+    prior = bank_prior()
+    for row in BANK_EVIDENCE:
+        for name, value in (("Y_bank", row.suction), ("N_bank", row.cushion)):
+            assert abs(value - prior[name].value) < 1.96 * prior[name].std
+
+
+class TestModel:
+    model = nw.estimate_model(PANAMAX, CANAL)
+
+    def test_tied_coefficients_have_one_error(self) -> None:
+        names = list(self.model.terms.names)
+        for one, other in self.model.terms.ties:
+            rows = self.model.covariance[[names.index(one), names.index(other)]]
+            np.testing.assert_array_equal(rows[0], rows[1])
+
+    def test_it_says_that_it_is_an_estimate_and_survives_a_file(self, tmp_path) -> None:
+        self.model.save(tmp_path / "ship.toml")
+        again = nw.load_model(tmp_path / "ship.toml")
+        assert again == self.model
+        assert again.notes[0].startswith("The model is estimated from main dimensions")
+
+    def test_thrust_balances_resistance_at_the_service_speed(self) -> None:
+        configuration = self.model.configuration
+        speed = 0.20 * math.sqrt(9.81 * 366)
+        deep = nw.estimate_model(PANAMAX, nw.Canal(5000)).in_open_water()
+        assert deep.resistance(speed) == pytest.approx(0, abs=1e-3 * deep.resistance(speed, revolutions=0.0))
+        assert configuration.propeller.revolutions == pytest.approx(deep.configuration.propeller.revolutions)
+
+    def test_every_argument_changes_it(self) -> None:
+        base = self.model.to_dict()
+        for change in (
+            {"kind": "tanker"}, {"speed": 5.0}, {"steering": nw.SteeringGear(30.0, 3.0)}, {"water": nw.Water(1000.0)},
+            {"propeller": nw.Propeller(9.0, 1.0, 0.3, 0.4, -0.4, 0.0)},
+        ):  # fmt: skip
+            assert nw.estimate_model(PANAMAX, CANAL, **change).to_dict() != base
+        assert nw.estimate_model(PANAMAX, nw.Canal(300, 18)).to_dict() != base
+
+    def test_a_kind_fills_what_is_missing(self) -> None:
+        filled = nw.estimate_model({"length": 230.0}, nw.Canal(250, 16), kind="container")
+        assert filled.configuration.ship.beam == pytest.approx(230 / 7)
+        assert "beam 32.9 m, draft 9.96 m, block coefficient 0.65" in filled.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("ship", "canal", "sentence"),
+    [
+        ({"length": 366, "beam": 51, "draft": 15}, CANAL, "the ship has no block coefficient"),
+        ({"beam": 51, "draft": 15}, CANAL, "the ship has no length"),
+        ({"length": 366, "beam": 51, "draft": 15, "block_coefficient": 65}, CANAL, "is over 1"),
+        ({"length": 366, "beam": 51, "draft": 25, "block_coefficient": 0.65}, CANAL, "leaves no water under"),
+        ({"length": 366, "beam": 51, "draft": 15, "block_coefficient": 0.65}, nw.Canal(45, 24), "does not fit in"),
+        ({"length": 1200, "beam": 167, "draft": 49, "block_coefficient": 0.65}, nw.Canal(900), "give metres, not feet"),
+        ({"length": 51, "beam": 366, "draft": 15, "block_coefficient": 0.65}, nw.Canal(900), "L/B = 0.139"),
+        ({"length": 366, "beam": 51, "draft": 0.15, "block_coefficient": 0.65}, CANAL, "B/T = 340"),
+        ({"length": 366, "beam": 51, "draft": 15, "block": 0.65, "block_coefficient": 0.6}, CANAL, "check the names"),
+    ],
+)  # fmt: skip
+def test_bad_dimensions_get_one_sentence(ship: dict, canal: nw.Canal, sentence: str) -> None:
+    with pytest.raises(nw.InputError, match=sentence.replace("(", r"\(")) as raised:
+        nw.estimate_model(ship, canal)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_speed_of_waves_is_refused() -> None:
+    with pytest.raises(nw.InputError, match="none of this ship"):
+        nw.estimate_model(PANAMAX, CANAL, speed=40.0)
+
+
+def test_resistance_of_a_flat_plate_by_hand() -> None:
+    """ITTC-57 at Re 1e9: 0.075/49; the form factor and surface of a box-like ship by hand."""
+    ship = nw.Ship(length=119.0, beam=17.0, draft=4.25, block_coefficient=0.7)
+    friction, form, surface = 0.075 / 49, -0.095 + 25.6 * 0.7 / (49 * 2), 1.7 + 0.7 * 4
+    assert resistance_prime(ship, 10.0) == pytest.approx(((1 + form) * friction + 0.0004) * surface)
+    assert balanced_revolutions.__doc__
+
+
+class TestReadyShips:
+    def test_names_and_table(self) -> None:
+        table = nw.ready_ships()
+        assert list(table.index) == nw.published()
+        assert len(table) >= 10
+        assert {"yasukawa2015_kvlcc2_full", "son1982_s175", "estimated_kcs"} <= set(table.index)
+        estimated = table.index.str.startswith("estimated")
+        assert (table["measured"][estimated] == "nothing of this ship").all()
+        assert (table["rudder"] & table["banks"] & (table["length"] > 100))[estimated].all()
+
+    def test_kvlcc2_at_full_size_has_the_primes_of_the_model(self) -> None:
+        small, full = nw.published("yasukawa2015_kvlcc2"), nw.published("yasukawa2015_kvlcc2_full")
+        assert full.coefficients == small.coefficients
+        assert full.configuration.propeller.wake == 0.35
+        assert full.configuration.rudder.area / (320 * 20.8) == pytest.approx(0.0539 / (7 * 0.46), rel=0.02)
+
+    def test_s175_has_the_printed_forces(self) -> None:
+        """Son and Nomoto (1982) over 1/2 rho L^2 U^2, at v' = 0.1, r' = 0.3, propeller and rudder aside."""
+        model = nw.published("son1982_s175")
+        v, r = 0.1, 0.3
+        whole = 8.0
+        motion = {"u": whole * math.sqrt(1 - v * v), "v": whole * v, "r": whole * r / 175}
+        quiet = model.with_coefficients(
+            X_rudder=0.0, Y_rudder=0.0, N_rudder=0.0, X_thrust=0.0, X_mass=0.0, Y_mass=0.0, N_mass=0.0,
+            X_my=0.0, Y_my=0.0, X_mx=0.0, Y_mx=0.0,
+        )  # fmt: skip
+        forces, scale = quiet.forces(**motion), 0.5 * 1025 * 175**2 * whole**2
+        sway = -0.0116 * v + 0.00242 * r - 0.109 * v**3 + 0.00177 * r**3 + 0.0214 * v**2 * r - 0.0405 * v * r**2
+        yaw = -0.0038545 * v - 0.00222 * r + 0.001492 * v**3 - 0.00229 * r**3 - 0.0424 * v**2 * r + 0.00156 * v * r**2
+        surge = -0.0004226 - 0.00311 * v * r - 0.00386 * v**2 + 0.0002 * r**2
+        assert forces["Y"] / scale == pytest.approx(sway, rel=1e-6)
+        assert forces["N"] / scale / 175 == pytest.approx(yaw, rel=1e-6)
+        assert forces["X"] / scale == pytest.approx(surge, rel=1e-6)
