@@ -1,6 +1,8 @@
 """Models from main dimensions: formulas against printed derivatives, spread on left-out ships, bad input."""
 
+import importlib
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -91,6 +93,16 @@ def test_spread_grows_in_shallow_water() -> None:
     calibration = Calibration()
     deep, shallow = (calibration.estimate("Y_v", KVLCC2.hull, ratio) for ratio in (math.inf, 1.2))
     assert shallow.std / abs(shallow.value) > deep.std / abs(deep.value)
+
+
+def test_circle_of_kvlcc2_from_dimensions_by_the_other_ships(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the free-running tests of MARIN, mean of both sides; drawn ships are in docs/main-dimensions.md."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "decisions")
+    decision = importlib.import_module("main_dimensions")
+    found = nw.sail_trials(decision.kvlcc2(), decision.APPROACH, zigzags=()).to_dict()["turning"]["+35"]
+    measured = {name: np.mean(sides) for name, sides in decision.measured().items()}
+    assert found["advance_over_length"] == pytest.approx(measured["advance/L"], rel=0.15)
+    assert found["tactical_diameter_over_length"] == pytest.approx(measured["tactical diameter/L"], rel=0.15)
 
 
 def test_the_bank_prior_holds_all_evidence() -> None:

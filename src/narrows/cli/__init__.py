@@ -4,5 +4,6 @@ from narrows.cli import envelopes, fits, learning, models, plans, ready_ships, v
 from narrows.cli.app import app, main
 
 __all__ = [
-    "app", "envelopes", "fits", "learning", "main", "models", "plans", "ready_ships", "voyages", "watching", "waterways",
+    "app", "envelopes", "fits", "learning", "main", "models", "plans", "ready_ships", "voyages", "watching",
+    "waterways",
 ]  # fmt: skip
