@@ -59,8 +59,8 @@ NAMES = [
     base + form + helm
     for base in BASES
     for form in ("", *(f"+{form}" for form in nw.FORMS), "+open_water")
-    for helm in ("", "+helm")
-    if not (helm and any(term.kind is nw.TermKind.RUDDER for term in BASES[base].terms))
+    for helm in ("", "+helm", "+asymmetry")
+    if not (helm == "+helm" and any(term.kind is nw.TermKind.RUDDER for term in BASES[base].terms))
 ]
 
 
@@ -76,7 +76,7 @@ def test_named_tables_go_into_model_files_and_back(name: str, dtc: nw.Model, tmp
     assert again.terms == table
     motion = nw.Motion.at(y=1.0, psi=0.1, u=1.0, v=0.1, r=0.02)
     assert again.forces(motion) == model.forces(motion)
-    assert table.feels_bank == ("open_water" not in name and name != "mmg")
+    assert table.feels_bank == ("open_water" not in name and name not in ("mmg", "mmg+asymmetry"))
 
 
 def test_a_model_that_feels_no_bank_says_so(dtc: nw.Model, short: nw.CaptiveTests) -> None:

@@ -9,6 +9,7 @@ from narrows.physics.bank import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
 from narrows.results import Described
+from narrows.terms.asymmetry import WITH_ASYMMETRY
 from narrows.terms.helm import WITH_HELM
 from narrows.terms.regressors import Composed
 from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
@@ -157,7 +158,7 @@ def without_bank(table: TermTable) -> TermTable:
 def _base(table: TermTable) -> str:
     """The name of a table without that of its form of the bank."""
     base, *additions = table.name.split("+")
-    return "+".join([base, *(word for word in additions if word == WITH_HELM)])
+    return "+".join([base, *(word for word in additions if word in (WITH_HELM, WITH_ASYMMETRY))])
 
 
 def _form(form: str | BankForm) -> BankForm:

@@ -11,6 +11,7 @@ from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
+from narrows.terms.asymmetry import WITH_ASYMMETRY, with_asymmetry
 from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
 from narrows.terms.helm import WITH_HELM, with_helm
 from narrows.terms.pooled import AT, pooled
@@ -189,6 +190,9 @@ MMG = TermTable(
 # The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
 
+# What a table may have beside a form of the bank.
+ADDED: dict[str, Callable[[TermTable], TermTable]] = {WITH_HELM: with_helm, WITH_ASYMMETRY: with_asymmetry}
+
 # Other names for some of them.
 SHORT = {"tapered": "paper+tapered"}
 
@@ -202,10 +206,10 @@ def table_named(name: str) -> TermTable:
     base, *additions = (SHORT.get(first, first) + plus + rest).split("+")
     if base not in BASES:
         raise InputError(f"unknown table of terms {base!r}{did_you_mean(base, [*BASES, *SHORT])}")
-    if unknown := [word for word in additions if word not in (*FORMS, OPEN_WATER, WITH_HELM)]:
-        hint = did_you_mean(unknown[0], [*FORMS, OPEN_WATER, WITH_HELM])
+    if unknown := [word for word in additions if word not in (*FORMS, OPEN_WATER, *ADDED)]:
+        hint = did_you_mean(unknown[0], [*FORMS, OPEN_WATER, *ADDED])
         raise InputError(f"unknown form {unknown[0]!r} of the bank term{hint}")
-    if sum(word != WITH_HELM for word in additions) > 1:
+    if sum(word not in ADDED for word in additions) > 1:
         raise InputError(f"the terms {name!r} have two forms of the bank; keep one")
     table = BASES[base]
     for addition in additions:
@@ -221,8 +225,8 @@ def _depths(written: str, name: str) -> list[float]:
 
 
 def _with(table: TermTable, addition: str) -> TermTable:
-    if addition == WITH_HELM:
-        return with_helm(table)
+    if addition in ADDED:
+        return ADDED[addition](table)
     return without_bank(table) if addition == OPEN_WATER else with_bank(table, addition)
 
 
