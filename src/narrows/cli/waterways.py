@@ -33,12 +33,7 @@ def waterway(
     from narrows.waterway import read_waterway, write_waterway
     from narrows.waterway.geojson import read_line, waterway_from_line
 
-    if file is not None and (width, depth) != (None, None):
-        raise InputError("--width and --depth make a waterway along --line alone; leave them out, or the file")
-    if file is not None and (file.suffix == ".000") != (line is not None):
-        raise InputError("a chart (.000) goes with --line, its centreline as GeoJSON; a GeoJSON waterway goes without")
-    if (line is None or file is None) and reach != REACH:
-        raise InputError("--reach measures a chart; leave it out for a GeoJSON waterway")
+    _check_together(file, line, width is not None or depth is not None, reach)
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is no draft; give metres from 0")
     if file is None:
@@ -58,3 +53,13 @@ def waterway(
         return
     print_waterway(result, draft)
     say_written([output])
+
+
+def _check_together(file: Path | None, line: Path | None, sized: bool, reach: float) -> None:
+    """Raise where arguments contradict each other."""
+    if file is not None and sized:
+        raise InputError("--width and --depth make a waterway along --line alone; leave them out, or the file")
+    if file is not None and (file.suffix == ".000") != (line is not None):
+        raise InputError("a chart (.000) goes with --line, its centreline as GeoJSON; a GeoJSON waterway goes without")
+    if (line is None or file is None) and reach != REACH:
+        raise InputError("--reach measures a chart; leave it out for a GeoJSON waterway")
