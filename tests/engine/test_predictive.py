@@ -336,3 +336,11 @@ def test_the_command_line_steers_with_it(tmp_path: Path) -> None:
         assert result.exit_code == 0, result.output
         ends[name] = json.loads(result.output)
     assert ends["predictive"] != ends["regulator"]
+
+
+def test_a_gap_of_ten_minutes_and_readings_that_are_none_get_an_order() -> None:
+    order = anew()
+    for t in (0.0, 0.5, 600.0, 600.5):
+        assert math.isfinite(order(t, seen(HOLD + 0.02)))
+    assert math.isfinite(order(601.0, seen(HOLD + 0.02)._replace(y=None, r=None)))
+    assert math.isfinite(order(None, seen(HOLD)))

@@ -89,6 +89,7 @@ def test_an_engine_at_its_limit_winds_nothing_up(governor: SpeedGovernor) -> Non
         ([(0.0, 1.0, 2.0)], {}, "pairs"),
         (7.0, {}, "pairs"),
         ([(0.0, 1.0)], {"deceleration": 0.0}, "deceleration"),
+        ([(0.0, 1.0), (60.0, 0.7)], {"deceleration": 0.05}, "propeller stopped"),
     ],
 )
 def test_what_is_no_plan_is_refused(governor: SpeedGovernor, limits, more, word: str) -> None:

@@ -20,6 +20,9 @@ LEAST_DECAY, LEAST_DECAY_OF_PILOT = 1e-7, 1e-6
 # Deceleration of a plan of speeds over that with the propeller stopped [1].
 EASE = 0.5
 
+# Most revolutions of an engine that nothing is said of, over those that keep the fastest limit [1].
+ENGINE_RESERVE = 1.5
+
 # Time in which the speed governor makes up what is lacking.
 GOVERNOR_TIME = 3.0
 

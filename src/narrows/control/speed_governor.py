@@ -10,7 +10,7 @@ import numpy as np
 
 from narrows.control.linearization import linearize
 from narrows.control.self_propulsion import self_propulsion
-from narrows.control.settings import EASE, GOVERNOR_TIME, PIECES
+from narrows.control.settings import EASE, ENGINE_RESERVE, GOVERNOR_TIME, PIECES
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
@@ -119,7 +119,7 @@ class SpeedGovernor(Described):
 
 def speed_governor(
     model: Model, helm: ControlLaw, limits: Sequence[tuple[float, float]], *, deceleration: float | None = None,
-    most_revolutions: float = math.inf,
+    most_revolutions: float | None = None,
 ) -> SpeedGovernor:  # fmt: skip
     """Return a governor that keeps a ship's speed to limits along its way and slows in time.
 
@@ -137,13 +137,14 @@ def speed_governor(
     deceleration : float [m/s2], optional
         With which speed is changed; half of what the ship loses at the slowest limit with the propeller stopped, unless
         given.
-    most_revolutions : float [1/s]
-        Of the engine.
+    most_revolutions : float [1/s], optional
+        Of the engine; half again those that keep the fastest limit, unless given.
 
     Raises
     ------
     InputError
-        Where the model has no propeller, the limits do not rise along the way, or a speed is none.
+        Where the model has no propeller, the limits do not rise along the way, a speed is none, or the ship does not
+        slow down as fast as the deceleration asks.
 
     References
     ----------
@@ -156,11 +157,17 @@ def speed_governor(
     rate = EASE * loses if deceleration is None else deceleration
     if not (math.isfinite(rate) and rate > 0):
         raise InputError(f"deceleration = {rate} slows nothing; give it in m/s2, over 0")
+    if rate > loses:
+        raise InputError(
+            f"deceleration = {rate:g} m/s2 is more than the {loses:.3g} that this ship loses at {slowest:g} m/s with "
+            "its propeller stopped; give less, or leave it out"
+        )
     x = _points(places, speeds, rate)
     u = [planned(place, places, speeds, rate) for place in x]
     known = dict(zip(speeds, revolutions, strict=True))
     turns = [known[speed] if speed in known else self_propulsion(model, speed) for speed in u]
-    return SpeedGovernor(helm, tuple(x), tuple(u), tuple(turns), *_gains(model, slowest), most_revolutions)
+    most = ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
+    return SpeedGovernor(helm, tuple(x), tuple(u), tuple(turns), *_gains(model, slowest), most)
 
 
 def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
