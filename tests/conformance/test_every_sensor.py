@@ -1,14 +1,16 @@
 """Every sensor of ``SENSORS``: readings and numbers go both ways, what it expects is what it reads, and it informs."""
 
+import math
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.estimation import Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor
+from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor
 from narrows.estimation.sensor import Measuring
 from narrows.estimation.sensors import SENSORS
 from narrows.estimation.states import STATES, Columns, StateNames
@@ -84,7 +86,7 @@ def estimator(*sensors: Sensor) -> Estimator:
     return Estimator(ship(), [*OTHERS, *sensors, RudderIndicator()])
 
 
-def accurate(make: type[Measuring], **told: float) -> Measuring:
+def accurate(make: type[Measuring], **told: Any) -> Measuring:
     """As good as a ship of 4 m needs it."""
     return make(0.02 * make().noise, name="tested", period=0.2, **told)
 
@@ -107,10 +109,10 @@ def test_what_a_twin_reads_is_what_the_filter_expects(make: type[Measuring]) -> 
     others = {name: told for name, told in table.items() if name not in accurate(make).fields}
     track, without = own.run(table), estimator().run(others)
     assert not any("refused" in note for note in track.notes), track.notes
-    truth, late = twins.states[:, 0], slice(len(twins.t) // 2, None)
+    truth, late = twins.states[-len(track.t) :, 0], slice(len(twins.t) // 2, None)
     off = (np.stack([track[name] for name in track.states], axis=1) - truth) / track.std
     assert np.sqrt((off[late] ** 2).mean(axis=0)).max() < 3.5
-    assert (track.std[-1] < 0.95 * without.std[-1]).any()
+    assert (track.std[-1, : len(without.states)] < 0.95 * without.std[-1]).any()
 
 
 @every_sensor
@@ -123,7 +125,26 @@ def test_a_late_reading_is_of_the_time_when_it_was_measured(make: type[Measuring
     then = Columns(twins.states[: len(own) - 3, 0], names)
     expected = np.stack([np.asarray(one) for one in sensor.measured(then)], axis=1)
     numbers = np.array([sensor.numbers(row) for row in own[3:].tolist()])
-    np.testing.assert_array_less(abs(numbers - expected), 6 * sensor.noise)
+    np.testing.assert_array_less(abs(numbers - expected), 9 * sensor.noise)
+
+
+@every_sensor
+def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Measuring]) -> None:
+    """A bias and a slow error, ten times the noise: each a state at its spread, and readings of twins have them."""
+    size = 0.2 * make().noise
+    sensor = accurate(make, bias=size, coloured=GaussMarkov(size, 30.0))
+    own = estimator(sensor)
+    names = [f"{field}_{kind}" for field in sensor.fields for kind in ("bias", "wander")]
+    assert set(names) <= set(own.filter.states.names)
+    pilot = nw.track_pilot(ship(), 0.4, 1.0)
+    twins = sail_twins(own.filter, pilot, (0.0, 0.4, 1.0, float(pilot.psi)), 200, 0.2, False, 0.0, 4)
+    for name in names:
+        drawn = twins.states[0, :, own.filter.states.places[name]]
+        assert drawn.std() == pytest.approx(size, rel=0.2)
+    at = Columns(twins.states[0], own.filter.states)
+    numbers = np.array([sensor.numbers(row) for row in twins.readings["tested"][0].tolist()])
+    off = numbers - np.stack([np.asarray(one) for one in sensor.measured(at)], axis=1)
+    assert off.std() == pytest.approx(math.sqrt(2.0 * size**2 + sensor.noise**2), rel=0.15)
 
 
 @every_sensor

@@ -13,7 +13,7 @@ def test_noises_of_another_ship_follow_froudes_law() -> None:
     """A ship 16 times as long as that of 230 m: velocities 4 times, times 4 times; a walk gathers per root second."""
     usual, large = ProcessNoise().by_state(), ProcessNoise.of_length(16 * 230.0).by_state()
     factors = dict.fromkeys(("u", "v", "current", "current_across"), 2.0)  # velocity over the root of a time
-    factors |= dict.fromkeys(("bank", "rudder_bias", "heading_bias"), 0.5)
+    factors |= dict.fromkeys(("bank", "rudder_bias"), 0.5)
     for name, factor in {**factors, "r": 1 / 8}.items():
         assert large[name] == pytest.approx(factor * usual[name], rel=1e-12)
         assert usual[name] > 0.0

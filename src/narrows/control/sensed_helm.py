@@ -126,7 +126,7 @@ class _SensedOrders:
         columns = np.array([seen for _, seen in self._past]).T
         then = VoyageState(*(float(np.interp(time, times, column)) for column in columns))
         water = self._ahead.at(np.array([then.x]))
-        calm = {"current_across": 0.0, "heading_bias": 0.0, "rudder_bias": 0.0, "bank": 1.0}
+        calm = {"current_across": 0.0, "rudder_bias": 0.0, "bank": 1.0}
         return SimpleNamespace(
             **then._asdict(), **calm, current=self._ahead.current, curvature=float(water["curvature"][0])
         )

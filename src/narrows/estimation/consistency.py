@@ -17,7 +17,7 @@ from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.settings import COEFFICIENT_MEMORY, CONFIDENCE, REFERENCE_LENGTH, SETTLING_TIME
 from narrows.estimation.ship_filter import Coefficients
-from narrows.estimation.states import STATES, Prior, ProcessNoise
+from narrows.estimation.states import Prior, ProcessNoise, described
 from narrows.estimation.twins import Twins, check_law, sail_twins
 from narrows.model.model import Model
 from narrows.results import Shown
@@ -139,7 +139,7 @@ class Consistency(Shown):
         low, high = self.bounds()
         count, n = len(self.nees), len(self.states)
         nis = ", ".join(f"{name} {value:.2f}" for name, value in self.mean_nis.items())
-        rmse = ", ".join(f"{name} {value:.2g} {STATES[name][0]}" for name, value in self.rmse.items())
+        rmse = ", ".join(f"{name} {value:.2g} {described(name)[0]}" for name, value in self.rmse.items())
         told = [
             f"NEES of {n} states over {n} on {count} twins: mean {self.mean_nees:.2f}, median over that of chi-squared "
             f"{self.median_nees:.2f}.",
@@ -162,7 +162,11 @@ class Consistency(Shown):
         """Give a row a state: unit, root mean square error, share within the band of 95 %."""
         import pandas as pd
 
-        columns = {"unit": {name: STATES[name][0] for name in self.states}, "rmse": self.rmse, "covered": self.covered}
+        columns = {
+            "unit": {name: described(name)[0] for name in self.states},
+            "rmse": self.rmse,
+            "covered": self.covered,
+        }
         return pd.DataFrame(columns, index=pd.Index(self.states, name="state"))
 
     def dataset(self) -> "xarray.Dataset":
@@ -172,7 +176,7 @@ class Consistency(Shown):
         over = ("twin", "t")
         data: dict[str, Any] = {"nees": (over, self.nees, {"units": "1"})}
         for place, name in enumerate(self.states):
-            units = {"units": STATES[name][0], "long_name": STATES[name][1]}
+            units = {"units": described(name)[0], "long_name": described(name)[1]}
             data |= {
                 f"{name}_error": (over, self.error[..., place], units),
                 f"{name}_std": (over, self.std[..., place], units),
@@ -282,7 +286,7 @@ def _told(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | Non
                 nis[name][row, number] = value
             for name in estimate.refused:
                 refused[name][row, number] = True
-            for name in estimate.suspects:
+            for name in suspected.keys() & set(estimate.suspects):
                 suspected[name][row, number] = True
     numbers = {name: len(sensor.fields) for name, sensor in filter.sensors.items()}
     return Consistency(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.estimation.states import STATES, StateNames
+from narrows.estimation.states import StateNames, described
 from narrows.estimation.unscented import Gaussian
 from narrows.results import Described, Tabulated
 
@@ -34,11 +34,13 @@ class Estimate(Described):
     refused : tuple of str
         Sensors whose reading was too far from what was expected.
     suspects : tuple of str
-        Sensors whose readings lean to one side.
+        Sensors whose readings lean to one side, or that are left out.
     notes : tuple of str
         What to know of it, each a sentence.
     joint : Gaussian, optional
         The state and what is estimated beside it, the directions of the coefficients' covariance, as one.
+    faults : tuple of str
+        Sensors, ``rudder`` or ``model`` that contradict the others and are left out.
     """
 
     t: float
@@ -50,6 +52,7 @@ class Estimate(Described):
     suspects: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     joint: Gaussian | None = None
+    faults: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
@@ -82,7 +85,7 @@ class Estimate(Described):
             return f"t = {self.t:g} s: nothing to start from yet."
         values, std = self.values, self.std
         parts = [
-            f"{name} = {values[name]:.4g} +- {1.96 * std[name]:.2g} {STATES[name][0]}"
+            f"{name} = {values[name]:.4g} +- {1.96 * std[name]:.2g} {described(name)[0]}"
             for name in ("x", "y", "psi", "u")
         ]
         told = [f"t = {self.t:g} s: {', '.join(parts)} (95 %)."]
@@ -168,7 +171,7 @@ class EstimatedTrack(Tabulated):
         std = self.std
         data: dict[str, Any] = {}
         for place, name in enumerate(self.states):
-            unit, meaning = STATES[name]
+            unit, meaning = described(name)
             data[name] = ("t", self.mean[:, place], {"units": unit, "long_name": meaning})
             data[f"{name}_std"] = ("t", std[:, place], {"units": unit, "long_name": f"standard deviation of {meaning}"})
         data["ready"] = ("t", self.ready.astype(np.int8), {"units": "1", "long_name": "follows the readings"})

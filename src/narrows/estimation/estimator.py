@@ -1,7 +1,6 @@
 """The estimator: where a ship is, how it moves, and what banks, current and gear do to it, from readings."""
 
 import math
-from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
@@ -11,10 +10,12 @@ import numpy as np
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate, EstimatedTrack
-from narrows.estimation.records import Moment, Reading, checked_readings, records_of
+from narrows.estimation.fault_bank import FaultBank
+from narrows.estimation.filter_run import FilterRun, Moment
+from narrows.estimation.records import Reading, checked_readings, records_of
 from narrows.estimation.recursion import UpdateResult
-from narrows.estimation.settings import COEFFICIENT_MEMORY, LONGEST_GAP, SAME_TIME, SILENT_PERIODS
-from narrows.estimation.ship_filter import Coefficients, ShipFilter, default_step, split_sensors
+from narrows.estimation.settings import COEFFICIENT_MEMORY, LONGEST_GAP, SAME_TIME, SILENT_PERIODS, START_READINGS
+from narrows.estimation.ship_filter import MODEL, Coefficients, ShipFilter, Start, default_step, split_sensors
 from narrows.estimation.smoothing import smooth
 from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
@@ -86,16 +87,17 @@ class Estimator(Described):
             prior or Prior.of_length(length), coefficients, refusing,
             default_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
         )  # fmt: skip
-        self._horizon = max(sensor.late for sensor in by_name.values())
+        self._bank = FaultBank(self.filter, max(sensor.late for sensor in by_name.values()))
         self._last: Gaussian | None = None
         values = self.filter.ship.values()
         self._at_rest = np.array([float(values.get(name) or 0.0) for name in self.filter.actuators])
         self._begin_anew()
 
     def _begin_anew(self) -> None:
-        self._start = self.filter.start()
-        self._history: list[Moment] = []
+        self._start = Start(self.filter)
+        self._run: FilterRun | None = None
         self._heard: dict[str, float] = {}
+        self._verdict = ""
 
     def forget(self) -> None:
         """Begin anew, as if nothing had come in yet."""
@@ -146,12 +148,12 @@ class Estimator(Described):
             raise InputError(f"t = {t} is no time; give seconds")
         told = checked_readings({**(readings or {}), **named}, self.filter.sensors, self.filter.actuators)
         notes = list(told.notes)
-        gap = t - self._history[-1].t if self._history else 0.0
+        gap = t - self._run.last.t if self._run else 0.0
         if abs(gap) > LONGEST_GAP:
             what = f"Nothing came for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew()
-        if not self._history:
+        if self._run is None:
             return self._waited(float(t), told.measured, told.positions, notes)
         return self._went_on(float(t), told.measured, told.positions, notes)
 
@@ -180,7 +182,7 @@ class Estimator(Described):
         known = [estimate for estimate in found if estimate.normal is not None]
         if not known:
             raise InputError(
-                f"no row of these records tells {self._start.lacking}; an estimate starts from all of them"
+                f"these records lack {self._start.lacking}; an estimate starts from {START_READINGS} readings of each"
             )
         flags = [
             {name: np.array([name in said(estimate) for estimate in known]) for name in self.filter.sensors}
@@ -188,7 +190,7 @@ class Estimator(Described):
         ]
         mean = np.array([list(estimate.values.values()) for estimate in known])
         covariance = np.array([estimate.covariance for estimate in known])
-        begun = dict.fromkeys(note for estimate in known for note in estimate.notes if note.endswith("begins anew."))
+        begun = dict.fromkeys(note for estimate in known for note in estimate.notes if note.startswith("At t = "))
         return EstimatedTrack(
             np.array([estimate.t for estimate in known]), mean, covariance, self.filter.states.names,
             np.array([estimate.ready for estimate in known]), flags[0], flags[1], False, (*self.notes, *begun),
@@ -234,130 +236,74 @@ class Estimator(Described):
         start = self._start
         for name in [name for name, heard in self._heard.items() if self._quiet(name, t - heard)]:
             start.readings.pop(name, None)  # Too old to start from.
-        start.readings.update(measured)
+        late = max((self.filter.sensors[name].late for name in measured), default=0.0)
+        start.add(t - late, measured)
         self._heard.update(dict.fromkeys(measured, t))
         if start.lacking:
-            notes.append(f"No sensor has told {start.lacking} yet, so there is nothing to start from.")
+            notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.lacking}.")
             return self._estimate(t, self._last, False, notes)
-        late = max((self.filter.sensors[name].late for name in measured), default=0.0)
         at = self._at_rest.copy()
         for number, name in enumerate(self.filter.actuators):
             at[number] = positions.get(name, at[number])
-        first = self.filter.begin(start)
-        self._history = [Moment(t - late, first, at, {}, self.filter.monitor())]
+        first = Moment(t - late, start.state(t - late), at, {}, self.filter.monitor())
+        self._run = FilterRun(self.filter, [first], self._bank.horizon, self._bank.kept)
+        self._bank.begin(t)
         return self._went_on(t, {}, positions, notes)
 
     def _went_on(
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
-        last = self._history[-1]
+        assert self._run is not None
+        last = self._run.last
         if t < last.t - SAME_TIME:
             notes.append(f"The time went back from {last.t:g} to {t:g} s: what came is taken for late.")
         now = max(t, last.t)
         at = last.positions.copy()
         for number, name in enumerate(self.filter.actuators):
             at[number] = positions.get(name, at[number]) if t >= last.t - SAME_TIME else at[number]
-        heard: list[UpdateResult] = []
         self._heard.update(dict.fromkeys(measured, now))
-        if t > last.t + SAME_TIME and not self._horizon:
-            afloat = self._advanced(t, at, measured, heard)
-            del self._history[:-1]
-        else:
-            afloat = self._put(t, now, measured, at, heard, notes)
-        if not afloat:
+        if not self._run.update(t, measured, at, notes):
             notes.append(f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew.")
             self._begin_anew()
             return self._waited(t, measured, positions, notes)
-        self._last = self._history[-1].normal
-        return self._estimate(now, self._last, True, [*notes, *self._silences(now)], heard)
-
-    def _put(
-        self, t: float, now: float, measured: dict[str, tuple[float, ...]], at: np.ndarray, heard: list[UpdateResult],
-        notes: list[str],
-    ) -> bool:  # fmt: skip
-        """Take readings in the order in which they were measured; False where the mean of the state met a bank."""
-        groups: dict[float, dict[str, tuple[float, ...]]] = {}
-        for name, reading in measured.items():
-            groups.setdefault(t - self.filter.sensors[name].late, {})[name] = reading
-        groups.setdefault(now, {})
-        for time in sorted(groups):
-            if not self._taken(time, groups[time], at, now, heard, notes):
-                return False
-        # No reading can be older than the horizon.
-        while len(self._history) > 1 and self._history[1].t <= now - self._horizon + SAME_TIME:
-            del self._history[0]
-        return True
-
-    def _taken(
-        self, time: float, readings: dict[str, tuple[float, ...]], at: np.ndarray, now: float,
-        heard: list[UpdateResult], notes: list[str],
-    ) -> bool:  # fmt: skip
-        """Take readings of one time where they belong; False where the mean of the state met a bank."""
-        history = self._history
-        place = bisect_right(history, time + SAME_TIME, key=lambda moment: moment.t)
-        if place == 0:
-            late = ", ".join(readings)
-            notes.append(f"What {late} told is from t = {time:g} s, before anything that is kept: it is passed over.")
-            return True
-        later, base = history[place:], history[place - 1]
-        del history[place:]
-        ahead_t, ahead = (later[0].t, later[0].positions) if later else (now, at)
-        share = 1.0 if ahead_t - base.t <= SAME_TIME else min(1.0, (time - base.t) / (ahead_t - base.t))
-        positions = base.positions + share * (ahead - base.positions)
-        if not self._advanced(time, positions, readings, heard):
-            return False
-        return all(self._advanced(moment.t, moment.positions, moment.readings) for moment in later)
-
-    def _advanced(
-        self, time: float, positions: np.ndarray, readings: dict[str, tuple[float, ...]],
-        heard: list[UpdateResult] | None = None,
-    ) -> bool:  # fmt: skip
-        """Go on from the last moment to a time and take readings there; False where the mean met a bank."""
-        last = self._history[-1]
-        normal, monitor, known = last.normal, last.monitor, last.readings
-        if time - last.t > SAME_TIME:
-            taken = self.filter.steps(normal, time - last.t, last.positions, positions)
-            if taken[-1].aground:
-                return False
-            normal, known = taken[-1].normal, {}
-        else:
-            self._history.pop()
-            time = last.t
-        if readings:
-            monitor = monitor.copy() if self._horizon else monitor
-            believed = self.filter.recursion.update(normal, readings, monitor)
-            normal = believed.normal
-            if heard is not None:
-                heard.append(believed)
-        self._history.append(Moment(time, normal, positions, {**known, **readings}, monitor))
-        return True
+        results = self._run.results
+        self._run, told = self._bank.judge(self._run)
+        self._verdict = told or self._verdict
+        self._last = self.filter.adopt(self._run.last.state, self._run.filter)
+        return self._estimate(now, self._last, True, [*notes, *self._silences(now)], results)
 
     def _silences(self, now: float) -> list[str]:
         silent = []
         for name in self.filter.sensors:
             quiet = now - self._heard.setdefault(name, now)
             if self._quiet(name, quiet):
-                silent.append(f"{name} has told nothing for {quiet:.0f} s.")
+                silent.append(f"No reading of {name} came for {quiet:.0f} s.")
         return silent
 
     def _quiet(self, name: str, time: float) -> bool:
         return not 0.0 <= time <= SILENT_PERIODS * self.filter.sensors[name].period
 
     def _estimate(
-        self, t: float, normal: Gaussian | None, ready: bool, notes: list[str], heard: Sequence[UpdateResult] = ()
+        self, t: float, joint: Gaussian | None, ready: bool, notes: list[str], results: Sequence[UpdateResult] = ()
     ) -> Estimate:
         nis: dict[str, float] = {}
-        for believed in heard:
-            nis |= believed.nis
-        refused = tuple(name for believed in heard for name in believed.refused)
-        suspects = tuple(name for believed in heard for name in believed.suspects)
+        for result in results:
+            nis |= result.nis
+        faults = tuple(sorted(self._bank.faults)) if self._run else ()
+        refused = tuple(name for result in results for name in result.refused)
+        surprising = tuple(name for result in results for name in result.surprising)
+        leaning = [name for result in results for name in result.suspects]
+        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *leaning]))
         if refused:
-            notes.append(f"What {' and '.join(refused)} told is too far from what was expected: it is refused.")
-        surprising = tuple(name for believed in heard for name in believed.surprising)
+            notes.append(f"The reading of {' and '.join(refused)} is too far from what was expected: refused.")
         if surprising:
-            notes.append(f"What {' and '.join(surprising)} told is not what the model expects: the model errs.")
-        if suspects:
-            notes.append(f"What {' and '.join(suspects)} tells leans to one side: it drifts, or is led astray.")
-        joint, size = normal, len(self.filter.states)
+            notes.append(f"The readings of {' and '.join(surprising)} are not what the model expects: the model errs.")
+        if leaning:
+            notes.append(f"The readings of {' and '.join(leaning)} lean to one side: it drifts, or is led astray.")
+        if self._verdict:
+            notes.append(self._verdict)
+        if not faults:
+            self._verdict = ""
+        size = len(self.filter.states)
         state = None if joint is None else Gaussian(joint.mean[:size], joint.root[:size])
-        return Estimate(t, self.filter.states, state, ready, nis, refused, suspects, tuple(notes), joint)
+        return Estimate(t, self.filter.states, state, ready, nis, refused, suspects, tuple(notes), joint, faults)

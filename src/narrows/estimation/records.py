@@ -8,9 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.estimation.recursion import DriftMonitor
 from narrows.estimation.sensor import Sensor
-from narrows.estimation.unscented import Gaussian
 
 TIME = "t"
 
@@ -99,27 +97,19 @@ def checked_readings(
             measured[name] = numbers
         else:
             positions[name] = numbers[0]
-    notes = (f"What {' and '.join(lost)} told is no number: it counts as not told.",) if lost else ()
+    notes = (f"The reading of {' and '.join(lost)} is no number: not used.",) if lost else ()
     return Measurements(measured, positions, notes)
 
 
 def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:
     if count == 1 and isinstance(reading, float):  # What comes most often costs least.
         return (reading,)
+    if reading is None:
+        return (math.nan,) * count
     try:
-        numbers = tuple(map(float, reading if isinstance(reading, tuple) else np.ravel(reading)))
+        numbers = tuple(np.asarray(reading, float).ravel().tolist())
     except (TypeError, ValueError):
         raise InputError(f"a reading of {name} is {count} number(s), and this one is {reading!r}") from None
     if len(numbers) != count:
         raise InputError(f"a reading of {name} is {count} number(s), and this one has {len(numbers)}; give as many")
     return numbers
-
-
-class Moment(NamedTuple):
-    """What is known at a time, to go on from or to go back to."""
-
-    t: float  # When [s]
-    normal: Gaussian  # The state
-    positions: np.ndarray  # (actuators,) Indicated positions
-    readings: dict[str, tuple[float, ...]]  # What was measured then
-    monitor: DriftMonitor  # After them

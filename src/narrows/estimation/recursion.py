@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.estimation.sensor import Sensor
+from narrows.estimation.sensor import Sensor, error_states
 from narrows.estimation.settings import DRIFT_MEMORIES, DRIFT_MOST_INNOVATION, DRIFT_THRESHOLD, GROSS_ERROR_NIS
 from narrows.estimation.ship_lanes import ShipLanes
 from narrows.estimation.states import Columns, StateNames
@@ -17,7 +17,6 @@ from narrows.estimation.unscented import (
     SigmaPointWeights,
     Transformed,
     innovation_covariance,
-    linear_transform,
     predict,
     sigma_points,
     unscented_transform,
@@ -30,11 +29,12 @@ RUDDER = "rudder"
 class UpdateResult(NamedTuple):
     """What became of readings."""
 
-    normal: Gaussian  # The state after them
+    state: Gaussian  # After them
     nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
     refused: tuple[str, ...]  # Sensors whose reading the gate refused
     suspects: tuple[str, ...]  # Sensors whose innovations lean to one side
-    surprising: tuple[str, ...] = ()  # Sensors of several kinds that all told what was not expected, and were believed
+    surprising: tuple[str, ...] = ()  # Sensors of several kinds that contradict the model at once, and are used
+    log_likelihood: float = 0.0  # Of the readings, where it is asked for; refused ones count as at the gate
 
 
 class NumberLayout(NamedTuple):
@@ -44,7 +44,8 @@ class NumberLayout(NamedTuple):
     gates: tuple[float, ...]  # Largest normalised innovation squared of each sensor [1]
     sigma: np.ndarray  # Standard deviations
     angles: np.ndarray  # Which are angles
-    straight: bool  # Whether all are linear in the state
+    seen: np.ndarray | None  # (numbers, states) Their derivatives, where all are linear in the state
+    errors: tuple[tuple[int, int], ...]  # Numbers, and places of their errors among the states
 
 
 # Share of a sum that is left after each reading, (memories, 1).
@@ -88,17 +89,39 @@ class DriftMonitor:
         return other
 
 
+class MarkovProcess:
+    """First-order Gauss-Markov processes, random walks where the time is infinite."""
+
+    def __init__(self, walks: np.ndarray, times: np.ndarray) -> None:
+        self.walks, self.times = walks, times  # (n,) Gathered per root second; correlation times [s]
+        self.places = np.flatnonzero(np.isfinite(times))
+        self._rows = np.flatnonzero(walks > 0.0)
+        self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+
+    def over(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return what is left of the states at ``places`` after a time, and a root of the noise, (j, n)."""
+        if duration not in self._over:
+            if len(self._over) > 64:
+                self._over.clear()
+            share = duration / self.times
+            grown = np.full(len(share), duration)
+            grown[self.places] = -np.expm1(-2.0 * share[self.places]) * self.times[self.places] / 2.0
+            noise = np.zeros((len(self._rows), len(self.walks)))
+            noise[np.arange(len(self._rows)), self._rows] = (self.walks * np.sqrt(grown))[self._rows]
+            self._over[duration] = np.exp(-share[self.places]), noise
+        return self._over[duration]
+
+
 class Recursion:
     def __init__(
-        self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], walks: np.ndarray,
-        moving: SigmaPointWeights, measuring: SigmaPointWeights, rudder_noise: float, refusing: float,
-        coefficients: np.ndarray, root: np.ndarray, memory: float = math.inf,
+        self, lanes: ShipLanes, states: StateNames, sensors: Mapping[str, Sensor], faults: frozenset[str],
+        process: MarkovProcess, moving: SigmaPointWeights, measuring: SigmaPointWeights, rudder_noise: float,
+        refusing: float, coefficients: np.ndarray, root: np.ndarray,
     ) -> None:  # fmt: skip
-        self.lanes, self.states, self.sensors, self.refusing = lanes, states, sensors, refusing
+        self.lanes, self.states, self.sensors, self.faults, self.refusing = lanes, states, sensors, faults, refusing
         self.moving, self.measuring, self.coefficients, self.root = moving, measuring, coefficients, root
-        self.memory = memory
-        self._walk = np.diag(walks)[walks > 0.0]
-        self._no_disturbance = np.zeros((len(walks), 1))
+        self.process = process
+        self._no_disturbance = np.zeros((len(process.walks), 1))
         self._displaced = rudder_noise * moving.distance[-1]
         ends = np.cumsum([len(sensor.fields) for sensor in sensors.values()])
         self.size = int(ends[-1])
@@ -116,23 +139,26 @@ class Recursion:
             ends[pairs, rudder] += self._displaced
             ends[2 * pairs, rudder] -= self._displaced
             now, end = Gaussian(now.mean, np.concatenate([now.root, self._no_disturbance], axis=1)), ends
-        after, how = predict(
-            now, lambda points: self._advance_lanes(points, duration, start, end), math.sqrt(duration) * self._walk,
-            self.moving,
-        )  # fmt: skip
+        left, noise = self.process.over(duration)
+        after, how = predict(now, lambda points: self._moved(points, duration, start, end, left), noise, self.moving)
         return after, how, bool(lanes.prepared.codes[0, 0])
 
-    def _advance_lanes(self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        size = len(self.states)
-        if not self.root.shape[1]:
-            return self.lanes.advance(points, duration, start, end)
-        bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
-        columns = self.lanes.columns_of(self.coefficients + points[:, size:] @ self.root.T, bank)
-        states = self.lanes.advance(points[:, :size], duration, start, end, columns)
-        return np.concatenate([states, math.exp(-duration / self.memory) * points[:, size:]], axis=1)
+    def _moved(
+        self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray, left: np.ndarray
+    ) -> np.ndarray:
+        size, columns = len(self.states), None
+        if self.root.shape[1]:
+            bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
+            columns = self.lanes.columns_of(self.coefficients + points[:, size:] @ self.root.T, bank)
+        after = self.lanes.advance(points, duration, start, end, columns)
+        if len(left):
+            after[:, self.process.places] *= left
+        return after
 
-    def update(self, now: Gaussian, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor) -> UpdateResult:
-        """Return the state by readings of one moment, those that no gate refuses."""
+    def update(
+        self, now: Gaussian, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor, weigh: bool = False
+    ) -> UpdateResult:
+        """Return the state by readings of one moment, those that no gate refuses, and weigh how likely they were."""
         layout = self._layout(tuple(readings))
         expected = self._expected(now, layout)
         covariance = innovation_covariance(expected, layout.sigma, self.measuring)
@@ -158,7 +184,20 @@ class Recursion:
         if leans.max() > DRIFT_THRESHOLD:
             parts = zip(layout.names, layout.parts, strict=True)
             suspects = tuple(name for name, part in parts if leans[part].max() > DRIFT_THRESHOLD)
-        return UpdateResult(after, nis, refused, suspects, surprising)
+        likelihood = self._log_likelihood(layout, innovation, covariance, refused) if weigh else 0.0
+        return UpdateResult(after, nis, refused, suspects, surprising, likelihood)
+
+    def _log_likelihood(
+        self, layout: NumberLayout, innovation: np.ndarray, covariance: np.ndarray, refused: tuple[str, ...]
+    ) -> float:
+        kept, total = np.ones(len(innovation), bool), float(np.linalg.slogdet(covariance)[1])
+        for name, part, most in zip(layout.names, layout.parts, layout.gates, strict=True):
+            if name in refused:
+                kept[part] = False
+                total += most
+        if kept.any():
+            total += normalised_innovation_squared(innovation[kept], covariance[np.ix_(kept, kept)])
+        return -0.5 * total
 
     def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
         """Whether sensors of several kinds tell what was not expected: then it is the model that is wrong."""
@@ -175,22 +214,37 @@ class Recursion:
             gates = tuple(gate(self.refusing, len(sensor.fields)) for sensor in sensors)
             sigma = np.concatenate([np.array(sensor.sigma, float) for sensor in sensors])
             angles = np.concatenate([np.array(sensor.angles, bool) for sensor in sensors])
-            straight = all(sensor.straight for sensor in sensors)
-            self._layouts[names] = NumberLayout(names, parts, places, gates, sigma, np.flatnonzero(angles), straight)
+            known = [error_states(sensor, name in self.faults) for name, sensor in zip(names, sensors, strict=True)]
+            errors = tuple(
+                (part.start + place, self.states.places[state])
+                for part, own in zip(parts, known, strict=True)
+                for state, (place, _, _) in own.items()
+            )
+            layout = NumberLayout(names, parts, places, gates, sigma, np.flatnonzero(angles), None, errors)
+            if all(sensor.straight for sensor in sensors):
+                unit = np.eye(len(self.process.walks))
+                layout = layout._replace(seen=self._measured(unit, layout).T.copy())
+            self._layouts[names] = layout
         return self._layouts[names]
 
     def _expected(self, now: Gaussian, layout: NumberLayout) -> Transformed:
         """What is measured by the sigma points; by the root itself where that is the same."""
-        if layout.straight:
-            points = np.concatenate([now.mean[None], now.root.T])
-        else:
-            points = sigma_points(now.mean, now.root, self.measuring)
-        at = Columns(points, self.states, self.lanes.bend(float(now.mean[0])))
+        if layout.seen is not None:
+            none = np.zeros((0, len(layout.sigma)))
+            return Transformed(layout.seen @ now.mean, (layout.seen @ now.root).T, none, none.sum(axis=0))
+        points = sigma_points(now.mean, now.root, self.measuring)
+        return unscented_transform(self._measured(points, layout), self.measuring)
+
+    def _measured(self, points: np.ndarray, layout: NumberLayout) -> np.ndarray:
+        """Numbers of the sensors with their errors, (points, numbers)."""
+        at = Columns(points, self.states, self.lanes.bend(float(points[0, 0])))
         values = np.empty((len(points), len(layout.sigma)))
         columns = (column for name in layout.names for column in self.sensors[name].measured(at))
         for number, column in enumerate(columns):
             values[:, number] = column
-        return linear_transform(values) if layout.straight else unscented_transform(values, self.measuring)
+        for number, place in layout.errors:
+            values[:, number] += points[:, place]
+        return values
 
     def _update(
         self, now: Gaussian, layout: NumberLayout, expected: Transformed, innovation: np.ndarray,

@@ -2,49 +2,51 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass
-from typing import ClassVar
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.estimation.sensor import Measuring, Values, check_bias
+from narrows.estimation.sensor import GaussMarkov, Measuring, Values, check_std
 from narrows.estimation.states import Columns
 
 # ``narrows.estimation`` gives each of these.
 __all__ = ["CourseOverGround", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator"]
 
 
-class Single(Measuring):
-    """What sensors of one number have in common: it tells one state."""
+class ScalarSensor(Measuring):
+    """What sensors of one number have in common: it is one state."""
 
     state: ClassVar[str]
 
     def measured(self, at: Columns) -> Values:
-        """Return the state that it tells."""
+        """Return the state that it measures."""
         return (getattr(at, self.state),)
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the state that it tells."""
+        """Return the state that it measures."""
         return {self.state: (reading[0], self.noise)}
 
 
 @dataclass(frozen=True)
-class Gyro(Single):
+class Gyro(ScalarSensor):
     """A gyrocompass: the heading to the canal's direction.
 
     Parameters
     ----------
     noise : float [rad]
-        Standard deviation.
+        Standard deviation of the white error.
     period : float [s]
-        Between readings.
+        Time between readings.
     late : float [s]
-        How old a reading is when it comes.
+        Age of a reading when it comes.
     name : str
         Of its readings.
     bias : float [rad]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    coloured : GaussMarkov, optional
+        Error that is correlated in time, which becomes a state too.
 
     Raises
     ------
@@ -55,39 +57,28 @@ class Gyro(Single):
     noise: float = math.radians(0.2)
     _: KW_ONLY
     name: str = "gyro"
-    bias: float = 0.0
     state: ClassVar[str] = "psi"
     angles: ClassVar[tuple[bool, ...]] = (True,)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_bias(self.bias)
-
-    def measured(self, at: Columns) -> Values:
-        """Return what it indicates.
-
-        Parameters
-        ----------
-        at : Columns
-            The states.
-        """
-        return (at.psi + at.heading_bias if self.bias else at.psi,)
-
 
 @dataclass(frozen=True)
-class RateOfTurn(Single):
+class RateOfTurn(ScalarSensor):
     """A rate gyro: the yaw rate.
 
     Parameters
     ----------
     noise : float [rad/s]
-        Standard deviation.
+        Standard deviation of the white error.
     period : float [s]
-        Between readings.
+        Time between readings.
     late : float [s]
-        How old a reading is when it comes.
+        Age of a reading when it comes.
     name : str
         Of its readings.
+    bias : float [rad/s]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    coloured : GaussMarkov, optional
+        Error that is correlated in time, which becomes a state too.
 
     Raises
     ------
@@ -102,19 +93,23 @@ class RateOfTurn(Single):
 
 
 @dataclass(frozen=True)
-class Log(Single):
+class Log(ScalarSensor):
     """A speed log: the surge velocity through the water.
 
     Parameters
     ----------
     noise : float [m/s]
-        Standard deviation.
+        Standard deviation of the white error.
     period : float [s]
-        Between readings.
+        Time between readings.
     late : float [s]
-        How old a reading is when it comes.
+        Age of a reading when it comes.
     name : str
         Of its readings.
+    bias : float [m/s]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    coloured : GaussMarkov, optional
+        Error that is correlated in time, which becomes a state too.
 
     Raises
     ------
@@ -130,7 +125,7 @@ class Log(Single):
 
 @dataclass(frozen=True)
 class RudderIndicator:
-    """What the estimator knows of the rudder: its indicated angle drives the model.
+    """The indicated rudder angle, which drives the model.
 
     Parameters
     ----------
@@ -152,13 +147,15 @@ class RudderIndicator:
     name: str = "rudder"
 
     def __post_init__(self) -> None:
-        check_bias(self.bias)
-        check_bias(self.noise)
+        check_std(self.bias, self.noise)
 
 
-# Satellite receivers: the place of an antenna, and its velocity over ground.
 # Curvature [1/m] of a line that is straight.
 STRAIGHT = 1e-9
+# Correlation time [s] of the slow error of fixes of a receiver without corrections: the autocorrelation of recorded
+# errors falls quickly over about a minute. Wilson, GPS horizontal position accuracy; that it is no white noise:
+# Sensors 20 (2020) 6050.
+GNSS_TIME = 60.0
 
 
 @dataclass(frozen=True)
@@ -184,13 +181,18 @@ class Gnss(Antenna):
     Parameters
     ----------
     noise : float [m]
-        Standard deviation along and across.
+        Standard deviation of the white error along and across.
     period : float [s]
-        Between readings.
+        Time between readings.
     late : float [s]
-        How old a reading is when it comes.
+        Age of a reading when it comes.
     name : str
         Of its readings.
+    bias : float [m]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    coloured : GaussMarkov, optional
+        Error that is correlated in time, which becomes a state too; as large as the noise, over a minute,
+        unless given, for receivers have one. ``None``: white errors alone.
     forward, starboard : float [m]
         Of the antenna, from midship.
 
@@ -203,6 +205,13 @@ class Gnss(Antenna):
     noise: float = 1.5
     _: KW_ONLY
     name: str = "gnss"
+    coloured: GaussMarkov | Literal["usual"] | None = "usual"  # type: ignore[assignment]
+
+    @property
+    def errors(self) -> tuple[GaussMarkov, ...]:
+        """Errors that are correlated in time."""
+        usual = replace(self, coloured=GaussMarkov(self.noise, GNSS_TIME)) if self.coloured == "usual" else self
+        return super(Gnss, usual).errors
 
     @property
     def straight(self) -> bool:
@@ -215,13 +224,7 @@ class Gnss(Antenna):
         return (f"{self.name}_x", f"{self.name}_y")
 
     def measured(self, at: Columns) -> Values:
-        """Return where the antenna is; along a bend by the circle that the line follows there.
-
-        Parameters
-        ----------
-        at : Columns
-            The states.
-        """
+        """Return where the antenna is; along a bend by the circle that the line follows there."""
         if not (self.forward or self.starboard):
             return at.x, at.y
         cosine, sine = np.cos(at.psi), np.sin(at.psi)
@@ -237,33 +240,31 @@ class Gnss(Antenna):
         )
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the place; the antenna's own, which the estimator brings to midship.
-
-        Parameters
-        ----------
-        reading : sequence of float [m]
-            Along and across.
-        """
+        """Return the place of the antenna, which the estimator brings to midship."""
         return {"x": (reading[0], self.noise), "y": (reading[1], self.noise)}
 
 
 @dataclass(frozen=True)
 class CourseOverGround(Antenna):
-    """Course and speed over ground, as a satellite receiver tells them from Doppler shifts.
+    """Course and speed over ground, of a satellite receiver from Doppler shifts.
 
-    Told as course and speed, believed as velocities along and across, whose noise does not depend on the speed. With
-    the model's drift they tell a gyro's bias.
+    Readings are course and speed; the estimate uses velocities along and across, whose noise does not depend on the
+    speed. With the model's drift they show a gyro's bias.
 
     Parameters
     ----------
     noise : float [m/s]
-        Standard deviation of the velocity along and across.
+        Standard deviation of the white error of the velocity along and across.
     period : float [s]
-        Between readings.
+        Time between readings.
     late : float [s]
-        How old a reading is when it comes.
+        Age of a reading when it comes.
     name : str
         Of its readings.
+    bias : float [m/s]
+        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    coloured : GaussMarkov, optional
+        Error that is correlated in time, which becomes a state too.
     forward, starboard : float [m]
         Of the antenna, from midship.
 
@@ -288,46 +289,22 @@ class CourseOverGround(Antenna):
         return (f"{self.name}_over_ground", f"{self.name}_speed")
 
     def numbers(self, reading: Sequence[float]) -> Values:
-        """Return the velocities along and across [m/s].
-
-        Parameters
-        ----------
-        reading : sequence of float
-            Course [rad] and speed [m/s].
-        """
+        """Return the velocities along and across [m/s]."""
         course, speed = reading
         return speed * math.cos(course), speed * math.sin(course)
 
     def reading(self, numbers: Values) -> Values:
-        """Return course [rad] and speed [m/s] of velocities along and across.
-
-        Parameters
-        ----------
-        numbers : tuple of float or array [m/s]
-            Along and across.
-        """
+        """Return course [rad] and speed [m/s] of velocities along and across."""
         return np.arctan2(numbers[1], numbers[0]), np.hypot(*numbers)
 
     def measured(self, at: Columns) -> Values:
-        """Return the velocities of the antenna along and across.
-
-        Parameters
-        ----------
-        at : Columns
-            The states.
-        """
+        """Return the velocities of the antenna along and across."""
         cosine, sine = np.cos(at.psi), np.sin(at.psi)
         ahead, side = at.u - at.r * self.starboard, at.v + at.r * self.forward
         return ahead * cosine - side * sine + at.current, ahead * sine + side * cosine + at.current_across
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return nothing: a current or a drift may stand between it and the state.
-
-        Parameters
-        ----------
-        reading : sequence of float
-            Course [rad] and speed [m/s].
-        """
+        """Return nothing: a current or a drift may stand between it and the state."""
         return {}
 
 

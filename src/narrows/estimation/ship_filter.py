@@ -10,13 +10,20 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.recursion import DriftMonitor, Recursion
-from narrows.estimation.sensor import Sensor
-from narrows.estimation.sensors import SENSORS, Gyro, RudderIndicator
-from narrows.estimation.settings import STEPS_A_PERIOD
+from narrows.estimation.recursion import DriftMonitor, MarkovProcess, Recursion
+from narrows.estimation.sensor import Sensor, error_states
+from narrows.estimation.sensors import SENSORS, RudderIndicator
+from narrows.estimation.settings import (
+    MODEL_FAULT,
+    REFERENCE_LENGTH,
+    RUDDER_FAULT_STD,
+    RUDDER_FAULT_TIME,
+    START_READINGS,
+    STEPS_A_PERIOD,
+)
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes, directions, lanes_of_directions
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
-from narrows.estimation.unscented import Gaussian, Transformed, sigma_point_weights
+from narrows.estimation.unscented import Gaussian, Transformed, sigma_point_weights, triangular_root
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.simulation.inputs import Contact
@@ -25,11 +32,12 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+MODEL = "model"
 Coefficients = Literal["considered", "certain", "estimated"]
 
 
 class MotionStep(NamedTuple):
-    normal: Gaussian  # After it
+    state: Gaussian  # After it
     how: Transformed  # How the root was moved
     aground: bool  # Whether the mean met a bank, or is no number
 
@@ -38,64 +46,93 @@ class MotionStep(NamedTuple):
 NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
 
 
+class StartValue(NamedTuple):
+    value: float  # Of a state
+    std: float  # Of its white error
+    errors: dict[str, float]  # Slope by the states of its sensor's errors, times their standard deviations
+
+
 @dataclass
 class Start:
-    """Readings as they come, until there are enough to start from."""
+    """The latest readings of each sensor, until there are enough to start from: their median, not the first."""
 
-    states: StateNames  # What is estimated
-    sensors: Mapping[str, Sensor]  # By the names of their readings
-    prior: Prior  # What is believed without readings
-    biases: Mapping[str, float]  # Standard deviations of the biases, by the names of states
-    current: float = 0.0  # Along the waterway, as it is known [m/s]
-    readings: dict[str, Sequence[float]] = field(default_factory=dict)  # What came in so far
+    filter: "ShipFilter"
+    readings: dict[str, list[tuple[float, Sequence[float]]]] = field(default_factory=dict)  # With their times [s]
 
-    def told(self) -> dict[str, tuple[float, float]]:
-        """Return what the readings tell, with standard deviations: of two that tell the same, the better."""
-        told: dict[str, tuple[float, float]] = {}
-        for name, reading in self.readings.items():
-            for state, (value, size) in self.sensors[name].start(reading).items():
-                if state not in told or size < told[state][1]:
-                    told[state] = (float(value), size)
-        return told
+    def add(self, t: float, readings: Mapping[str, Sequence[float]]) -> None:
+        for name, reading in readings.items():
+            self.readings[name] = [*self.readings.get(name, ())[1 - START_READINGS :], (t, reading)]
+
+    def values(self) -> dict[str, StartValue]:
+        """Return what the readings give: of two sensors that give the same state, the better."""
+        found: dict[str, StartValue] = {}
+        for name, rows in self.readings.items():
+            if len(rows) < START_READINGS:
+                continue
+            sensor = self.filter.sensors[name]
+            starts = [sensor.start(reading) for _, reading in rows]
+            for state, (last, std) in starts[-1].items():
+                values = [start[state][0] for start in starts]
+                if state == "psi":
+                    values = [last + math.remainder(value - last, 2.0 * math.pi) for value in values]
+                value = StartValue(float(np.median(values)), std, self._slopes(name, rows[-1][1], state))
+                if state not in found or _width(value) < _width(found[state]):
+                    found[state] = value
+        return found
+
+    def _slopes(self, name: str, reading: Sequence[float], state: str) -> dict[str, float]:
+        sensor, slopes = self.filter.sensors[name], {}
+        for error, (place, std, _) in error_states(sensor, name in self.filter.faults).items():
+            moved = [number + (place == number_place) for number_place, number in enumerate(reading)]
+            slopes[error] = std * (sensor.start(moved)[state][0] - sensor.start(reading)[state][0])
+        return slopes
 
     @property
     def lacking(self) -> str:
         """What is not known yet, in words; empty where there is enough."""
-        told = self.told()
-        return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in told))
+        known = self.values()
+        return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in known))
 
-    def normal(self, considered: int, bend: float) -> Gaussian:
-        """Return the state by the readings and the priors; bend is the curvature of the line [1/m]."""
-        told, prior = self.told(), self.prior
-        believed = {
-            "v": (0.0, prior.sway), "r": (0.0, prior.yaw_rate), "bank": (1.0, prior.bank),
-            "current": (self.current, prior.current), "current_across": (0.0, prior.current_across),
-            **{name: (0.0, size) for name, size in self.biases.items()}, **told,
-        }  # fmt: skip
-        mean = self.states.vector({name: value for name, (value, _) in believed.items()})
-        root = np.diag([believed[name][1] for name in self.states.names])
-        places = self.states.places
-        if "heading_bias" in places:  # What the compass indicates is the heading and its bias together.
-            root[places["psi"], places["heading_bias"]] = -root[places["heading_bias"], places["heading_bias"]]
-        return Gaussian(self._at_midship(mean, root, bend), np.hstack([np.zeros((len(mean), considered)), root]))
+    def state(self, t: float) -> Gaussian:
+        """Return the state at a time by the readings and the priors."""
+        filter, known = self.filter, self.values()
+        names, places = filter.states.names, filter.states.places
+        current = filter.waterway.current if filter.waterway else 0.0
+        mean = filter.states.vector({"current": current, **{name: one.value for name, one in known.items()}})
+        root = np.diag([known[name].std if name in known else filter.spreads[name] for name in names])
+        for name, one in known.items():
+            for error, slope in one.errors.items():
+                root[places[name], places[error]] -= slope
+        p, size, more = filter.considered, len(names), filter.estimated
+        full = np.zeros((size + more, p + size + more))
+        full[:size, p : p + size], full[size:, p + size :] = root, np.eye(more)
+        mean = self._at_midship(t, mean, full[:size, p:])
+        return Gaussian(np.concatenate([mean, np.zeros(more)]), full)
 
-    def _at_midship(self, mean: np.ndarray, root: np.ndarray, bend: float) -> np.ndarray:
-        """Bring the place of an antenna to midship, in the mean and, as far as the heading is unsure, in the root."""
-        name = next(name for name, reading in self.readings.items() if "x" in self.sensors[name].start(reading))
-        sensor, told = self.sensors[name], np.array(self.readings[name], float)
+    def _at_midship(self, t: float, mean: np.ndarray, root: np.ndarray) -> np.ndarray:
+        """Bring the places of an antenna to one time and to midship; so too, as the heading is unsure, in the root."""
+        filter = self.filter
+        name = next(name for name, rows in self.readings.items() if "x" in filter.sensors[name].start(rows[-1][1]))
+        sensor, way = filter.sensors[name], mean[3] * np.array([math.cos(mean[2]), math.sin(mean[2])])
+        place = np.median([np.array(reading) + (t - then) * way for then, reading in self.readings[name]], axis=0)
+        bend = filter.recursion.lanes.bend(float(place[0]))
 
         def measured(state: np.ndarray) -> np.ndarray:
-            found = sensor.measured(Columns(state[None], self.states, bend))
+            found = sensor.measured(Columns(state[None], filter.states, bend))
             return np.array([float(np.ravel(number)[0]) for number in found])
 
         for _ in range(6):  # Along a bend each round leaves a small share of the error.
             mean = mean.copy()
-            mean[:2] += told - measured(mean)
+            mean[:2] += place - measured(mean)
         small = 1e-4  # [rad]
         turned = mean.copy()
         turned[2] += small
         root[:2] -= np.outer((measured(turned) - measured(mean)) / small, root[2])
         return mean
+
+
+def _width(value: StartValue) -> float:
+    return math.hypot(value.std, *value.errors.values())
 
 
 @dataclass(frozen=True)
@@ -115,6 +152,7 @@ class ShipFilter:
     surge: Surge = "held"  # Whether the model moves the speed
     surge_inertia: float | None = None  # Mass in surge with its added mass [kg]
     coriolis: bool = False  # Add the rigid body's Coriolis force
+    faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that are taken for faulty
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.step) and self.step > 0.0):
@@ -135,19 +173,44 @@ class ShipFilter:
         return tuple(actuator.name for actuator in self.ship.actuators)
 
     @cached_property
-    def biases(self) -> dict[str, float]:
-        compasses = [sensor.bias for sensor in self.sensors.values() if isinstance(sensor, Gyro)]
-        rudder = self.indicator.bias if RUDDER in self.actuators else 0.0
-        return {"rudder_bias": rudder, "heading_bias": max(compasses, default=0.0)}
+    def errors(self) -> dict[str, tuple[int, float, float]]:
+        """Errors of the sensors: which number, standard deviation, correlation time [s]."""
+        known = (error_states(sensor, name in self.faults) for name, sensor in self.sensors.items())
+        return {state: error for own in known for state, error in own.items()}
+
+    @cached_property
+    def spreads(self) -> dict[str, float]:
+        """Standard deviations of the states before any reading."""
+        prior, rudder = self.prior, self.indicator.bias if RUDDER in self.actuators else 0.0
+        spreads = {"v": prior.sway, "r": prior.yaw_rate, "bank": prior.bank, "current": prior.current}
+        spreads |= {"current_across": prior.current_across}
+        spreads |= {"rudder_bias": RUDDER_FAULT_STD if RUDDER in self.faults else rudder}
+        return spreads | {name: std for name, (_, std, _) in self.errors.items()}
+
+    @cached_property
+    def walks(self) -> dict[str, tuple[float, float]]:
+        """What each state gathers per root second, and its correlation time [s]."""
+        walks = {name: (walk, math.inf) for name, walk in self.noise.by_state().items()}
+        if MODEL in self.faults:
+            walks |= {name: (MODEL_FAULT * walks[name][0], math.inf) for name in ("u", "v", "r")}
+        slow = {name: (std, time) for name, (_, std, time) in self.errors.items()}
+        if RUDDER in self.faults:
+            slow["rudder_bias"] = (RUDDER_FAULT_STD, RUDDER_FAULT_TIME * self.time_scale)
+        return walks | {name: (std * math.sqrt(2.0 / time), time) for name, (std, time) in slow.items()}
+
+    @property
+    def time_scale(self) -> float:
+        """Times of this ship over those of the reference ship [1]."""
+        return math.sqrt(self.model.configuration.ship.length / REFERENCE_LENGTH)
 
     @cached_property
     def states(self) -> StateNames:
         """What is estimated: what can be other than it is at rest."""
-        can = dict.fromkeys(MOTION_STATES, True) | {name: size > 0.0 for name, size in self.biases.items()}
-        for name in ("bank", "current", "current_across"):
-            can[name] = getattr(self.prior, name) > 0.0 or getattr(self.noise, name) > 0.0
+        can = {name: self.spreads.get(name, 0.0) > 0.0 for name in STATES}
+        can |= {name: can[name] or self.walks[name][0] > 0.0 for name in ("bank", "current", "current_across")}
+        can |= dict.fromkeys(MOTION_STATES, True)
         can["bank"] &= self.model.terms.feels_bank
-        return StateNames(tuple(name for name in STATES if can[name]))
+        return StateNames((*(name for name in STATES if can[name]), *self.errors))
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -173,14 +236,14 @@ class ShipFilter:
     @cached_property
     def recursion(self) -> Recursion:
         noise = self.indicator.noise if RUDDER in self.actuators else 0.0
-        fresh = math.sqrt(2.0 / self.memory)  # as much as fades: the fit's spread is where a coefficient comes to rest
-        walks = [*(self.noise.by_state()[name] for name in self.states.names), *(fresh,) * self.estimated]
-        size = len(self.states) + self.estimated
-        moving = sigma_point_weights(size + (noise > 0.0), self.considered)
-        measuring = sigma_point_weights(size, self.considered)
+        # What is learned of a coefficient fades: the fit's spread is where it comes to rest.
+        fading = [(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated
+        walks, times = np.array([*(self.walks[name] for name in self.states.names), *fading]).T
+        moving = sigma_point_weights(len(walks) + (noise > 0.0), self.considered)
+        measuring = sigma_point_weights(len(walks), self.considered)
         return Recursion(
-            self._lanes(moving.distance), self.states, self.sensors, np.array(walks), moving, measuring, noise,
-            self.refusing, self._middle, self.root[:, : self.estimated], self.memory,
+            self._lanes(moving.distance), self.states, self.sensors, self.faults, MarkovProcess(walks, times), moving,
+            measuring, noise, self.refusing, self._middle, self.root[:, : self.estimated],
         )  # fmt: skip
 
     @property
@@ -192,19 +255,22 @@ class ShipFilter:
         coefficients = lanes_of_directions(self._middle, self.root[:, :p], distance[:p], len(distance) - p)
         return ShipLanes(self.ship, self.states, len(coefficients), self.waterway, coefficients)
 
-    def start(self) -> Start:
-        current = self.waterway.current if self.waterway else 0.0
-        return Start(self.states, self.sensors, self.prior, self.biases, current)
-
-    def begin(self, start: Start) -> Gaussian:
-        bend = self.recursion.lanes.bend(start.told()["x"][0])
-        first = start.normal(self.considered, bend)
-        if not self.estimated:
-            return first
-        size, more = len(self.states), self.estimated
-        root = np.zeros((size + more, size + more))
-        root[:size, :size], root[size:, size:] = first.root, np.eye(more)
-        return Gaussian(np.concatenate([first.mean, np.zeros(more)]), root)
+    def adopt(self, now: Gaussian, other: "ShipFilter", size: float = 1.0) -> Gaussian:
+        """Return the state of a filter with other faults as one of this; what is new has a share of its prior."""
+        if self.states == other.states and self.faults == other.faults:
+            return now
+        p, more = self.considered, self.estimated
+        known = dict(other.states.places)
+        if RUDDER in self.faults ^ other.faults:
+            known.pop("rudder_bias", None)
+        names = self.states.names
+        rows = [known.get(name, -1) for name in names] + [len(other.states) + k for k in range(more)]
+        fresh = np.array([row < 0 for row in rows])
+        mean = np.where(fresh, np.append(self.states.vector({}), np.zeros(more)), now.mean[rows])
+        root = np.where(fresh[:, None], 0.0, now.root[rows])
+        prior = np.diag([size * self.spreads.get(name, 0.0) for name in names] + [0.0] * more)[fresh]
+        squared = triangular_root(np.concatenate([root[:, p:].T, prior]))
+        return Gaussian(mean, np.concatenate([root[:, :p], squared], axis=1))
 
     def steps(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
         """Move a state on, and return every step until the last or until it is aground; start and end (actuators,)."""

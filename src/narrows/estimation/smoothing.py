@@ -10,8 +10,8 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.estimation.records import Records
 from narrows.estimation.recursion import DriftMonitor
-from narrows.estimation.settings import SAME_TIME
-from narrows.estimation.ship_filter import ShipFilter
+from narrows.estimation.settings import SAME_TIME, START_READINGS
+from narrows.estimation.ship_filter import ShipFilter, Start
 from narrows.estimation.unscented import Gaussian, Transformed
 
 
@@ -39,7 +39,8 @@ def smooth(filter: ShipFilter, records: Records) -> Smoothed:
     pass_ = _Pass(joint, records)
     chains = pass_.chains()
     if not chains:
-        raise InputError(f"no row of these records tells {pass_.start.lacking}; an estimate starts from all of them")
+        lacking = f"these records lack {pass_.start.lacking}"
+        raise InputError(f"{lacking}; an estimate starts from {START_READINGS} readings of each")
     size, count = len(filter.states), len(records.t)
     mean, covariance = np.full((count, size), np.nan), np.full((count, size, size), np.nan)
     for chain in chains:
@@ -57,7 +58,7 @@ class _Pass:
         shape = len(records.t)
         self.refused = {name: np.zeros(shape, bool) for name in filter.sensors}
         self.suspected = {name: np.zeros(shape, bool) for name in filter.sensors}
-        self.start, self.monitor = filter.start(), filter.monitor()
+        self.start, self.monitor = Start(filter), filter.monitor()
         rest = filter.ship.values()
         known = {
             name: _held(records.positions.get(name), float(rest.get(name) or 0.0), shape) for name in filter.actuators
@@ -86,12 +87,12 @@ class _Pass:
         for t, told, row in self.events():
             if chain is not None and t - last > SAME_TIME and not self._moved(chain, last, t):
                 self.resets.append(t)
-                chain, self.start, self.monitor = None, self.filter.start(), self.filter.monitor()
+                chain, self.start, self.monitor = None, Start(self.filter), self.filter.monitor()
             if chain is None:
-                self.start.readings.update({name: tuple(reading) for name, (_, reading) in told.items()})
+                self.start.add(t, {name: tuple(reading) for name, (_, reading) in told.items()})
                 if self.start.lacking:
                     continue
-                chain = _Chain(self.filter.begin(self.start))
+                chain = _Chain(self.start.state(t))
                 chains.append(chain)
             elif told:
                 self._corrected(chain, told, self.monitor)
@@ -105,15 +106,15 @@ class _Pass:
         for step in self.filter.steps(now, end - start, self.position(start), self.position(end)):
             if step.aground:
                 return False
-            chain.stages.append(Stage(now, step.how, step.normal))
-            now = step.normal
+            chain.stages.append(Stage(now, step.how, step.state))
+            now = step.state
         chain.now = now
         return True
 
     def _corrected(self, chain: _Chain, told: dict[str, tuple[int, np.ndarray]], monitor: DriftMonitor) -> None:
         readings = {name: tuple(reading.tolist()) for name, (_, reading) in told.items()}
         believed = self.filter.recursion.update(chain.now, readings, monitor)
-        chain.now = believed.normal
+        chain.now = believed.state
         for flags, names in ((self.refused, believed.refused), (self.suspected, believed.suspects)):
             for name in names:
                 flags[name][told[name][0]] = True

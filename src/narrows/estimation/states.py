@@ -11,7 +11,8 @@ from narrows.estimation.settings import REFERENCE_LENGTH
 
 MOTION_STATES = ("x", "y", "psi", "u", "v", "r")
 
-# Units and meanings; those after the motion are left out where nothing lets them differ from what is expected.
+# Units and meanings; those after the motion are left out where nothing lets them differ from what is expected. Errors
+# that sensors declare come after these.
 STATES = {
     "x": ("m", "midship along the canal"),
     "y": ("m", "midship to starboard of the line"),
@@ -23,8 +24,13 @@ STATES = {
     "current": ("m/s", "current along the canal"),
     "current_across": ("m/s", "current to starboard of the canal"),
     "rudder_bias": ("rad", "rudder angle over the indicated one"),
-    "heading_bias": ("rad", "indicated heading over the heading"),
 }
+
+
+def described(name: str) -> tuple[str, str]:
+    """Return unit and meaning of a state; the error of a sensor has the unit of its reading in SI."""
+    return STATES.get(name, ("SI", f"error of a sensor, {name.replace('_', ' ')}"))
+
 
 # What a state is where it is left out and where nothing is known of it; the others are 0.
 RESTING = {"bank": 1.0}
@@ -34,7 +40,7 @@ RESTING = {"bank": 1.0}
 class StateNames:
     """The states of one estimator, in order."""
 
-    names: tuple[str, ...]  # Some of ``STATES``, those of the motion first
+    names: tuple[str, ...]  # Those of the motion first, then some of ``STATES`` and errors of sensors
 
     def __len__(self) -> int:
         return len(self.names)
@@ -58,7 +64,6 @@ class Columns:
     current: np.ndarray | float = 0.0
     current_across: np.ndarray | float = 0.0
     rudder_bias: np.ndarray | float = 0.0
-    heading_bias: np.ndarray | float = 0.0
     x: np.ndarray
     y: np.ndarray
     psi: np.ndarray
@@ -93,8 +98,8 @@ class ProcessNoise:
         Of the bank's strength: the banks are not as they are drawn.
     current, current_across : float [m/s per root s]
         Of the current; across, 0 with a prior of 0 leaves that state out.
-    rudder_bias, heading_bias : float [rad per root s]
-        Of the biases.
+    rudder_bias : float [rad per root s]
+        Of the bias of the rudder's indicator.
 
     Raises
     ------
@@ -109,7 +114,6 @@ class ProcessNoise:
     current: float = 0.002
     current_across: float = 0.0002
     rudder_bias: float = 1e-5
-    heading_bias: float = 1e-6
 
     def __post_init__(self) -> None:
         _check(self)
@@ -128,13 +132,12 @@ class ProcessNoise:
         return cls(
             usual.surge * velocity, usual.sway * velocity, usual.yaw * scale**-0.75, usual.bank * per_root_second,
             usual.current * velocity, usual.current_across * velocity, usual.rudder_bias * per_root_second,
-            usual.heading_bias * per_root_second,
         )  # fmt: skip
 
     def by_state(self) -> dict[str, float]:
         walks = {"u": self.surge, "v": self.sway, "r": self.yaw, "bank": self.bank, "current": self.current}
         walks |= {"current_across": self.current_across, "rudder_bias": self.rudder_bias}
-        return {**walks, "heading_bias": self.heading_bias, "x": 0.0, "y": 0.0, "psi": 0.0}
+        return {**walks, "x": 0.0, "y": 0.0, "psi": 0.0}
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import numpy as np
 from narrows.codegen.choices import STAGES, WATER
 from narrows.control.predictive.line_frame import water_ahead
 from narrows.errors import InputError
-from narrows.estimation.sensor import Sensor
-from narrows.estimation.settings import REFERENCE_LENGTH, STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
+from narrows.estimation.recursion import MarkovProcess
+from narrows.estimation.sensor import Sensor, error_states
+from narrows.estimation.settings import STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter, default_step
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
@@ -45,7 +46,7 @@ class _Fleet:
     def __post_init__(self) -> None:
         filter = self.filter
         self.lanes = ShipLanes(filter.ship, filter.states, self.count, filter.waterway, self.coefficients)
-        self.walks = np.array([filter.noise.by_state()[name] for name in filter.states.names])
+        self.process = MarkovProcess(*np.array([filter.walks[name] for name in filter.states.names]).T)
         gear = filter.model.configuration.gear
         self.limit, self.rate = gear.limit, gear.rate
         self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}
@@ -60,12 +61,9 @@ class _Fleet:
     def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
         """Draw where the twins begin."""
         filter, draw = self.filter, self.random.standard_normal
-        prior, scale = filter.prior, math.sqrt(filter.model.configuration.ship.length / REFERENCE_LENGTH)
         means = {"x": x, "y": y, "psi": psi, "u": u, "bank": 1.0}
         means |= {"current": filter.waterway.current if filter.waterway else 0.0}
-        spreads = {"y": TWIN_START_STD[0] * scale**2, "psi": TWIN_START_STD[1], "v": prior.sway, "r": prior.yaw_rate}
-        spreads |= {"bank": prior.bank, "current": prior.current, "current_across": prior.current_across}
-        spreads |= filter.biases
+        spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
         size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
         return np.array(filter.states.vector(means) + size * draw((self.count, len(size))))
 
@@ -138,7 +136,9 @@ def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray, dt: floa
             here, there = (positions + share * (after - positions) for share in (part / parts, (part + 1) / parts))
             now = lanes.advance(now, dt / parts, here, there)
             aground |= lanes.aground
-            now = now + math.sqrt(dt / parts) * fleet.walks * fleet.random.standard_normal(now.shape)
+            left, noise = fleet.process.over(dt / parts)
+            now[:, fleet.process.places] *= left
+            now = now + fleet.random.standard_normal((len(now), len(noise))) @ noise
         positions = after
         states.append(now)
         indicated.append(positions)
@@ -160,6 +160,8 @@ def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) 
         at = Columns(then, fleet.filter.states, fleet.lanes.bend(float(then[0, 0])))
         noise = np.array(sensor.sigma) * fleet.random.standard_normal((fleet.count, len(sensor.fields)))
         numbers = [np.asarray(value) for value in sensor.measured(at)]
+        for state, (place, _, _) in error_states(sensor).items():
+            noise[:, place] += then[:, fleet.filter.states.places[state]]
         told[number] = np.stack(sensor.reading(tuple(np.stack(numbers) + noise.T)), axis=1)
     return told
 

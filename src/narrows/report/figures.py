@@ -11,7 +11,7 @@ from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
 from narrows.errors import InputError, shown
 from narrows.estimation import Consistency, EstimatedTrack
-from narrows.estimation.states import STATES
+from narrows.estimation.states import described
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.logbook import EnvelopeChange, Foresight, LogFindings, ShipLog, SteadyFit, SteadyPlan
@@ -242,13 +242,13 @@ def _bars(values: dict[str, float], label: str, log: bool = False) -> Figure:
 
 
 IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
-SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "heading_bias")
+SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "gyro_bias")
 NORMAL_95 = 1.959964
 
 
 def _state(axis: Axes, track: EstimatedTrack, name: str, truth: np.ndarray | None) -> None:
     place = track.states.index(name)
-    unit, factor = IN_DEGREES.get(STATES[name][0], (STATES[name][0], 1.0))
+    unit, factor = IN_DEGREES.get(described(name)[0], (described(name)[0], 1.0))
     mean, wide = factor * track.mean[:, place], NORMAL_95 * factor * track.std[:, place]
     axis.fill_between(track.t, mean - wide, mean + wide, color=BLUE, alpha=0.25, linewidth=0, label="95 % band")
     axis.plot(track.t, mean, color=BLUE, label="estimate")

@@ -1,0 +1,239 @@
+"""Which sensor is wrong: a bank of filters over the last readings, each with an error of one sensor.
+
+All filters explain the same readings; the most likely one names the sensor, which is then left out. In its filter the
+error is a state: a drift that begins small some time ago, or a step just now.
+
+References
+----------
+Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and estimation of jumps in linear
+systems, IEEE Transactions on Automatic Control 21. Time-outs, and a new start after lasting refusal, are the habits of
+PX4's EKF2.
+"""
+
+import math
+from bisect import bisect_left
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from narrows.estimation.filter_run import FilterRun, Moment, replay
+from narrows.estimation.settings import (
+    DRIFT_START,
+    FAULT_PRIOR,
+    FAULT_STD,
+    JUDGE_WAIT,
+    LONGEST_FAULT,
+    REFUSED_PERIODS,
+    REPLAY_TIME,
+    RESTART_TIME,
+    SAME_TIME,
+    STEP_START,
+    STUCK_READINGS,
+)
+from narrows.estimation.ship_filter import MODEL, ShipFilter, Start
+from narrows.estimation.ship_lanes import RUDDER
+from narrows.estimation.unscented import Gaussian
+
+Faults = frozenset[str]
+
+
+class Hypothesis(NamedTuple):
+    faults: Faults
+    state: Gaussian  # Of the filter with these faults, where it begins
+    moments: list[Moment]  # From there on
+    run: FilterRun  # Over them
+    score: float  # Log-likelihood of all readings of the bank's window, less the price of the faults
+    anew: bool = False  # Whether it starts from readings and not from the estimate
+
+
+@dataclass
+class FaultBank:
+    filter: ShipFilter  # Without faults
+    horizon: float  # Age of the latest reading that may come [s]
+    faults: Faults = frozenset()  # What is left out now: sensors, the rudder's indicator, the model
+    _filters: dict[Faults, ShipFilter] = field(default_factory=dict)
+    _refused: dict[str, float] = field(default_factory=dict)
+    _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
+    _since: dict[str, float] = field(default_factory=dict)
+    _next: float = 0.0
+    _routine: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.scale = self.filter.time_scale
+        self.kept = max(self.horizon, REPLAY_TIME * self.scale)
+        self._filters[frozenset()] = self.filter
+
+    def begin(self, t: float) -> None:
+        self.faults, self._next, self._routine = frozenset(), t, t
+        self._refused, self._same, self._since = {}, {}, {}
+
+    def faulty(self, faults: Faults) -> ShipFilter:
+        if faults not in self._filters:
+            self._filters[faults] = replace(self.filter, faults=faults)
+        return self._filters[faults]
+
+    def judge(self, run: FilterRun) -> tuple[FilterRun, str]:
+        """Return the run by the most likely hypothesis, and a sentence where it is another than before."""
+        t = run.last.t
+        refusing, leaning, stuck = self._refusing(run, t), self._leaning(run), self._stuck(run)
+        routine = (bool(stuck - self.faults) or bool(self.faults)) and t >= self._routine
+        young = t - run.begun < REPLAY_TIME * self.scale
+        if t < max(self._next, run.begun + 2 * JUDGE_WAIT * self.scale) or not (refusing or leaning or routine):
+            return run, ""
+        self._next, self._routine = (t + wait * self.scale for wait in (JUDGE_WAIT, REPLAY_TIME))
+        suspects = [one for one in self._suspects if refusing or leaning or one in stuck]
+        best = max(self._hypotheses(run, suspects, refusing, stuck), key=lambda one: one.score, default=None)
+        # A ship does not jump: a start anew is for an estimate that was wrong from its start, or that nothing explains.
+        anew = self._started_anew(run) if young or best is None or (refusing and _at_odds(best.run)) else None
+        cost = 0.0 if young else FAULT_PRIOR
+        if anew and (best is None or anew.score - cost > _likelihood(best.run, anew.run.begun) - _price(best)):
+            best = anew
+        if best is None or (best.faults == self.faults and not best.anew):
+            return run, ""
+        return self._adopted(run, best, t)
+
+    def _adopted(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
+        """Return the run without the sensors that are wrong."""
+        own = self.faulty(best.faults & {RUDDER, MODEL})
+        first = best.moments[0]._replace(state=own.adopt(best.state, self.faulty(best.faults)), monitor=own.monitor())
+        after = replay(own, first, best.moments[1:], self.horizon, self.kept, best.faults)
+        if after is None:
+            return run, ""
+        if not best.anew:
+            after.begun = run.begun
+            if own.states == run.filter.states:
+                before = bisect_left(run.history, first.t - SAME_TIME, key=lambda one: one.t)
+                after.history[:0] = run.history[:before]
+        said = _sentence(t, self.faults, best.faults, best.anew)
+        self._since |= dict.fromkeys(best.faults - self.faults, t)
+        self.faults, self._refused, after.results = best.faults, {}, []
+        return after, said
+
+    @property
+    def _suspects(self) -> list[str]:
+        rudder = [RUDDER] if RUDDER in self.filter.actuators else []
+        return [*self.filter.sensors, *rudder, MODEL]
+
+    def _refusing(self, run: FilterRun, t: float) -> bool:
+        """Whether readings of a sensor have contradicted the estimate for long."""
+        for result in run.results:
+            odd = (*result.refused, *result.surprising)
+            for name in result.nis:
+                if name in odd:
+                    self._refused.setdefault(name, t)
+                else:
+                    self._refused.pop(name, None)
+        periods = ((t - since) / self.filter.sensors[name].period for name, since in self._refused.items())
+        return max(periods, default=0.0) >= REFUSED_PERIODS
+
+    @staticmethod
+    def _leaning(run: FilterRun) -> bool:
+        return any(result.suspects for result in run.results)
+
+    def _stuck(self, run: FilterRun) -> Faults:
+        """Sensors, or the rudder's indicator, that have given one value for long: they are stuck, or all is steady."""
+        for name, reading in {**run.last.readings, RUDDER: tuple(run.last.positions)}.items():
+            value, count = self._same.get(name, (None, 0))
+            self._same[name] = (reading, count + 1 if reading == value else 1)
+        return frozenset(name for name, (_, count) in self._same.items() if count >= STUCK_READINGS)
+
+    def _hypotheses(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Iterator[Hypothesis]:
+        """Give what may be: as before, one sensor sound again, one more that drifts or stepped away."""
+        moments, t, before = run.history, run.last.t, self.faulty(self.faults)
+        begun = before.adopt(moments[0].state, run.filter)
+        base = self._tried(self.faults, begun, moments, stuck)
+        if base:
+            yield base
+        for one in self.faults - stuck:
+            sound = self.faults - {one}
+            again = self._tried(sound, self.faulty(sound).adopt(begun, before), moments, stuck)
+            if again:
+                lasting = base is not None and t - self._since[one] < LONGEST_FAULT * self.scale
+                cost = self._simplicity(one) if lasting and base and not self._small(base.run, one) else 0.0
+                yield again._replace(score=again.score - cost)
+        onset = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
+        place = max(bisect_left(moments, onset, key=lambda one: one.t) - 1, 0)
+        for one in suspects:
+            more = self.faults | {one}
+            if more == self.faults:
+                continue
+            drift = self._tried(more, self.faulty(more).adopt(begun, before, DRIFT_START), moments, stuck)
+            if drift:
+                yield drift
+            if base and place < len(moments) - 1:
+                then = self.faulty(more).adopt(base.run.history[place].state, before, 1.0 if refusing else STEP_START)
+                step = self._tried(more, then, moments[place:], stuck)
+                if step:
+                    known = _likelihood(base.run) - _likelihood(base.run, moments[place].t)
+                    yield step._replace(score=step.score + known)
+
+    def _tried(self, faults: Faults, state: Gaussian, moments: list[Moment], stuck: Faults) -> Hypothesis | None:
+        own = self.faulty(faults)
+        run = replay(own, moments[0]._replace(state=state, monitor=own.monitor()), moments[1:], self.horizon, self.kept)
+        if run is None:
+            return None
+        tried = Hypothesis(faults, state, moments, run, 0.0)
+        return tried._replace(score=_likelihood(run) - _price(tried, self.faults | stuck))
+
+    def _simplicity(self, name: str) -> float:
+        """Log-likelihood [1] that a filter gains by having no wide error of a sensor, right or wrong."""
+        numbers = len(self.filter.sensors[name].fields) if name in self.filter.sensors else 1
+        return FAULT_PRIOR + numbers * math.log(FAULT_STD)
+
+    def _small(self, run: FilterRun, name: str) -> bool:
+        """Whether the error of a sensor is as small as its noise again."""
+        if name not in self.filter.sensors:
+            return True
+        sensor, places = self.filter.sensors[name], run.filter.states.places
+        means = (abs(run.last.state.mean[places[f"{field}_fault"]]) for field in sensor.fields)
+        return all(mean <= 2.0 * sigma for mean, sigma in zip(means, sensor.sigma, strict=True))
+
+    def _started_anew(self, run: FilterRun) -> Hypothesis | None:
+        """Return the most likely start from the readings of the last while, and not from the state before."""
+        since = min(self._refused.values(), default=run.last.t - RESTART_TIME * self.scale)
+        recent = [one for one in run.history if one.t >= since]
+        start = Start(self.filter)
+        while start.lacking and recent:
+            start.add(recent[0].t, recent[0].readings)
+            first, recent = recent[0], recent[1:]
+        if start.lacking or not recent:
+            return None
+        sensors = self.filter.sensors.items()
+        placing = [name for name, sensor in sensors if "x" in sensor.start((0.0,) * len(sensor.fields))]
+        suspects = [one for one in self._suspects if one not in placing or len(placing) > 1]
+        sets: list[Faults] = [frozenset(), *(frozenset({one}) for one in suspects)]
+        begun = ((one, replace(start, filter=self.faulty(one)).state(first.t)) for one in sets)
+        tried = [self._tried(one, state, [first, *recent], frozenset()) for one, state in begun]
+        best = max((one for one in tried if one), key=lambda one: one.score, default=None)
+        return best._replace(anew=True) if best else None
+
+
+def _at_odds(run: FilterRun) -> bool:
+    """Whether a sensor contradicts a run to its end."""
+    names = {name for result in run.results for name in result.nis}
+    recent = {name: [one for one in run.results if name in one.nis][-int(REFUSED_PERIODS) :] for name in names}
+    return any(all(name in (*one.refused, *one.surprising) for one in last) for name, last in recent.items())
+
+
+def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
+    """Log-likelihood of the readings after a time."""
+    weighed = zip(run.times or (), run.results, strict=True)
+    return math.fsum(result.log_likelihood for t, result in weighed if t > since + SAME_TIME)
+
+
+def _price(tried: Hypothesis, known: Faults = frozenset()) -> float:
+    """What faults cost for which nothing else speaks."""
+    return FAULT_PRIOR * len(tried.faults - known) * len(tried.faults)
+
+
+def _sentence(t: float, before: Faults, after: Faults, anew: bool) -> str:
+    new, back = sorted(after - before), sorted(before - after)
+    parts = []
+    if anew:
+        parts.append("the estimate contradicted the readings and started again from the sensors that agree")
+    if new:
+        parts.append(f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain")
+    if back:
+        parts.append(f"{' and '.join(back)} agrees with the others again: used")
+    said = "; ".join(parts)
+    return f"At t = {t:g} s {said}." if said else ""

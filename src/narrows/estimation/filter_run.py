@@ -1,0 +1,117 @@
+"""A run of one filter in real time: readings in the order in which they were measured, and what is kept to go back."""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.estimation.recursion import DriftMonitor, UpdateResult
+from narrows.estimation.settings import SAME_TIME
+from narrows.estimation.ship_filter import ShipFilter
+from narrows.estimation.unscented import Gaussian
+
+Readings = dict[str, tuple[float, ...]]
+
+
+class Moment(NamedTuple):
+    """What is known at a time, to go on from or to go back to."""
+
+    t: float  # Time [s]
+    state: Gaussian
+    positions: np.ndarray  # (actuators,) Indicated positions
+    readings: Readings  # What was measured then
+    monitor: DriftMonitor  # After them
+
+
+@dataclass
+class FilterRun:
+    filter: ShipFilter
+    history: list[Moment]  # The moments of the last while, the present one last
+    horizon: float  # Age of the latest reading that may come [s]
+    kept: float  # Time for which moments are kept [s]
+    left_out: frozenset[str] = frozenset()  # Sensors whose readings are kept and not used
+    results: list[UpdateResult] = field(default_factory=list)  # Of the last call
+    times: list[float] | None = None  # Those of the results [s]; where it is given, results are weighed
+    begun: float = field(init=False)  # Time of the start [s]
+
+    def __post_init__(self) -> None:
+        self.begun = self.history[0].t
+
+    @property
+    def last(self) -> Moment:
+        return self.history[-1]
+
+    def update(self, t: float, measured: Readings, at: np.ndarray, notes: list[str]) -> bool:
+        """Take readings that came at a time; False where the mean of the state met a bank."""
+        self.results, self.times = [], None
+        now = max(t, self.last.t)
+        if t > self.last.t + SAME_TIME and not self.horizon:
+            afloat = self.advance(t, at, measured)
+        else:
+            afloat = self._sorted(t, now, measured, at, notes)
+        while len(self.history) > 1 and self.history[1].t <= now - self.kept + SAME_TIME:
+            del self.history[0]
+        return afloat
+
+    def _sorted(self, t: float, now: float, measured: Readings, at: np.ndarray, notes: list[str]) -> bool:
+        groups: dict[float, Readings] = {now: {}}
+        for name, reading in measured.items():
+            groups.setdefault(t - self.filter.sensors[name].late, {})[name] = reading
+        return all(self._insert(time, groups[time], at, now, notes) for time in sorted(groups))
+
+    def _insert(self, time: float, readings: Readings, at: np.ndarray, now: float, notes: list[str]) -> bool:
+        """Take readings of one time where they belong, and do again what came after."""
+        history = self.history
+        place = bisect_right(history, time + SAME_TIME, key=lambda moment: moment.t)
+        if place == 0 or time < now - self.horizon - SAME_TIME:
+            names = ", ".join(readings)
+            notes.append(f"The readings of {names} are of t = {time:g} s, before anything that is kept: not used.")
+            return True
+        later, base = history[place:], history[place - 1]
+        del history[place:]
+        ahead_t, ahead = (later[0].t, later[0].positions) if later else (now, at)
+        share = 1.0 if ahead_t - base.t <= SAME_TIME else min(1.0, (time - base.t) / (ahead_t - base.t))
+        positions = base.positions + share * (ahead - base.positions)
+        if not self.advance(time, positions, readings):
+            return False
+        fresh, self.results = self.results, []
+        afloat = all(self.advance(moment.t, moment.positions, moment.readings) for moment in later)
+        self.results = fresh
+        return afloat
+
+    def advance(self, time: float, positions: np.ndarray, readings: Readings) -> bool:
+        """Go on from the last moment to a time and take readings there; False where the mean met a bank."""
+        last = self.last
+        state, monitor, known = last.state, last.monitor, last.readings
+        if time - last.t > SAME_TIME:
+            taken = self.filter.steps(state, time - last.t, last.positions, positions)
+            if taken[-1].aground:
+                return False
+            state, known = taken[-1].state, {}
+        else:
+            self.history.pop()
+            time = last.t
+        used = {name: one for name, one in readings.items() if name not in self.left_out} if self.left_out else readings
+        if used:
+            monitor = monitor.copy() if self.horizon else monitor
+            result = self.filter.recursion.update(state, used, monitor, self.times is not None)
+            state = result.state
+            self.results.append(result)
+            if self.times is not None:
+                self.times.append(time)
+        self.history.append(Moment(time, state, positions, {**known, **readings}, monitor))
+        return True
+
+
+def replay(
+    filter: ShipFilter, first: Moment, later: Sequence[Moment], horizon: float, kept: float,
+    left_out: frozenset[str] = frozenset(),
+) -> FilterRun | None:  # fmt: skip
+    """Return the run of a filter from a moment over later ones, its results weighed; none where it meets a bank."""
+    run = FilterRun(filter, [first], horizon, kept, left_out, times=[])
+    for moment in later:
+        if not run.advance(moment.t, moment.positions, moment.readings):
+            return None
+    return run
