@@ -11,7 +11,7 @@ from full_size import full_size
 import narrows as nw
 from narrows.control import RegulatorDesign, RegulatorWeights, closed_loop, design, regulator
 from narrows.control.design import SCENES, searched
-from narrows.control.flights import Flights, Push, Scene
+from narrows.control.flights import Flights, Scene, ScenePush
 from narrows.simulation.grid import sampled
 
 SPEED, HOLD = 4.5, 50.0
@@ -21,7 +21,7 @@ QUIET = {"y": 0.0, "psi": 0.0, "v": 0.0, "r": 0.0}
 def test_a_flight_is_a_voyage_of_its_ship() -> None:
     """By ``simulate``, with the pushes as forces in newtons."""
     weights = RegulatorWeights(heading_deg=3.0, bank=0.2)
-    push = Push(2.0, 3.5, 0.05, 0.08)
+    push = ScenePush(2.0, 3.5, 0.05, 0.08)
     flights = Flights(full_size(), HOLD, SPEED, (Scene(1.0, 0.2, (push,)),), 6, 4, QUIET)
     flown = flights.fly(weights)
     linear, hull = flights.systems[0], full_size().configuration.ship

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.control.flights import Flights, Flown, Push, Scene
+from narrows.control.flights import Flights, Flown, Scene, ScenePush
 from narrows.control.regulator import regulator
 from narrows.control.regulator_gains import USUAL, RegulatorWeights
 from narrows.control.regulator_law import Regulator
@@ -34,9 +34,9 @@ SIX, FIVE, THREE = (math.radians(angle) for angle in (6.0, 5.0, 3.0))
 # What a ship meets: an offset, a bank that recedes twice, gusts, and far off the middle a gust and a bank that recedes.
 SCENES = {
     "offset": Scene(0.8, 0.3),
-    "bank": Scene(1.0, 0.0, (Push(2.0, 3.5, 0.0, SIX), Push(5.9, 7.4, 0.0, -SIX))),
-    "gust": Scene(0.8, 0.0, (Push(2.0, 3.2, SIX, FIVE), Push(5.9, 7.0, -SIX, -FIVE))),
-    "hard": Scene(1.3, 0.0, (Push(2.0, 3.2, 1.5 * SIX, 1.5 * FIVE), Push(4.9, 6.1, 0.0, FIVE))),
+    "bank": Scene(1.0, 0.0, (ScenePush(2.0, 3.5, 0.0, SIX), ScenePush(5.9, 7.4, 0.0, -SIX))),
+    "gust": Scene(0.8, 0.0, (ScenePush(2.0, 3.2, SIX, FIVE), ScenePush(5.9, 7.0, -SIX, -FIVE))),
+    "hard": Scene(1.3, 0.0, (ScenePush(2.0, 3.2, 1.5 * SIX, 1.5 * FIVE), ScenePush(4.9, 6.1, 0.0, FIVE))),
 }
 # What is tuned, as logarithms; the share of the bank is its own.
 TUNED = ("heading_deg", "rudder_deg", "stroke_time", "integral_time", "unwinding_time")

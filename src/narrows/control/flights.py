@@ -35,7 +35,7 @@ from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 SEEN = ("y", "psi", "v", "r")
 
 
-class Push(NamedTuple):
+class ScenePush(NamedTuple):
     start: float  # In times of a ship length [1]
     stop: float  # Likewise
     force: float  # Sway force, in those that accelerate as fast as the moment of this much rudder turns [rad]
@@ -45,7 +45,7 @@ class Push(NamedTuple):
 class Scene(NamedTuple):
     offset: float  # Of the line that is held, over the one that is asked for [1]
     begins: float  # Off that line [beams]
-    pushes: tuple[Push, ...] = ()
+    pushes: tuple[ScenePush, ...] = ()
 
 
 @dataclass(frozen=True)
