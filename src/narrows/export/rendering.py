@@ -109,17 +109,22 @@ def commented(text: str) -> str:
     return plain.replace("\\", "|").replace("??", "? ?").replace("*/", "* /").replace("/*", "/ *")
 
 
-def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
+def environment() -> Any:
+    """Return where templates are found, with the filters that they use."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.export", "templates")
-    environment = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["commented"] = commented
-    environment.filters["set_in"] = lambda text, by="    ": text.replace("\n", f"\n{by}")
+    found = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    found.filters["commented"] = commented
+    found.filters["set_in"] = lambda text, by="    ": text.replace("\n", f"\n{by}")
+    return found
+
+
+def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
              "beyond_bits": tuple(BEYOND.values()), "tested": tested_ends(exported.ship.model)}  # fmt: skip
-    text = environment.get_template(template).render(**alike, **told)
+    text = environment().get_template(template).render(**alike, **told)
     return text.rstrip() + "\n"
 
 

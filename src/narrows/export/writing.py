@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 # ``narrows.export`` gives each of these.
-__all__ = ["write_c", "write_fmu", "write_javascript", "write_latex", "write_page", "write_python"]
+__all__ = ["write_bank_force", "write_c", "write_fmu", "write_javascript", "write_latex", "write_page", "write_python"]
 
 # The contact of open water.
 OPEN = "none"
@@ -150,6 +150,31 @@ def write_latex(model: "Model", path: str | Path) -> None:
 
     form_of(path, (".tex",))
     write_whole(path, latex_text(model))
+
+
+def write_bank_force(model: "Model", path: str | Path) -> None:
+    """Write the bank's force as one function, for a simulator that has a hull of its own.
+
+    It takes offset, heading, speed and the section of the water (two banks, their slopes, the depth), and gives sway
+    force and yaw moment, their standard deviations, and whether the tests of the model covered the question.
+
+    Parameters
+    ----------
+    model : Model
+        A model with a bank term.
+    path : str or Path
+        Where to: ``.h`` for C and C++, ``.cs`` for C#, ``.mjs`` for JavaScript, ``.m`` for MATLAB and Octave.
+
+    Raises
+    ------
+    InputError
+        Where the model has no bank force, or the file cannot be written.
+    """
+    from narrows.export.bank_force import LANGUAGES, force_text
+    from narrows.export.exported_ship import prefix_of
+
+    form_of(path, tuple(LANGUAGES))
+    write_whole(path, force_text(model, path, prefix_of(path)))
 
 
 def write_fmu(
@@ -300,6 +325,10 @@ EXPORTERS = {
     "c": Exporter("a C99 header", (".h",), write_c),
     "js": Exporter("an ES module", (".mjs", ".js"), write_javascript),
     "python": Exporter("a Python file that needs NumPy alone", (".py",), write_python),
+    "bank-force": Exporter(
+        "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave",
+        (".m", ".h", ".cs", ".mjs"), write_bank_force,
+    ),
     "latex": Exporter("the equations of the forces", (".tex",), write_latex),
     "fmu": Exporter("an FMU of FMI 2.0 or 3.0", (".fmu",), write_fmu, _about_libraries, platforms=True),
     "page": Exporter(

@@ -1,0 +1,100 @@
+"""The bank's force of a model as one function in another language, for simulators with a hull of their own."""
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import sympy
+
+from narrows.codegen.free_motion import Expr, exact_number, symbolic_functions
+from narrows.codegen.lines import Program, real, straight_lines
+from narrows.codegen.printers.c import CArithmetic, c_body
+from narrows.codegen.printers.javascript import javascript_body
+from narrows.codegen.tape import tape_of_terms
+from narrows.errors import InputError
+from narrows.export.passport import passport
+from narrows.export.rendering import commented, environment
+from narrows.model.data_range import SLACK
+from narrows.model.model import Model
+from narrows.quantities.names import MOTION
+
+# What a caller says of the ship and the water.
+ASKED = ("y", "cos_psi", "sin_psi", "u", "width", "depth")
+RESULTS = ("Y", "N", "Y_variance", "N_variance")
+# What a call may be beyond the tests in: its bit, and how a language without names for them computes it.
+BITS = {"speed": 1, "abs_y": 2, "abs_psi": 4, "width_to_beam": 16, "depth_to_draft": 32}
+
+
+def force_program(model: Model) -> Program:
+    """Return the lines of sway force, yaw moment and their variances, by ``ASKED``."""
+    if not model.feels_bank:
+        raise InputError(model.bank_note)
+    tape, values = tape_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}
+    # Rudder, propeller and accelerations make no force of the bank.
+    inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in tape.inputs}
+    inputs |= {name: real(name) for name in ASKED}
+    regressors = tape.replay(inputs, exact_number, symbolic_functions())
+    own = [[term.name for term in group if term.from_bank] for group in list(model.terms.forces.values())[1:]]
+    forces = [sum((exact_number(model[name]) * regressors[name] for name in names), sympy.Integer(0)) for names in own]
+    lines, results = straight_lines([*forces, *(_variance(model, names, regressors) for names in own)])
+    return Program(tuple(lines), tuple(results))
+
+
+def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) -> Expr:
+    if model.covariance is None:
+        return sympy.Integer(-1)
+    places = [model.terms.names.index(name) for name in names]
+    return sum(
+        (
+            exact_number(float(model.covariance[row, column])) * regressors[one] * regressors[other]
+            for row, one in zip(places, names, strict=True)
+            for column, other in zip(places, names, strict=True)
+        ),
+        sympy.Integer(0),
+    )
+
+
+def _c(program: Program, prefix: str) -> list[str]:
+    return c_body(
+        program, [f"const double {name}" for name in RESULTS], {name: name for name in ASKED}, CArithmetic(prefix)
+    )
+
+
+def _javascript(program: Program, prefix: str) -> list[str]:
+    return javascript_body(program, [f"const {name}" for name in RESULTS], {name: name for name in ASKED})
+
+
+def _csharp(program: Program, prefix: str) -> list[str]:
+    lines = [line.replace("const ", "double ") for line in _javascript(program, prefix)]
+    return [re.sub(r"Math\.(\w)", lambda match: f"Math.{match[1].upper()}", line) for line in lines]
+
+
+def _matlab(program: Program, prefix: str) -> list[str]:
+    lines = [line.replace("const ", "").replace("Math.pow", "power") for line in _javascript(program, prefix)]
+    return [re.sub(r"([*/])", r".\1", line.replace("Math.", "")) for line in lines]
+
+
+# By the suffix of a file: its template, and how its lines are printed.
+LANGUAGES: dict[str, tuple[str, Callable[[Program, str], list[str]]]] = {
+    ".h": ("bank_force.h.j2", _c),
+    ".cs": ("bank_force.cs.j2", _csharp),
+    ".mjs": ("bank_force.mjs.j2", _javascript),
+    ".m": ("bank_force.m.j2", _matlab),
+}
+
+
+def force_text(model: Model, path: str | Path, prefix: str) -> str:
+    """Return the file of a model, in the language of its suffix."""
+    template, printed = LANGUAGES[Path(path).suffix]
+    ship, known = model.configuration.ship, model.data_range
+    scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}
+    tested = []
+    for name, bit in BITS.items():
+        if (pair := getattr(known, name)) is not None:
+            slack, scale = SLACK * max(map(abs, pair)), scales.get(name, 1.0)
+            tested.append((name, bit, repr(scale * (pair[0] - slack)), repr(scale * (pair[1] + slack))))
+    text = environment().get_template(template).render(
+        prefix=prefix, lines=printed(force_program(model), prefix), tested=tested,
+        about=[commented(line) for line in passport(model)],
+    )  # fmt: skip
+    return text.rstrip() + "\n"

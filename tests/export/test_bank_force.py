@@ -1,0 +1,132 @@
+"""The bank's force in other languages beside ``model.bank_forces``: each compiled or run where its tools are."""
+
+import json
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exported import model_of
+
+import narrows as nw
+from narrows.model.data_range import DataRange
+from narrows.ship.cross_section import equivalent_wall
+
+FIELDS = ("starboard", "port", "slope_starboard", "slope_port", "depth")
+C = """#include <stdio.h>
+#include "bank.h"
+int main(void) {{
+    const double at[][8] = {rows};
+    for (unsigned i = 0; i < sizeof at / sizeof *at; ++i) {{
+        const bank_water water = {{at[i][3], at[i][4], at[i][5], at[i][6], at[i][7]}};
+        const bank_force f = bank_bank_force(at[i][0], at[i][1], at[i][2], &water);
+        printf("%.17g %.17g %.17g %.17g %d\\n", f.Y, f.N, f.Y_deviation, f.N_deviation, f.beyond);
+    }}
+    return 0;
+}}
+"""
+CSHARP = """using System;
+class Host {{
+    static void Main() {{
+        double[,] at = {rows};
+        for (int i = 0; i < at.GetLength(0); ++i) {{
+            var water = new bank.Water {{ starboard = at[i, 3], port = at[i, 4], slopeStarboard = at[i, 5],
+                slopePort = at[i, 6], depth = at[i, 7] }};
+            var f = bank.BankForce(at[i, 0], at[i, 1], at[i, 2], water);
+            Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture,
+                "{{0:R}} {{1:R}} {{2:R}} {{3:R}} {{4}}", f.Y, f.N, f.YDeviation, f.NDeviation, f.beyond));
+        }}
+    }}
+}}
+"""
+NODE = """import {{ bankForce }} from "./bank.mjs";
+for (const [y, psi, u, starboard, port, slopeStarboard, slopePort, depth] of {rows}) {{
+    const f = bankForce(y, psi, u, {{ starboard, port, slopeStarboard, slopePort, depth }});
+    console.log([f.Y, f.N, f.YDeviation, f.NDeviation, f.beyond].join(" "));
+}}
+"""
+MATLAB = """at = {rows};
+water = struct('starboard', at(:, 4), 'port', at(:, 5), 'slope_starboard', at(:, 6), 'slope_port', at(:, 7), ...
+               'depth', at(:, 8));
+[Y, N, Y_deviation, N_deviation, beyond] = bank(at(:, 1), at(:, 2), at(:, 3), water);
+printf('%.17g %.17g %.17g %.17g %d\\n', [Y, N, Y_deviation, N_deviation, beyond]');
+"""
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+# By language: the file, the program beside it, rows as the language writes them, commands.
+LANGUAGES: dict[str, Any] = {
+    "c": ("bank.h", "host.c", C, "{}", [["gcc", "-std=c99", *WARNINGS, "host.c", "-o", "host", "-lm"], ["./host"]]),
+    "cpp": ("bank.h", "host.cpp", C, "{}", [["g++", "-std=c++11", *WARNINGS, "host.cpp", "-o", "host"], ["./host"]]),
+    "csharp": ("bank.cs", "Host.cs", CSHARP, "{}", [["mcs", "-out:host.exe", "Host.cs", "bank.cs"],
+                                                    ["mono", "host.exe"]]),
+    "javascript": ("bank.mjs", "host.mjs", NODE, "[]", [["node", "host.mjs"]]),
+    "octave": ("bank.m", "host.m", MATLAB, "[]", [["octave", "--no-gui", "--norc", "host.m"]]),
+}  # fmt: skip
+
+
+def settled(name: str) -> nw.Model:
+    """A model with a covariance that correlates everything, and a range of data."""
+    model, n = model_of(name), len(model_of(name).terms)
+    mix = np.random.default_rng(5).normal(size=(n, n)) * 0.01
+    covered = DataRange((0.5, 1.2), (0.0, 0.9), (0.0, 0.1), None, (1.0, 3.0), (10.0, 14.0))
+    return replace(model, covariance=mix @ mix.T, data_range=covered)
+
+
+ROWS = np.array([
+    [0.5, 0.0, 1.0, 3.5, 3.5, 0.0, 0.0, 0.3], [-0.8, 0.2, 0.7, 3.5, 3.5, 0.0, 0.0, 0.3],
+    [0.3, -0.1, 1.4, 3.0, 3.8, 2.0, 1.0, 0.35], [1.6, 0.05, 0.9, 4.0, 3.0, 3.0, 0.0, 0.25],
+])  # fmt: skip
+
+
+def expected(model: nw.Model, row: np.ndarray) -> list[float]:
+    """By the model's own forces in the canal of the equivalent walls, and by the spread of its coefficients."""
+    y, psi, u, starboard, port, slope_starboard, slope_port, depth = row
+    feet = ((starboard, slope_starboard), (port, slope_port))
+    walls = [
+        equivalent_wall(((foot, 0.0), (foot + slope * depth, depth)), depth) if slope else foot for foot, slope in feet
+    ]
+    there = model.with_canal(width=sum(walls), depth=depth)
+    motion = nw.Motion.at(y=y - (walls[0] - walls[1]) / 2, psi=psi, u=u)
+    forces = there.bank_forces(motion)
+    slopes = {force: np.zeros(len(model.terms)) for force in "YN"}
+    for place, name in enumerate(model.terms.names):
+        if model.terms[name].from_bank:
+            more = there.with_coefficients({name: model[name] + 1.0}).bank_forces(motion)
+            for force, slope in slopes.items():
+                slope[place] = more[force] - forces[force]
+    deviations = [np.sqrt(slope @ model.covariance @ slope) for slope in slopes.values()]
+    ship, known = model.configuration.ship, model.data_range
+    asked = {"speed": (1, u), "abs_y": (2, abs(motion.y)), "abs_psi": (4, abs(psi)),
+             "width_to_beam": (16, sum(walls) / ship.beam), "depth_to_draft": (32, depth / ship.draft)}  # fmt: skip
+    beyond = sum(bit for name, (bit, value) in asked.items() if known.outside(name, value))
+    return [forces["Y"], forces["N"], *deviations, beyond]
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", ["paper", "paper+keel_gap", "paper+tapered"])
+def test_the_force_is_that_of_the_model(language: str, name: str, tmp_path: Path) -> None:
+    file, host, text, brackets, commands = LANGUAGES[language]
+    if any(shutil.which(command[0]) is None for command in commands if not command[0].startswith(".")):
+        pytest.skip(f"no {commands[0][0]} is here")
+    model = settled(name)
+    nw.export.write_bank_force(model, tmp_path / file)
+    rows = json.dumps(ROWS.tolist())
+    if language == "octave":
+        rows = rows.replace("], [", "; ").replace("[[", "[").replace("]]", "]")
+    rows = rows.replace("[", brackets[0]).replace("]", brackets[1])
+    (tmp_path / host).write_text(text.format(rows=rows), encoding="utf-8")
+    for command in commands:
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+    said = np.array([line.split() for line in done.stdout.splitlines()], float)
+    np.testing.assert_allclose(said, [expected(model, row) for row in ROWS], rtol=1e-14)
+    assert set(said[:, 4]) >= {0.0}
+    assert len(set(said[:, 4])) > 2
+
+
+def test_a_model_without_a_bank_is_refused_with_a_table_that_has_one(tmp_path: Path) -> None:
+    with pytest.raises(nw.InputError, match="mmg\\+delta"):
+        nw.export.write_bank_force(nw.published("yasukawa2015_kvlcc2"), tmp_path / "bank.h")
+    assert list(tmp_path.iterdir()) == []
