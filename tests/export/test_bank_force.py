@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from exported import model_of
+from scipy.integrate import solve_ivp
 
 import narrows as nw
 from narrows.model.data_range import DataRange
@@ -130,3 +131,36 @@ def test_a_model_without_a_bank_is_refused_with_a_table_that_has_one(tmp_path: P
     with pytest.raises(nw.InputError, match="mmg\\+delta"):
         nw.export.write_bank_force(nw.published("yasukawa2015_kvlcc2"), tmp_path / "bank.h")
     assert list(tmp_path.iterdir()) == []
+
+
+HOSTS = {
+    "host.cpp": ("dtc.h", [["g++", "-std=c++11", *WARNINGS, "host.cpp", "-o", "host"], ["./host"]]),
+    "Host.cs": ("dtc.cs", [["mcs", "Host.cs", "dtc.cs"], ["mono", "Host.exe"]]),
+}
+
+
+@pytest.mark.parametrize("host", HOSTS)
+def test_the_hosts_of_the_docs_run_and_agree(host: str, tmp_path: Path) -> None:
+    """A simulator with a hull of its own, in C++ and C#: with banks it goes where SciPy says it does."""
+    file, commands = HOSTS[host]
+    if any(shutil.which(command[0]) is None for command in commands if not command[0].startswith(".")):
+        pytest.skip(f"no {commands[0][0]} is here")
+    text = Path(__file__).parents[2].joinpath("examples", "simulator", host).read_text(encoding="utf-8")
+    assert len(text.splitlines()) < 66
+    (tmp_path / host).write_text(text, encoding="utf-8")
+    model = nw.published("mikkelsen2025_dtc")
+    nw.export.write_bank_force(model, tmp_path / file)
+    for command in commands:
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+
+    def rates(t: float, s: Any) -> list[float]:
+        x, y, psi, v, r = s
+        forces = model.bank_forces(nw.Motion.at(y=y, psi=psi, u=1.0))  # Up to x = 20 m the canal is that of the tests.
+        Y, N = forces["Y"] - 100.0 * v - 118.0 * r, forces["N"] - 85.0 * v - 590.0 * r
+        return [np.cos(psi) - v * np.sin(psi), np.sin(psi) + v * np.cos(psi), r, Y / 980.0, N / 960.0]
+
+    end = solve_ivp(rates, (0.0, 8.0), [0.0, 0.8, 0.0, 0.0, 0.0], rtol=1e-9, atol=1e-9).y[:, -1]
+    without, with_banks = done.stdout.splitlines()
+    assert "y 0.80 m, heading 0.0 deg" in without
+    assert f"y {end[1]:.2f} m, heading {np.degrees(end[2]):.1f} deg" in with_banks
