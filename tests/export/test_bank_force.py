@@ -155,7 +155,7 @@ def test_the_hosts_of_the_docs_run_and_agree(host: str, tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
 
     def rates(t: float, s: Any) -> list[float]:
-        x, y, psi, v, r = s
+        y, psi, v, r = s[1:]
         forces = model.bank_forces(nw.Motion.at(y=y, psi=psi, u=1.0))  # Up to x = 20 m the canal is that of the tests.
         Y, N = forces["Y"] - 100.0 * v - 118.0 * r, forces["N"] - 85.0 * v - 590.0 * r
         return [np.cos(psi) - v * np.sin(psi), np.sin(psi) + v * np.cos(psi), r, Y / 980.0, N / 960.0]
