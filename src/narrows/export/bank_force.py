@@ -93,7 +93,7 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
         if (pair := getattr(known, name)) is not None:
             slack, scale = SLACK * max(map(abs, pair)), scales.get(name, 1.0)
             tested.append((name, bit, repr(scale * (pair[0] - slack)), repr(scale * (pair[1] + slack))))
-    text = environment().get_template(template).render(
+    text: str = environment().get_template(template).render(
         prefix=prefix, lines=printed(force_program(model), prefix), tested=tested,
         about=[commented(line) for line in passport(model)],
     )  # fmt: skip

@@ -124,7 +124,7 @@ def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
              "beyond_bits": tuple(BEYOND.values()), "tested": tested_ends(exported.ship.model)}  # fmt: skip
-    text = environment().get_template(template).render(**alike, **told)
+    text: str = environment().get_template(template).render(**alike, **told)
     return text.rstrip() + "\n"
 
 
