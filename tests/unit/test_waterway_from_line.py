@@ -27,6 +27,24 @@ def test_a_line_with_a_width_and_a_depth_is_a_waterway(document: dict, tmp_path:
     assert float(section.depth) == pytest.approx(16)
 
 
+@pytest.mark.parametrize("mirror", ["roles", "axes"])
+def test_swapped_banks_and_swapped_axes_are_told_from_a_bank_that_crosses(mirror: str, tmp_path: Path) -> None:
+    sides = {"centreline": 32.58, "starboard": 32.5816, "port": 32.5784}
+    lines = {role: [[east, 30.00], [east, 30.05]] for role, east in sides.items()}
+    if mirror == "roles":
+        lines["starboard"], lines["port"] = lines["port"], lines["starboard"]
+    else:
+        lines = {role: [point[::-1] for point in points] for role, points in lines.items()}
+    features = [
+        {"type": "Feature", "properties": {"role": role}, "geometry": {"type": "LineString", "coordinates": points}}
+        for role, points in lines.items()
+    ]
+    path = tmp_path / "swapped.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    with pytest.raises(nw.InputError, match=r"exchange their roles.*longitude before latitude"):
+        nw.read_waterway(path)
+
+
 @pytest.mark.parametrize(
     ("words", "remedy"),
     [

@@ -46,12 +46,22 @@ def read_waterway(path: str | Path) -> Waterway:
         origin = origin_of(points["centreline"])
         metres = {role: projected(coordinates_of, origin) for role, coordinates_of in points.items()}
         line = Centreline(metres["centreline"])
+        _check_sides(line, metres["starboard"], metres["port"])
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
         depths = _depths(features["centreline"], line)
         at = (float(origin[0]), float(origin[1]))
         return Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _check_sides(line: Centreline, starboard: np.ndarray, port: np.ndarray) -> None:
+    """Raise where both banks lie on the side of the other: their roles are exchanged, or the whole map is mirrored."""
+    if np.median(line.locate(starboard)[1]) < 0 < np.median(line.locate(port)[1]):
+        raise InputError(
+            "each bank lies on the side of the other as one sails along the centreline; exchange their roles, turn the "
+            "centreline round, or, where the file has latitude first, put longitude before latitude"
+        )
 
 
 def read_line(path: str | Path) -> np.ndarray:
