@@ -266,7 +266,8 @@ SLANTING = np.stack([np.linspace(32.501, 32.499, 21), LINE[:, 1]], axis=1)
     ("what", "said"),
     [
         ("{", "is not JSON"),
-        ({"type": "Feature"}, "FeatureCollection"),
+        ({"type": "Topology"}, "FeatureCollection"),
+        ({"type": "Feature"}, "role = centreline"),
         (collection(port=feature("prt", LINE)), "role = port"),
         (collection(port=feature("centreline", LINE)), "two lines with the role centreline"),
         (collection(port=feature("port", LINE * [1, 4])), "no longitude and latitude"),
