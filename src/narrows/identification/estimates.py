@@ -204,6 +204,10 @@ def _conditioned(means: np.ndarray, spreads: np.ndarray, i: int, value: float) -
 def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Draws from a mixture of Gaussians: as many of each as its weight says, each with its mirror image."""
     rng = np.random.default_rng(SEED)
+    # From narrow to wide: where rounding moves a draw to the next Gaussian, that one is almost the same.
+    variances = np.diagonal(spreads, axis1=1, axis2=2)
+    order = np.argsort((variances / np.maximum(variances.max(axis=0), 1e-300)).sum(axis=1))
+    means, spreads, weights = means[order], spreads[order], weights[order]
     edges = np.round(np.cumsum(weights) * (DRAWS // 2)).astype(int)
     which = np.repeat(np.arange(len(weights)), np.diff(edges, prepend=0))
     # Symmetric roots of correlations: units, and the signs that a library gives eigenvectors, do not change the draws.

@@ -116,7 +116,8 @@ class ForceRows:
         for f, term in self.terms:
             velocity = VELOCITIES.get(" ".join(term.inputs))
             if velocity:
-                total += self.of(f, self.theta[self.place(term)] * self.frequency**2 * self.raw(velocity))
+                inertia = -term.regressor(1.0) * self.theta[self.place(term)]  # in the unit of the acceleration itself
+                total += self.of(f, inertia * self.frequency**2 * self.raw(velocity))
         return total
 
     def _first_fit(self) -> np.ndarray:

@@ -12,6 +12,8 @@ from narrows.identification.threads import one_thread
 
 # Draws of the scales that predictions average over: those of most weight.
 MOST_DRAWS = 8
+# Least eigenvalue of a precision of unit diagonal: what one motion alone informs can cancel to less than nothing.
+ROUNDING = 1e-10
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,8 @@ def _without(
     # Where no other motion knows of a coefficient its prior is all that is left, and rounding may take that.
     np.fill_diagonal(less, np.maximum(np.diag(less), RIDGE))
     unit = 1 / np.sqrt(np.diag(less))
-    without = np.linalg.inv(less * np.outer(unit, unit)) * np.outer(unit, unit)
+    values, vectors = np.linalg.eigh(less * np.outer(unit, unit))
+    without = (vectors / np.maximum(values, ROUNDING)) @ vectors.T * np.outer(unit, unit)
     mean = without @ (precision @ conditional.mean - weighted.T @ model.y[own])
     seen = x[chosen]
     spread = seen @ without @ seen.T + errors[np.ix_(chosen, chosen)]
