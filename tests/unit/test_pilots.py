@@ -257,7 +257,7 @@ class TestWords:
         assert words in AT_LENGTH
 
     def test_two_shares_reach_the_headline_the_table_and_the_chart(self) -> None:
-        ship = replace(narrow(), covariance=narrow().covariance / 4)
+        ship = replace(narrow(), covariance=narrow().covariance / 6)
         found = nw.safe_envelope(ship, np.linspace(-16, 16, 9), np.array([3.0, 5.0]), samples=200, controller="track")
         data = found.data
         assert bool((data["known"] >= data["held"]).all())
