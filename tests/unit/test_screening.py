@@ -25,7 +25,7 @@ def table() -> pd.DataFrame:
 
 
 @pytest.mark.parametrize("column", ["Y", "v", "u", "r", "X", "y"])
-@pytest.mark.parametrize("mark", [9999.0, -999.0, 1e10])
+@pytest.mark.parametrize("mark", [9999.0, -999.0, 1e10, 9.97e36, np.inf])
 def test_one_mark_of_a_missing_value_is_left_out_by_row(column: str, mark: float) -> None:
     spoiled = table()
     spoiled.loc[250, column] = mark
@@ -50,6 +50,11 @@ def test_a_clean_table_keeps_every_row() -> None:
 def test_measured_tests_keep_every_row() -> None:
     path, ship = measured_files("kcs")
     assert not any("left out" in note for note in nw.read_captive(path, ship).notes)
+
+
+def test_measured_static_runs_of_a_row_each_are_kept() -> None:
+    (path, ship), query = measured_files("kcs"), "type == 'STATX0' and abs(psi_deg) < 80"
+    assert nw.read_captive(path, ship, query).rows == len(pd.read_csv(path).query(query))
 
 
 def test_a_column_with_many_wrong_rows_is_refused() -> None:

@@ -108,7 +108,7 @@ def test_what_is_asked_for_on_the_page_goes_the_way_of_the_bridge(tmp_path: Path
     with AlertLog(tmp_path / "log.db") as log:
         sent: list[str] = []
         one, requests = monitor(publisher=AlertPublisher(log, sent.append)), PageRequests()
-        last = monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)[-1]
+        last = monitored(ticks(12, y=95.0, psi=0.25, rudder=0.5), one)[-1]
         told = update_of(one, last, BEGAN)
         (alert,) = [each for each in told["alerts"] if each["identifier"] == BANK.identifier]
         seen = {name: alert[name] for name in ("identifier", "instance", "revision")}

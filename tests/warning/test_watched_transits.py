@@ -79,7 +79,7 @@ def test_the_swept_hull_is_as_far_from_the_banks_as_was_said() -> None:
     transit = transit_of(monitored(ticks(9, y=95.0, psi=0.25, rudder=0.5)))
     told = {name: column[transit.located] for name, column in transit.columns.items()}
     figure = transit_track_figure(transit)
-    starboard = max(figure.axes[0].lines, key=lambda line: np.mean(line.get_ydata()))
+    starboard = max(figure.axes[0].lines, key=lambda line: np.nanmean(line.get_ydata()))
     swept = np.concatenate([path.vertices for part in figure.axes[0].collections for path in part.get_paths()])
     edge = np.array([swept[np.isclose(swept[:, 0], x), 1].max() for x in told["x"]])
     assert np.interp(told["x"], *starboard.get_data()) - edge == pytest.approx(told["clearance"], abs=1e-6)

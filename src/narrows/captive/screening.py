@@ -36,29 +36,29 @@ def screened(
     return (frame[~spoiled], tuple(notes)) if notes else (frame, ())
 
 
-def _runs(test: np.ndarray) -> Iterator[np.ndarray]:
-    """Rows of each test; those of tests too short to judge by themselves come together."""
+def _runs(test: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
+    """Rows of each test, and True; those of tests too short to judge by themselves come together, with False."""
     codes = pd.factorize(test)[0]
     order = np.argsort(codes, kind="stable")
     edges = np.concatenate([[0], np.cumsum(np.bincount(codes))]) if len(codes) else [0]
     parts = [order[start:stop] for start, stop in pairwise(edges)]
-    yield from (rows for rows in parts if len(rows) >= settings.FEWEST_SCREENED)
+    yield from ((rows, True) for rows in parts if len(rows) >= settings.FEWEST_SCREENED)
     short = [rows for rows in parts if len(rows) < settings.FEWEST_SCREENED]
     if sum(map(len, short)) >= settings.FEWEST_SCREENED:
-        yield np.concatenate(short)
+        yield np.concatenate(short), False
 
 
-def _outliers(values: np.ndarray, runs: list[np.ndarray]) -> np.ndarray:
+def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.ndarray:
     wrong = np.zeros(len(values), bool)
     marks = np.isin(np.abs(values), settings.MISSING_MARKS)
     sizes = np.abs(values[~marks & np.isfinite(values)])
     usual = float(np.quantile(sizes, settings.USUAL_SHARE)) if sizes.size else 0.0
-    for rows in runs:
-        wrong[rows] = _spikes(values[rows], marks[rows], usual)
+    for rows, is_run in runs:
+        wrong[rows] = _spikes(values[rows], marks[rows], usual, is_run)
     return wrong
 
 
-def _spikes(values: np.ndarray, marks: np.ndarray, usual: float) -> np.ndarray:
+def _spikes(values: np.ndarray, marks: np.ndarray, usual: float, is_run: bool) -> np.ndarray:
     """Rows whose distance from the run's median is many times that of nearly all others."""
     plain = values[~marks & np.isfinite(values)]
     if not plain.size:
@@ -69,4 +69,6 @@ def _spikes(values: np.ndarray, marks: np.ndarray, usual: float) -> np.ndarray:
     spread = others[-1 - lone] if len(others) > lone else 0.0
     # A column that stands still in a run may still step by as much as it is in the table.
     scale = max(float(spread), usual)
-    return np.asarray((away > settings.SPIKE * scale) | (marks & (away > settings.MARK_APART * scale)))
+    marked = marks & (away > settings.MARK_APART * scale)
+    # Tests of one condition each may differ by any amount: among them a value alone is no spike.
+    return np.asarray(marked | (away > settings.SPIKE * scale) if is_run else marked)
