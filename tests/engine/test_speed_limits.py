@@ -4,19 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import steered as unranged
-from cases import waterway_for
+from cases import steered, waterway_for
 
 import narrows as nw
-from narrows.model.data_range import DataRange
 
 SPEEDS = np.linspace(0.2, 1.2, 6)
 RESERVE = 0.4
-
-
-def steered() -> nw.Model:
-    """The ship of the other tests, as if its tests had covered every speed, offset and section."""
-    return replace(unranged(), data_range=DataRange(*((0.0, 1e6),) * 6))
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +40,6 @@ def test_a_limit_is_the_envelopes_or_what_the_bend_leaves(way: nw.Waterway, limi
 def test_no_place_is_refused(way: nw.Waterway) -> None:
     with pytest.raises(nw.InputError, match="no place"):
         nw.speed_limits(steered(), way, [])
-
-
-def test_a_model_of_unknown_ranges_has_no_limit(way: nw.Waterway) -> None:
-    with pytest.raises(nw.InputError, match="does not give the ranges"):
-        nw.speed_limits(unranged(), way, [0.5 * way.line.length], u=SPEEDS)
 
 
 def test_a_line_that_no_speed_holds_says_why(way: nw.Waterway) -> None:

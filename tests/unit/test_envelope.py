@@ -438,8 +438,7 @@ class TestTruth:
         banked = replace(kvlcc2, configuration=replace(kvlcc2.configuration, canal=nw.Canal(7.0, 2.0)))
         table = table_named("mmg+delta")
         bank = {name: 0.02 for name in table.names if name not in banked.coefficients}
-        anything = DataRange(*((0.0, 1e6),) * 6)
-        model = nw.Model(banked.configuration, table, {**banked.coefficients, **bank}, data_range=anything)
+        model = nw.Model(banked.configuration, table, {**banked.coefficients, **bank})
         speeds, calm = np.array([0.6, 0.9, 1.2]), Disturbance(0.0)
         most = nw.self_propulsion(model, 1.0)
         found = nw.safe_envelope(

@@ -54,7 +54,8 @@ def learned() -> nw.LogFit:
 
 def test_a_ship_that_is_known_is_found_again() -> None:
     found = learned()
-    off = {name: (found.model[name] - kvlcc2()[name]) / std for name, std in found.std.items() if std > 0}
+    truth = {**kvlcc2().coefficients, "Y_0": 0.0, "N_0": 0.0}
+    off = {name: (found.model[name] - truth[name]) / std for name, std in found.std.items() if std > 0}
     assert max(map(abs, off.values())) < 3.5
     for name, factor in WRONG.items():
         assert abs(found.model[name] / kvlcc2()[name] - 1) < 0.5 * abs(factor - 1)
@@ -63,6 +64,20 @@ def test_a_ship_that_is_known_is_found_again() -> None:
     assert found.verdicts["N_v"] == "learned"
     assert found.verdicts["Y_rrr"] == "from the prior"
     assert not found.disagrees
+
+
+def test_an_asymmetry_of_the_ship_is_learned_and_saved_with_it(tmp_path: Any) -> None:
+    """A rudder whose indicator is a degree off in every record, which no reading shows."""
+    zero = 1.0 * D
+    biased = [r.with_signals(rudder=replace(r["rudder"], values=r["rudder"].values - zero)) for r in records()[:2]]
+    found = nw.learn(kvlcc2(), biased, sensors="basin", spread=0.1)
+    assert found.whole_missed["after"] < 0.5 * D < found.whole_missed["before"]
+    assert found.model["N_0"] > 0  # A rudder to starboard of what is shown turns the bow the way a rudder does.
+    found.model.save(tmp_path / "learned.toml")
+    again = nw.load_model(tmp_path / "learned.toml")
+    assert again["N_0"] == found.model["N_0"]
+    straight = {"u": 7.0, "duration": 300.0, "contact": "none", "surge": "free"}
+    assert abs(nw.simulate(again, **straight).psi[-1]) > 2 * abs(nw.simulate(kvlcc2(), **straight).psi[-1])
 
 
 def test_what_was_left_out_is_foretold_better() -> None:
@@ -119,7 +134,9 @@ def test_a_mirrored_ship_learns_the_mirrored_turns() -> None:
     one, other = (
         nw.learn(even, [each], sensors="basin", spread=0.1) for each in (records()[0], mirrored(records()[0]))
     )
-    np.testing.assert_allclose([one.model[n] for n in one.std], [other.model[n] for n in one.std], rtol=1e-6, atol=1e-9)
+    side = {"Y_0": -1.0, "N_0": -1.0}
+    turned = [side.get(n, 1.0) * other.model[n] for n in one.std]
+    np.testing.assert_allclose([one.model[n] for n in one.std], turned, rtol=1e-6, atol=1e-9)
 
 
 def test_coefficients_that_are_held_stay_and_are_allowed_for() -> None:

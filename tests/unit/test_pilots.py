@@ -41,7 +41,7 @@ def doubtful() -> nw.Model:
     tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
     tank = nw.identify(tests, nw.STEERED).model
     full = nw.scale_model(tank, LENGTH, 1025.0, width=300.0, depth=16.2).model
-    return replace(full, covariance=full.covariance / 25, data_range=DataRange(*((0.0, 1e6),) * 6))
+    return replace(full, covariance=full.covariance / 25, data_range=DataRange())
 
 
 @cache
@@ -49,7 +49,7 @@ def narrow() -> nw.Model:
     """The KCS as identified, in a canal as narrow for it as the Suez section for the largest ships."""
     tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
     full = nw.scale_model(nw.identify(tests, nw.STEERED).model, LENGTH, 1025.0, width=118.0, depth=16.2).model
-    return replace(full, data_range=DataRange(*((0.0, 1e6),) * 6))
+    return replace(full, data_range=DataRange())
 
 
 @cache

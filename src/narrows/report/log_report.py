@@ -18,6 +18,7 @@ from narrows.report.terminal import print_result, table_of
 
 # What forecasts miss: state, words, factor.
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
+WHOLE_HEADS = ("model before", "left out", "nonlinear Nomoto, left out")
 BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
 
 
@@ -35,6 +36,7 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         twin=truth is not None,
         figure=figure(log_fit_figure(fit), caption),
         missed_heads=[words for _, words, _ in MISSED],
+        whole_heads=WHOLE_HEADS if any(record.whole for record in fit.records) else (),
         records=[_row(fit, number) for number in range(len(fit.records))],
         informed=list(_informed(fit)),
         forecasts=[picture for record in fit.records if record.forecasts for picture in _pictures(record)],
@@ -63,6 +65,7 @@ def _row(fit: LogFit, number: int) -> dict[str, object]:
         "minutes": f"{record.duration / 60:.3g}",
         "missed": [f"{factor * old:.2g} to {factor * new:.2g}" for name, _, factor in MISSED
                    for old, new in (record.missed[name],)],
+        "whole": [f"{np.degrees(record.whole.get(word, np.nan)):.2g}" for word in ("before", "after", "nomoto")],
         "information": [f"{100 * record.information[name]:.0f} %" for name in _informed(fit)],
     }  # fmt: skip
 

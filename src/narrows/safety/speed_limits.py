@@ -76,4 +76,4 @@ def _highest(
 
 
 def _why(straight: SafeEnvelope) -> str:
-    return straight.untested or str(straight.limited_by()[0])
+    return str(straight.limited_by()[0])

@@ -11,7 +11,7 @@ from narrows.errors import InputError, shown
 from narrows.files import form_of, reading, write_whole
 from narrows.ship.cross_section import Point
 from narrows.waterway.banks import Bank, bank_from_points
-from narrows.waterway.centreline import FARTHEST, Centreline
+from narrows.waterway.centreline import Centreline
 from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
 
@@ -63,20 +63,6 @@ def read_line(path: str | Path) -> np.ndarray:
             f"{path}: has {len(centrelines)} lines that may be the centreline; leave one, or give it its role"
         )
     return coordinates(centrelines[0], f"{path}: the centreline")
-
-
-def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str = "canal") -> Waterway:
-    """Return the waterway of one width and depth along a centreline, its banks vertical walls."""
-    # points (n, 2), longitude and latitude [deg]; width, depth [m]
-    for what, value in (("width", width), ("depth", depth)):
-        if not 0 < value < FARTHEST:
-            raise InputError(f"a {what} of {value:g} m is none of a waterway; give metres over 0")
-    origin = origin_of(points)
-    line = Centreline(projected(points, origin))
-    ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
-    starboard, port = (Bank(side, ends, half) for side in ROLES[1:])
-    at = (float(origin[0]), float(origin[1]))
-    return Waterway(line, starboard, port, (ends, np.full(2, depth)), name=name, origin=at)
 
 
 def write_waterway(waterway: Waterway, path: str | Path) -> None:
@@ -167,7 +153,6 @@ def read_features(path: Path) -> list[Feature]:
     with reading(path, "JSON"):
         document = json.loads(path.read_text(encoding="utf-8"))
         crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
-    document = _as_collection(document)
     if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
         raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
     if crs and not any(known in crs for known in KNOWN_CRS):
@@ -179,16 +164,6 @@ def read_features(path: Path) -> list[Feature]:
         Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
         for number, feature in enumerate(features)
     ]
-
-
-def _as_collection(document: Any) -> Any:
-    """A lone feature or a bare line as the only feature of a collection."""
-    kind = document.get("type") if isinstance(document, Mapping) else None
-    if kind == "Feature":
-        return {"type": "FeatureCollection", "features": [document]}
-    if kind == "LineString":
-        return {"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": document}]}
-    return document
 
 
 def coordinates(feature: Feature, name: str) -> np.ndarray:

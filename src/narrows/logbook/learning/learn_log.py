@@ -22,8 +22,8 @@ SENSORS = "vdr"
 
 def learn(
     model: Model, log: Any, *, free: Sequence[str] = (), sensors: str | SensorGrade = SENSORS,
-    spread: Spread | None = None, gusts: bool | None = None, waterway: "Waterway | None" = None,
-    window: float | None = None, **choices: Any,
+    spread: Spread | None = None, gusts: bool | None = None, asymmetry: bool | None = None,
+    waterway: "Waterway | None" = None, window: float | None = None, **choices: Any,
 ) -> LogFit:  # fmt: skip
     """Learn from what a ship did under its own helm: zigzags, turning circles, transits of a canal.
 
@@ -49,10 +49,13 @@ def learn(
         its own unit.
     gusts : bool, optional
         Whether pushes with a memory act; in all but a basin, unless said otherwise.
+    asymmetry : bool, optional
+        Whether a constant sway force and yaw moment of the ship are learned, as a rudder zero or its propeller make
+        them; where no gusts act and ``free`` names nothing, unless said otherwise. They stay in the model.
     waterway : Waterway, optional
         Along which x and y are told; the one of the log, or else the model's own canal.
     window : float, optional [s]
-        Length of a window; 3.5 times that of a ship length, or a tenth of it where gusts act.
+        Length of a window; a tenth of the time of a ship length where gusts act, else whole records unless given.
     **choices : Any
         As for ``simulate``: surge, surge_inertia, coriolis.
 
@@ -67,11 +70,15 @@ def learn(
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
     posed = posed_log(
-        model, log, sensors, free=free, spread=spread, gusts=gusts, waterway=waterway, window=window, **choices
-    )
+        model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry, waterway=waterway,
+        window=window, **choices,
+    )  # fmt: skip
     came_from = LogSource.of(posed.source.log, _name(posed.source.log), posed.source.assumptions.grade.name)
-    refined = refined_search(posed.problem, posed.source)
-    return log_result(model, posed.before, refined, posed.source, came_from, free)
+    refined, source = refined_search(posed.problem, posed.source), posed.source
+    if window is None and not posed.problem.linked and not refined.found.interrupted:
+        source = source.of_whole_records
+        refined = refined_search(refined.problem, source, refined.found.scaled)
+    return log_result(posed.model, posed.before, refined, source, came_from, free)
 
 
 def _name(log: Any) -> str:

@@ -123,7 +123,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def _doubts(self) -> tuple[str, ...]:
-        return (*self._search, *self._disagreement, *self._left, *self._pushed)
+        return (*self._search, *self._simpler, *self._disagreement, *self._left, *self._pushed)
 
     @property
     def _search(self) -> tuple[str, ...]:
@@ -178,6 +178,12 @@ class LogFit(LearnedAnswer):
         before, after = self.missed("psi")
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
+        if self.whole_missed:
+            before, after, nomoto = np.degrees(list(self.whole_missed.values()))
+            return (
+                f"Whole records under their recorded rudder, each left out in turn: heading missed by {after:.2g} deg, "
+                f"{before:.2g} deg by the model before, {nomoto:.2g} deg by a nonlinear Nomoto model."
+            )
         words = f"Forecasts over 3.5 ship lengths miss the heading by {np.degrees(after):.2g} deg"
         worse = ": the log made them no better" * (after >= before)
         return f"{words} on records that were left out, {np.degrees(before):.2g} deg before{worse}."
@@ -189,6 +195,27 @@ class LogFit(LearnedAnswer):
         return (
             f"Gusts of {self.gusts.sway:.2g} m/s2 and {self.gusts.yaw:.2g} rad/s2 that stay {self.gusts.memory:.0f} s "
             "act beside the model (standard deviations)."
+        )
+
+    @property
+    def whole_missed(self) -> dict[str, float]:
+        """Root mean square over whole records of the heading missed [rad], by model; empty where gusts act."""
+        rows = [record.whole for record in self.records if {"before", "after", "nomoto"} <= record.whole.keys()]
+        rows = [row for row in rows if np.isfinite(row["after"])]
+        if len(rows) < 2:
+            return {}
+        return {
+            name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in ("before", "after", "nomoto")
+        }
+
+    @property
+    def _simpler(self) -> tuple[str, ...]:
+        told = self.whole_missed
+        if not told or told["after"] <= told["nomoto"]:
+            return ()
+        return (
+            "This model predicts the heading of left-out records worse than a nonlinear Nomoto model fitted to the "
+            "same records: do not rely on it for manoeuvres like these.",
         )
 
     def missed(self, state: str) -> tuple[float, float]:
@@ -218,6 +245,7 @@ class LogFit(LearnedAnswer):
             "records": [
                 {"name": r.name, "duration": r.duration, "windows": r.windows, "met": r.met, "zeros": r.zeros,
                  "information": r.information, "moved": r.moved,
+                 "whole": dict(r.whole),
                  "missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
                 for r in self.records
             ],

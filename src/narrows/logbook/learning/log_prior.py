@@ -1,7 +1,7 @@
 """What a model says before a log is looked at: its coefficients' covariance, or a spread that is stated."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
+from narrows.terms.asymmetry import asymmetry_names, with_asymmetry
 from narrows.terms.term import TermKind
 
 # Standard deviations of coefficients: over their size, or each in its own unit.
@@ -56,6 +57,34 @@ def _stated(model: Model, spread: Spread) -> np.ndarray:
         sizes = np.array([spread * abs(model.coefficients[name]) * (name not in held) for name in names])
     if not (np.isfinite(sizes).all() and (sizes >= 0).all() and sizes.any()):
         raise InputError(f"a spread of {spread} is none: give a share over 0, or standard deviations by coefficient")
+    return sizes
+
+
+def with_asymmetry_before(model: Model, covariance: np.ndarray, u: float) -> tuple[Model, np.ndarray]:
+    """Return a model with an asymmetry, and the covariance with a prior of it where there is none."""
+    # covariance (n, n); u [m/s]
+    old, names = model.terms.names, asymmetry_names(model.terms)
+    if names[0] not in old:
+        table = with_asymmetry(model.terms)
+        zeros = {**model.coefficients, **dict.fromkeys(names, 0.0)}
+        model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names}, covariance=None)
+    places, whole = [model.terms.names.index(name) for name in old], np.zeros((len(model.terms),) * 2)
+    whole[np.ix_(places, places)] = covariance
+    for name, size in zip(names, _turned_rudder(model, u), strict=True):
+        place = model.terms.names.index(name)
+        whole[place, place] = whole[place, place] or size**2
+    return model, whole
+
+
+def _turned_rudder(model: Model, u: float) -> list[float]:
+    """Asymmetries as large as what the rudder does at an angle of ``RUDDER_ZERO``."""
+    still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
+    rudder = next(actuator for actuator in model.terms.actuators if actuator.name == RUDDER)
+    turned = {**still, **rudder.placed(RUDDER_ZERO)}
+    sizes = []
+    for name, terms in zip(asymmetry_names(model.terms), (model.terms.sway, model.terms.yaw), strict=True):
+        force = sum(model[t.name] * (t.column(turned) - t.column(still)) for t in terms if t.kind == TermKind.RUDDER)
+        sizes.append(abs(float(force / model.terms[name].column(still))))
     return sizes
 
 
@@ -135,6 +164,9 @@ SPREAD_OF_CURRENT = 0.3
 
 DEGREE = np.pi / 180
 
+# Standard deviation of an asymmetry, as the rudder angle that would hold it: ships steer straight with about a degree.
+RUDDER_ZERO = 1.0 * DEGREE
+
 # What a model leaves of places in a basin, in lengths of the ship, its memory counted; four times as much of angles,
 # five of yaw rates and twice as much of speeds, over those of the ship.
 USUALLY_LEFT = 0.015
@@ -145,7 +177,7 @@ BASIN = SensorGrade(
     "a towing tank: no wind, no current, noise estimated from the records",
     {
         **{name: SignalGrade(1e-6) for name in PREDICTED},
-        RUDDER: SignalGrade(0.1 * DEGREE, zero=0.5 * DEGREE),
+        RUDDER: SignalGrade(0.1 * DEGREE, zero=0.1 * DEGREE),
     },
 )
 

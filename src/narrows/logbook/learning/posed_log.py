@@ -17,6 +17,7 @@ from narrows.logbook.learning.log_prior import (
     coefficient_prior,
     covariance_before,
     push_inertia,
+    with_asymmetry_before,
 )
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
@@ -44,6 +45,7 @@ class GridSource:
     assumptions: LogAssumptions  # How long steps and windows are
     usual: dict[str, float]  # Actuators, each with where it is if nothing was recorded of it
     configuration: Configuration  # The ship and the water that the model is of
+    whole: bool = False  # Whether a record is one window
 
     def __iter__(self) -> Iterator[RecordGrid]:
         """The records."""
@@ -83,7 +85,15 @@ class GridSource:
                 "what it tells is of another ship; leave it out, or give a model of that draft"
             )
         window, step = self.assumptions.lengths(self.configuration.ship.length, speed_of(record))
-        return grid_of(record, step, window, self.usual)
+        grid = grid_of(record, step, window, self.usual)
+        if not self.whole or not grid.whole.all():  # No start is followed over a gap of the rudder.
+            return grid
+        return grid_of(record, step, LONGEST_WHOLE * window, self.usual, alone=True)
+
+    @property
+    def of_whole_records(self) -> "GridSource":
+        """The same records, each as one window unless it is very long."""
+        return replace(self, whole=True)
 
 
 class PosedLog(NamedTuple):
@@ -92,11 +102,13 @@ class PosedLog(NamedTuple):
     problem: LogProblem  # With the prior
     source: GridSource  # The records, laid out
     before: np.ndarray  # (n, n) Covariance of all coefficients
+    model: Model  # With an asymmetry where one is learned
 
 
 def posed_log(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
-    gusts: bool | None = None, waterway: "Waterway | None" = None, window: float | None = None, **choices: Any,
+    gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None,
+    window: float | None = None, **choices: Any,
 ) -> PosedLog:  # fmt: skip
     """Return a log as a problem."""
     records = _records(log, waterway)
@@ -108,11 +120,17 @@ def posed_log(
     assumptions = LogAssumptions(grade, gusty, surge, window)
     signals, u = _looked_at(records)
     before = covariance_before(model, spread)
+    if (not gusty and not free if asymmetry is None else asymmetry) and RUDDER in {
+        own.name for own in model.terms.actuators
+    }:
+        model, before = with_asymmetry_before(model, before, u)
     prior = coefficient_prior(model, before, surge, _known(model, free))
     motion = _motion(model, signals, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
-    return PosedLog(problem, GridSource(records, assumptions, dict(motion.positions), model.configuration), before)
+    return PosedLog(
+        problem, GridSource(records, assumptions, dict(motion.positions), model.configuration), before, model
+    )
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
@@ -164,6 +182,8 @@ def _motion(
 
 
 # Records as the search asks for them: laid out one by one, long ones in parts, the useless left out and said.
+# Windows of still water that a whole record may last; a longer one is cut, for no start is followed for ever.
+LONGEST_WHOLE = 20
 # Of a record that is taken as one [s]: what is the same all through it does not stay so for ever.
 LONGEST = 6 * 3600.0
 

@@ -61,9 +61,11 @@ class SearchedRecords(NamedTuple):
     states: Sequence[RecordState]  # Where each stands
 
 
-def refined_search(problem: LogProblem, source: GridSource) -> Refined:
+def refined_search(problem: LogProblem, source: GridSource, scaled: np.ndarray | None = None) -> Refined:
     """Search for coefficients, noise and gusts : of a long log by its first records, then by all of them."""
-    scaled, least, usual = np.zeros(len(problem.prior.groups)), source.assumptions.least_noise, problem.chain
+    # scaled (p,)
+    scaled = np.zeros(len(problem.prior.groups)) if scaled is None else scaled
+    least, usual = source.assumptions.least_noise, problem.chain
     states = begun(problem, source, scaled)
     if not states:
         raise InputError(f"no record of this log can be used: {' '.join(source.left_out) or 'it has none.'}")

@@ -60,9 +60,11 @@ class RecordGrid:
         return np.repeat(np.arange(len(self)), np.diff(self.first) + 1)
 
 
-def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
+def grid_of(
+    record: ShipRecord, step: float, window: float, usual: Mapping[str, float], alone: bool = False
+) -> RecordGrid:
     """Return a record on even times."""
-    # step [s]; window [s]
+    # step [s]; window [s]; alone: whether a record shorter than two windows may be one
     # Values finer than a step are averaged over it, what is coarser stays where it is.
     read = {name: record[name] for name in READ if name in record and len(record[name])}
     moved = {name: record[name] for name in usual if name in record and len(record[name])}
@@ -72,8 +74,9 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
     ended = min(max(s.t.max() for s in read.values()), min((s.t.max() for s in moved.values()), default=np.inf))
     count = int((ended - begun) / step + 1e-9)
     each = max(2, round(window / step))
-    if count < 2 * each:
+    if count < 2 * each and not alone:
         raise InputError(f"record {record.name} lasts {ended - begun:.0f} s, less than two windows; leave it out")
+    each = min(each, count)
     times = begun + step * np.arange(count + 1)
     first = np.append(np.arange(0, count - each // 2, each), count)
     positions = {
