@@ -24,7 +24,8 @@ from rich.table import Table
 
 import narrows as nw
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.page.assembly import SHIP, bundled, lacks_zig, model_script, wasm_of
+from narrows.export.native_build import lacks_zig
+from narrows.export.page.assembly import SHIP, bundled, model_script, wasm_of
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
@@ -184,7 +185,7 @@ def main() -> None:
     parameters, told = [one.value for one in exported.parameters], [one.value for one in exported.inputs]
     task = {"starts": starts.ravel().tolist(), "parameters": parameters, "told": told, "steps": STEPS, "every": 0}
     cost = {"plain JavaScript": in_node(exported, task, None)}
-    if not lacks_zig():
+    if not lacks_zig("WebAssembly"):
         cost = {"WebAssembly, single": in_node(exported, task, True), "double": in_node(exported, task, False), **cost}
     first = kernel_cost(exported, y, cost["plain JavaScript"][1])
     table = Table(title="one step of one vessel, DTC, paper", caption=machine())
@@ -193,7 +194,7 @@ def main() -> None:
     for work, own in {"kernel, lanes": (first, 0.0), **cost}.items():
         table.add_row(work, f"{own[0]:.3g}", f"{own[0] / first:.2f}")
     Console().print(table)
-    if not lacks_zig() and not small:
+    if not lacks_zig("WebAssembly") and not small:
         print(f"single precision, DTC: {single_precision(model, 0.4, 1.4, ships)}")
         print(f"single precision, KVLCC2: {single_precision(kvlcc2(), 0.4, 1.2, ships)}")
     for work, spent in ({} if small else in_browser(model)).items():

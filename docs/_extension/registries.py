@@ -7,7 +7,7 @@ from typing import Any
 from _extension.markdown import table
 from narrows.captive.formats import LAYOUTS
 from narrows.estimation.sensors import SENSORS
-from narrows.export.writing import EXPORTERS
+from narrows.export.exporters import EXPORTERS
 from narrows.logbook.checking.check_log import CHECKS
 from narrows.safety.pilots import PILOTS
 from narrows.simulation.controllers import CONTROLLERS

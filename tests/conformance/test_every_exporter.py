@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 import narrows as nw
 from narrows.cli import app
-from narrows.export.writing import EXPORTERS
+from narrows.export.exporters import EXPORTERS
 
 every_kind = pytest.mark.parametrize("kind", EXPORTERS)
 TESTS = Path(__file__).parents[1] / "export"

@@ -13,7 +13,8 @@ import pytest
 
 import narrows as nw
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.page.assembly import SHIP, bundled, helm_of, lacks_zig, model_script, wasm_of
+from narrows.export.native_build import lacks_zig
+from narrows.export.page.assembly import SHIP, bundled, helm_of, model_script, wasm_of
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 
@@ -22,7 +23,8 @@ needs_node = pytest.mark.skipif(NODE is None, reason="no Node is here to run the
 ZIG = Path(sys.prefix, "zig")
 """Where ``make check`` has the compiler, for WebAssembly alone: the first FMU for every platform takes it minutes."""
 needs_zig = pytest.mark.skipif(
-    bool(lacks_zig()) and not (ZIG / "ziglang").exists(), reason="no ziglang is here to compile WebAssembly with"
+    bool(lacks_zig("WebAssembly")) and not (ZIG / "ziglang").exists(),
+    reason="no ziglang is here to compile WebAssembly with",
 )
 SHAPE = {"most": 4096, "paths": 1024, "samples": 96}
 RUN = """

@@ -238,7 +238,10 @@ def contrast(one: str, other: str) -> float:
 @pytest.mark.slow
 def test_the_helm_of_a_page_steers_as_the_regulator_does(tmp_path: Path, browser: Any) -> None:
     model = model_of("steered")
-    assert nw.export.write_page(model, tmp_path / "ship.html", u=1.0)[-1:] in ((), (assembly.lacks_zig(),))
+    assert nw.export.write_page(model, tmp_path / "ship.html", u=1.0)[-1:] in (
+        (),
+        (f"{assembly.SLOWER}: {assembly.lacks_zig('WebAssembly')}",),
+    )
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     put(page, y=0.2, helm=1, u=0.9)
     helm = helm_of(model, 1.0)[0]
@@ -268,8 +271,8 @@ def test_refusals_write_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(nw.InputError, match="depth"):
         nw.export.write_page(shallow, tmp_path / "a.html")
     failed = subprocess.CompletedProcess([], 1, "", "fleet.c:3: error: no room left on device")
-    monkeypatch.setattr(assembly, "lacks_zig", str)
-    monkeypatch.setattr(assembly.subprocess, "run", lambda *_, **__: failed)
+    monkeypatch.setattr(assembly, "lacks_zig", lambda what: "")
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: failed)
     with pytest.raises(nw.InputError, match="no room left on device"):
         nw.export.write_page(model, tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []

@@ -11,7 +11,7 @@ import narrows as nw
 from narrows.captive.columns import COLUMNS
 from narrows.cli import app
 from narrows.estimation.sensors import SENSORS
-from narrows.export.writing import EXPORTERS
+from narrows.export.exporters import EXPORTERS
 from narrows.logbook.checking.check_log import CHECKS
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS
 from narrows.safety.pilots import PILOTS

@@ -11,7 +11,7 @@ from narrows.cli.options import AsJson, ModelFile, ModelOutput, verb
 from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import InputError, check_choice
-from narrows.export.writing import EXPORTERS
+from narrows.export.exporters import EXPORTERS
 
 *_FIRST, _LAST = map(repr, EXPORTERS)
 WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."

@@ -1,15 +1,14 @@
 """The bank's force of a model as one function in another language, for simulators with a hull of their own."""
 
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import sympy
 
 from narrows.codegen.free_motion import Expr, exact_number, symbolic_functions
 from narrows.codegen.lines import Program, real, straight_lines
-from narrows.codegen.printers.c import CArithmetic, c_body
-from narrows.codegen.printers.javascript import javascript_body
+from narrows.codegen.printers.c import C
+from narrows.codegen.printers.language import CSharp, JavaScript, Language, Matlab
 from narrows.codegen.tape import tape_of_terms
 from narrows.errors import InputError
 from narrows.export.passport import passport
@@ -54,38 +53,19 @@ def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) ->
     )
 
 
-def _c(program: Program, prefix: str) -> list[str]:
-    return c_body(
-        program, [f"const double {name}" for name in RESULTS], {name: name for name in ASKED}, CArithmetic(prefix)
-    )
-
-
-def _javascript(program: Program, prefix: str) -> list[str]:
-    return javascript_body(program, [f"const {name}" for name in RESULTS], {name: name for name in ASKED})
-
-
-def _csharp(program: Program, prefix: str) -> list[str]:
-    lines = [line.replace("const ", "double ") for line in _javascript(program, prefix)]
-    return [re.sub(r"Math\.(\w)", lambda match: f"Math.{match[1].upper()}", line) for line in lines]
-
-
-def _matlab(program: Program, prefix: str) -> list[str]:
-    lines = [line.replace("const ", "").replace("Math.pow", "power") for line in _javascript(program, prefix)]
-    return [re.sub(r"([*/])", r".\1", line.replace("Math.", "")) for line in lines]
-
-
-# By the suffix of a file: its template, and how its lines are printed.
-LANGUAGES: dict[str, tuple[str, Callable[[Program, str], list[str]]]] = {
-    ".h": ("bank_force.h.j2", _c),
-    ".cs": ("bank_force.cs.j2", _csharp),
-    ".mjs": ("bank_force.mjs.j2", _javascript),
-    ".m": ("bank_force.m.j2", _matlab),
-}
+# By the suffix of a file: its language, and how it declares a result.
+LANGUAGES: dict[str, tuple[type[Language], str]] = {
+    ".h": (C, "const double {}"), ".cs": (CSharp, "double {}"), ".mjs": (JavaScript, "const {}"), ".m": (Matlab, "{}"),
+}  # fmt: skip
 
 
 def force_text(model: Model, path: str | Path, prefix: str) -> str:
     """Return the file of a model, in the language of its suffix."""
-    template, printed = LANGUAGES[Path(path).suffix]
+    suffix = Path(path).suffix
+    language, declared = LANGUAGES[suffix]
+    lines = language(prefix).body(
+        force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED}
+    )
     ship, known = model.configuration.ship, model.data_range
     scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}
     tested = []
@@ -93,8 +73,8 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
         if (pair := getattr(known, name)) is not None:
             slack, scale = SLACK * max(map(abs, pair)), scales.get(name, 1.0)
             tested.append((name, bit, repr(scale * (pair[0] - slack)), repr(scale * (pair[1] + slack))))
-    text: str = environment().get_template(template).render(
-        prefix=prefix, lines=printed(force_program(model), prefix), tested=tested,
+    text: str = environment().get_template(f"bank_force{suffix}.j2").render(
+        prefix=prefix, lines=lines, tested=tested,
         about=[commented(line) for line in passport(model)],
     )  # fmt: skip
     return text.rstrip() + "\n"

@@ -14,9 +14,9 @@ from typing import Any
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import Program
 from narrows.codegen.portable import ALONG
-from narrows.codegen.printers.c import CArithmetic, c_body, c_name
+from narrows.codegen.printers.c import C
+from narrows.codegen.printers.language import Language
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu_variables import (
     INTEGERS,
@@ -32,7 +32,8 @@ from narrows.export.fmu_variables import (
 )
 from narrows.export.native_build import NativeBuild, libraries_of_source
 from narrows.export.passport import passport
-from narrows.export.rendering import FATES, c_number, c_text, commented, places_in, rendered
+from narrows.export.rendering import FATES, commented, places_in, rendered
+from narrows.export.ship_files import c_text
 from narrows.simulation.departure import voyage_defaults
 
 # Every file in an FMU bears one time, so that written again it is the same.
@@ -58,7 +59,7 @@ def fmu_bytes(
     parts = {"modelDescription.xml": description_text(exported, variables, identifier, token, fmi).encode()}
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     if fmi > 2:
-        parts["sources/buildDescription.xml"] = rendered("build.xml.j2", exported, identifier=identifier).encode()
+        parts["sources/buildDescription.xml"] = rendered("build.xml.j2", exported, C(), identifier=identifier).encode()
     parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in passport(exported.ship.model)).encode()
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
@@ -80,19 +81,19 @@ def _choices(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: 
     bounded = [one.bounds for one in variables if one.kind in (Kind.FIXED, Kind.INPUT, Kind.TUNABLE)]
     outcomes = [f"SHIP_{outcome.upper()}" for _, outcome, _ in indicators(exported)]
     return rendered(
-        "choices.h.j2", exported, token=token, speed=speed, dt=dt, number=c_number, events=outcomes,
+        "choices.h.j2", exported, C(), token=token, speed=speed, dt=dt, events=outcomes,
         banks=exported.ship.shape != OPEN, counted=COUNTED in exported.portable.kept, kinds={k.name: k for k in Kind},
         reals=REALS, integers=INTEGERS, unknowns=UNKNOWNS, knowns=KNOWNS,
         letters=[f'"{line}"' for line in wrap(letters, LETTERS_A_LINE)],
-        low=[c_number(low) for low, _ in bounded], high=[c_number(high) for _, high in bounded],
+        low=[C().literal(low) for low, _ in bounded], high=[C().literal(high) for _, high in bounded],
         lever=exported.ship.model.configuration.ship.length / 2, **_programs(exported),
     )  # fmt: skip
 
 
 def _programs(exported: ExportedShip) -> dict[str, str]:
     """What ``evaluate`` and its like compute, with the slopes along a direction."""
-    portable, printer = exported.portable, CArithmetic(exported.prefix)
-    places = places_in(exported, "{}->{}".format, "{}({})".format, c_name)
+    portable, language = exported.portable, C(exported.prefix)
+    places = places_in(exported, language)
     ways = {**places, **_ways(exported, places)}
     known: dict[str, str] = {}
     places_of_results = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
@@ -100,8 +101,8 @@ def _programs(exported: ExportedShip) -> dict[str, str]:
     for (name, start), program in zip(places_of_results.items(), portable.continuous, strict=False):
         targets = [f"result[{start + number}]" for number in range(len(program.results))]
         for of, lines in ((name, program), (f"{name}_along", portable.along(program))):
-            known[of] = "\n    ".join(c_body(lines, targets, ways, printer))
-    return known | {"constants_along": _constants_along(exported, printer)}
+            known[of] = "\n    ".join(language.body(lines, targets, ways))
+    return known | {"constants_along": _constants_along(exported, language)}
 
 
 def _ways(exported: ExportedShip, places: Mapping[str, str]) -> dict[str, str]:
@@ -112,14 +113,13 @@ def _ways(exported: ExportedShip, places: Mapping[str, str]) -> dict[str, str]:
     return ways | {ALONG(name): f"along_state[{number}]" for number, name in enumerate(states)}
 
 
-def _constants_along(exported: ExportedShip, printer: CArithmetic) -> str:
-    constants: Program = exported.programs["constants"]
-    along = exported.portable.along(constants)
+def _constants_along(exported: ExportedShip, language: C) -> str:
+    along = exported.portable.along(exported.programs["constants"])
     names = [one.name for one in exported.parameters]
-    where = {name: f"parameters->{c_name(name)}" for name in names}
-    where |= {ALONG(name): f"along_parameters->{c_name(name)}" for name in names}
-    targets = [f"along_constants->{c_name(name)}" for name in exported.constants]
-    return "\n    ".join(c_body(along, targets, where, printer))
+    where = {name: language.field("parameters", name) for name in names}
+    where |= {ALONG(name): language.field("along_parameters", name) for name in names}
+    targets = [language.field("along_constants", name) for name in exported.constants]
+    return "\n    ".join(language.body(along, targets, where))
 
 
 def description_text(
@@ -137,8 +137,9 @@ def description_text(
             indices[part] += [index] if wanted else []
     shown = variables if fmi > 2 else tuple(one for one in variables if one.kind is not Kind.INDICATOR)
     return rendered(
-        f"fmi{fmi}.xml.j2", exported, variables=shown, all=variables, token=token, version=version("narrows"),
-        number=repr, identifier=identifier, stop=usual.duration, output=OUTPUT_STEPS * usual.dt, kinds=Kind,
+        f"fmi{fmi}.xml.j2", exported, Language(), variables=shown, all=variables, token=token,
+        version=version("narrows"), identifier=identifier, kinds=Kind,
+        stop=usual.duration, output=OUTPUT_STEPS * usual.dt,
         name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
         structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR],

@@ -21,16 +21,7 @@ class NativeBuild:
     def compiled(self, source: Path) -> bytes:
         target = source.with_name(f"{self.folder}{self.suffix}")
         libraries = () if self.suffix == ".dll" else ("-lm",)
-        try:
-            done = subprocess.run(
-                [*self.command, *FLAGS, str(source), "-o", str(target), *libraries], capture_output=True, text=True
-            )
-        except OSError as error:
-            raise InputError(f"{self.command[0]} cannot be run ({error.strerror}); mend the compiler") from None
-        if done.returncode or not target.exists():
-            line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
-            raise InputError(f"the compiler for {self.folder} fails ({line.strip()[:200]}); nothing was written")
-        return target.read_bytes()
+        return compiled((*self.command, *FLAGS, str(source), *libraries), target, self.folder)
 
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
@@ -45,26 +36,40 @@ ZIG = (
     ("aarch64-macos.11.0", {2: "darwin64", 3: "aarch64-darwin"}, ".dylib"),
 )
 
+ZIG_CC = (sys.executable, "-m", "ziglang", "cc")
 PAGE = 1 << 14
 FAT, PROCESSOR, ALIGNMENT = 0xCAFEBABE, slice(4, 12), 14
 LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
 
 
-def lacks_zig() -> str:
-    """Return what to do for libraries for all platforms where their compiler is not here, else nothing."""
+def lacks_zig(what: str) -> str:
+    """Return what to do for what needs the compiler of all platforms where it is not here, else nothing."""
     try:
-        with needs("fmu", "an FMU for Linux, Windows and macOS at once"):
+        with needs("fmu", what):
             import ziglang  # noqa: F401
     except InputError as error:
         return str(error)
     return ""
 
 
+def compiled(command: Sequence[str], target: Path, what: str) -> bytes:
+    """Run a compiler; return what it makes, or raise its first error."""
+    try:
+        done = subprocess.run([*command, "-o", str(target)], capture_output=True, text=True)
+    except OSError as error:
+        raise InputError(f"{command[0]} cannot be run ({error.strerror}); mend the compiler") from None
+    if done.returncode or not target.exists():
+        line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
+        raise InputError(f"the compiler for {what} fails ({line.strip()[:200]}); nothing was written")
+    return target.read_bytes()
+
+
 def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
     """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own."""
-    if not lacks_zig():
-        zig = (sys.executable, "-m", "ziglang", "cc", "-s", "-target")
-        return tuple(NativeBuild(folders[fmi], (*zig, target), suffix) for target, folders, suffix in ZIG)
+    if not lacks_zig(""):
+        return tuple(
+            NativeBuild(folders[fmi], (*ZIG_CC, "-s", "-target", target), suffix) for target, folders, suffix in ZIG
+        )
     compiler, folders = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
     return (NativeBuild(folders[fmi], (compiler, "-s"), ".so"),) if compiler and folders else ()
 

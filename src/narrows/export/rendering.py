@@ -2,7 +2,6 @@
 
 import ast
 from collections.abc import Callable
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import wrap
@@ -10,9 +9,8 @@ from typing import Any
 
 from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, ROW
 from narrows.codegen.free_motion import INPUTS, STATE
-from narrows.codegen.lines import Program
 from narrows.codegen.portable import PLACES
-from narrows.codegen.printers.c import CArithmetic, CTranslation, c_block, c_body, c_name
+from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
@@ -38,35 +36,30 @@ def plain_functions(exported: ExportedShip) -> PlainSource:
     return PlainSource(tuple(map(text_of, PLAIN)), exported.rule, absent)
 
 
-Named = Callable[[str], str]
-Field = Callable[[str, str], str]
-Body = Callable[[Program, list[str], dict[str, str]], list[str]]
-
-
-def places_in(exported: ExportedShip, of: Field, call: Field, named: Named) -> dict[str, str]:
+def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
     """Return where lines find each number: in the state, the inputs, the constants, the waterway."""
     portable = exported.portable
-    places = {name: of("constants", named(name)) for name in exported.constants}
+    places = {name: language.field("constants", name) for name in exported.constants}
     places |= {name: f"state[{number}]" for number, name in enumerate(portable.kept)}
     for actuator in portable.geared:
         position = f"state[{portable.kept.index(actuator.name)}]"
-        places |= {f"{function}_{actuator.name}": call(function, position) for function in ("cos", "sin")}
+        places |= {f"{function}_{actuator.name}": language.called(function, position) for function in ("cos", "sin")}
     names = zip(portable.inputs, exported.inputs, strict=True)
-    places |= {name: of("inputs", named(one.name)) for name, one in names}
-    places |= {name: of("waterway", name) for name in PLACES}
+    places |= {name: language.field("inputs", one.name) for name, one in names}
+    places |= {name: language.field("waterway", name) for name in PLACES}
     # Derivatives by inputs may ask for what the step does not.
     return {**dict.fromkeys(INPUTS.values(), "0.0"), **places, LENGTH: LENGTH}
 
 
-def bodies_of(exported: ExportedShip, of: Field, call: Field, named: Named, body: Body) -> dict[str, str]:
-    places = places_in(exported, of, call, named)
+def bodies_of(exported: ExportedShip, language: Language) -> dict[str, str]:
+    places = places_in(exported, language)
     bodies = {}
     for name, program in exported.programs.items():
         targets, where = [f"result[{number}]" for number in range(len(program.results))], places
         if name == "constants":
-            targets = [of("constants", named(constant)) for constant in exported.constants]
-            where = {one.name: of("parameters", named(one.name)) for one in exported.parameters}
-        bodies[name] = "\n    ".join(body(program, targets, where))
+            targets = [language.field("constants", constant) for constant in exported.constants]
+            where = {one.name: language.field("parameters", one.name) for one in exported.parameters}
+        bodies[name] = "\n    ".join(language.body(program, targets, where))
     return bodies
 
 
@@ -85,14 +78,16 @@ def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> l
     return source.needed(*(("clearance",) * exported.exact), "sail", *more)
 
 
-def water_of(exported: ExportedShip, number: Callable[[float], str]) -> dict[str, Any] | None:
+def water_of(exported: ExportedShip, language: Language) -> dict[str, Any] | None:
     """Return the table of the waterway as text, its arrays with their lengths; None in a straight canal."""
     if exported.waterway is None:
         return None
     channel = exported.channel
     arrays = {"table": channel.water.table, "track": channel.water.track, "outline": channel.water.outline}
-    text = {name: "\n    ".join(wrap(", ".join(map(number, values)), WIDTH)) for name, values in arrays.items()}
-    places = {name: number(channel.inputs[name]) for name in PLACES}
+    text = {
+        name: "\n    ".join(wrap(", ".join(map(language.literal, values)), WIDTH)) for name, values in arrays.items()
+    }
+    places = {name: language.literal(channel.inputs[name]) for name in PLACES}
     return {"arrays": text, "lengths": {name: len(values) for name, values in arrays.items()}, "places": places}
 
 
@@ -120,38 +115,10 @@ def environment() -> Any:
     return found
 
 
-def rendered(template: str, exported: ExportedShip, **told: Any) -> str:
+def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
-             "beyond_bits": tuple(BEYOND.values()), "tested": tested_ends(exported.ship.model)}  # fmt: skip
-    text: str = environment().get_template(template).render(**alike, **told)
+             "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
+             "tested": tested_ends(exported.ship.model)}  # fmt: skip
+    text: str = environment().get_template(template).render({**alike, **told})
     return text.rstrip() + "\n"
-
-
-def c_text(exported: ExportedShip) -> str:
-    printer = CArithmetic(exported.prefix)
-    bodies = bodies_of(exported, "{}->{}".format, "{}({})".format, c_name, partial(c_body, printer=printer))
-    bodies["step_block"] = "\n    ".join(_block(exported, printer))
-    filling = ("fill_table",) if exported.waterway else ()
-    return rendered(
-        "model.h.j2", exported, f=bodies, water=water_of(exported, c_number), number=c_number, c_name=c_name,
-        **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
-    )  # fmt: skip
-
-
-def _block(exported: ExportedShip, printer: CArithmetic) -> list[str]:
-    portable = exported.portable
-    places = places_in(exported, "{}->{}".format, "{}({})".format, c_name)
-    for column, rows in (("state", portable.kept), ("inputs", portable.inputs)):
-        places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}
-    results = {
-        f"state[{number}][lane]": portable.step.out[name]
-        for number, name in enumerate((*portable.kept, "room", "lean"))
-    }
-    return c_block(portable.step.lines, results, places, printer, f"{exported.prefix.upper()}_LANES")
-
-
-def c_number(value: float) -> str:
-    """Return a number to its last bit."""
-    text = repr(float(value))
-    return {"inf": "INFINITY", "-inf": "-INFINITY", "nan": "NAN"}.get(text, text)

@@ -7,9 +7,10 @@ from textwrap import wrap
 import sympy
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Lines, Program, reads_table, rounds
+from narrows.codegen.lines import Lines, reads_table, rounds
 from narrows.codegen.printers.lanes import LaneFields
-from narrows.codegen.printers.python import Arithmetic, PlainSource, statements
+from narrows.codegen.printers.language import Language
+from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 
 WIDTH, TIED = 108, "\0=\0"
@@ -18,44 +19,25 @@ WIDTH, TIED = 108, "\0=\0"
 LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
            "floor": "floor", "hypot": "hypot", "cos": "cos", "sin": "sin"}  # fmt: skip
 
-# Words that no number can be called by.
-TAKEN = frozenset({
-    "auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern",
-    "false", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed",
-    "sizeof", "static", "struct", "switch", "true", "typedef", "union", "unsigned", "void", "volatile", "while",
-    "INFINITY", "NAN", "near", "far", "small", "main", "state", "inputs", "constants", "parameters", "waterway",
-    "result", "after", "lane", "rows", *LIBRARY.values(),
-})  # fmt: skip
 
-
-def c_name(name: str) -> str:
-    return f"{name}_" if name in TAKEN else name
-
-
-class CArithmetic(Arithmetic):
-    TABLE = "waterway"
-
-    def __init__(self, prefix: str) -> None:
-        super().__init__()
-        self.prefix = prefix
+class C(Language):
+    TAKEN = frozenset({
+        "auto", "bool", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum",
+        "extern", "false", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return",
+        "short", "signed", "sizeof", "static", "struct", "switch", "true", "typedef", "union", "unsigned", "void",
+        "volatile", "while", "INFINITY", "NAN", "near", "far", "small", "main", "state", "inputs", "constants",
+        "parameters", "waterway", "result", "after", "lane", "rows", *LIBRARY.values(),
+    })  # fmt: skip
+    FIELD, DECLARED = "{}->{}", "const double {} = {};"
+    INFINITE, NO_NUMBER = "INFINITY", "NAN"
 
     def called(self, name: str, *arguments: str) -> str:
         return super().called(LIBRARY.get(name, f"{self.prefix}_{name}"), *arguments)
 
-    def _print_Symbol(self, value: Expr) -> str:
-        return c_name(value.name)
-
-
-def c_body(program: Program, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic) -> list[str]:
-    lines = unpacked([name for name in program.asked if name != places[name]], places)
-    return lines + statements(program, targets, printer, "const double {} = {};", "{} = {};")
-
-
-def unpacked(names: Iterable[str], places: Mapping[str, str]) -> list[str]:
-    """Write the declaration of numbers by where they are found."""
-    values = ", ".join(f"{c_name(name)} = {places[name]}" for name in names if name != places[name])
-    whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration.
-    return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []
+    def unpacked(self, names: Iterable[str], places: Mapping[str, str]) -> list[str]:
+        values = ", ".join(f"{self.named(name)} = {places[name]}" for name in names if name != places[name])
+        whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration.
+        return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []
 
 
 # Plain functions as C99: one static function each.
@@ -99,7 +81,7 @@ class CTranslation(Translation):
             yield constant + TYPES[kind].format(self.variable(argument.arg))
 
     def variable(self, name: str) -> str:
-        return name if name in STRUCTURES.values() or name in ("state", "after") else c_name(name)
+        return name if name in STRUCTURES.values() or name in ("state", "after") else C().named(name)
 
     def _written(self) -> set[str]:
         written = {"closeness", "end", "after"}
@@ -254,16 +236,14 @@ PLAIN = ("fabs", "sqrt", "floor")
 CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
 
 
-def c_block(
-    lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: CArithmetic, lanes: str
-) -> list[str]:
+def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: C, lanes: str) -> list[str]:
     # Calls of the library and reads of a waterway's table have loops of their own, so that the others vectorise.
     values = tuple(map(sympy.sympify, results.values()))
     parts = rounds(lines.needed_for(values), lambda value: reads_table(value) or _calls(value, printer))
     layout = LaneFields(parts, values)
     shared = [name for name in _asked(layout) if "[lane]" not in places[name]]
     scratch = [f"double rows[{layout.size}][{lanes}];"] if layout.size else []
-    body = [*unpacked(shared, places), *scratch]
+    body = [*printer.unpacked(shared, places), *scratch]
     for number in range(len(parts)):
         last = tuple(results) if number == len(parts) - 1 else ()
         body += [f"for (int lane = 0; lane < {lanes}; ++lane) {{"]
@@ -279,17 +259,17 @@ def _asked(layout: LaneFields) -> list[str]:
 
 
 def _round(
-    layout: LaneFields, number: int, targets: Sequence[str], places: Mapping[str, str], printer: CArithmetic
+    layout: LaneFields, number: int, targets: Sequence[str], places: Mapping[str, str], printer: C
 ) -> Iterator[str]:
     kept = {name: f"rows[{field}][lane]" for name, field in layout.fields.items()}
     read = {name: kept.get(name, places.get(name, name)) for name in layout.read(number)}
-    yield from unpacked(sorted(name for name, where in read.items() if "[lane]" in where), read)
+    yield from printer.unpacked(sorted(name for name, where in read.items() if "[lane]" in where), read)
     for target, value in layout.parts[number]:
-        yield f"const double {c_name(str(target))} = {printer.doprint(value)};"
+        yield f"const double {printer.named(str(target))} = {printer.doprint(value)};"
     for name in layout.stored(number):
-        yield f"{kept[name]} = {c_name(name)};"
+        yield f"{kept[name]} = {printer.named(name)};"
     yield from (f"{target} = {printer.doprint(value)};" for target, value in zip(targets, layout.results, strict=False))
 
 
-def _calls(value: Expr, printer: CArithmetic) -> bool:
+def _calls(value: Expr, printer: C) -> bool:
     return any(name in printer.doprint(value) for name in CALLED)

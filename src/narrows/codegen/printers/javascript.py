@@ -1,43 +1,10 @@
-"""Lines as JavaScript, and plain functions of Python as functions of it."""
+"""Plain functions of Python as functions of JavaScript."""
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
-from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Program
-from narrows.codegen.printers.python import Arithmetic, statements
+from narrows.codegen.printers.language import JavaScript
 from narrows.codegen.printers.translation import Translation
-
-LIBRARY = {name: f"Math.{name}" for name in ("abs", "exp", "log", "sqrt", "floor", "hypot", "cos", "sin", "min", "max")}
-LIBRARY |= {"sine": "Math.sin", "cosine": "Math.cos", "power": "Math.pow", "whole": "Math.trunc", "int": "Math.trunc"}
-# Words that no number can be called by.
-TAKEN = frozenset({
-    "await", "break", "case", "catch", "class", "const", "continue", "debugger", "default", "delete", "do", "else",
-    "enum", "export", "extends", "false", "finally", "for", "function", "if", "import", "in", "instanceof", "let",
-    "new", "null", "return", "static", "super", "switch", "this", "throw", "true", "try", "typeof", "var", "void",
-    "while", "with", "yield", "arguments", "eval", "Math", "state", "inputs", "constants", "parameters", "waterway",
-    "result",
-})  # fmt: skip
-
-
-def javascript_name(name: str) -> str:
-    return f"{name}_" if name in TAKEN else name
-
-
-class JavaScriptArithmetic(Arithmetic):
-    TABLE = "waterway"
-
-    def called(self, name: str, *arguments: str) -> str:
-        return super().called(LIBRARY.get(name, name), *arguments)
-
-    def _print_Symbol(self, value: Expr) -> str:
-        return javascript_name(value.name)
-
-
-def javascript_body(program: Program, targets: Sequence[str], places: Mapping[str, str]) -> list[str]:
-    asked = [name for name in program.asked if name != places[name]]
-    lines = [f"const {javascript_name(name)} = {places[name]};" for name in asked]
-    return lines + statements(program, targets, JavaScriptArithmetic(), "const {} = {};", "{} = {};")
 
 
 class JavaScriptTranslation(Translation):
@@ -74,7 +41,7 @@ class JavaScriptTranslation(Translation):
         texts = [self.expression(one) for one in arguments]
         if name == "len":
             return f"{texts[0]}.length"
-        return texts[0] if name == "float" else f"{LIBRARY.get(name, name)}({', '.join(texts)})"
+        return texts[0] if name == "float" else f"{JavaScript.LIBRARY.get(name, name)}({', '.join(texts)})"
 
     def attribute(self, structure: str, name: str) -> str:
         return f"{structure}.{name}"

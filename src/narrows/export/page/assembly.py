@@ -3,8 +3,6 @@
 import base64
 import json
 import re
-import subprocess
-import sys
 import zlib
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
@@ -15,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.free_motion import STATE
-from narrows.codegen.printers.javascript import javascript_name
-from narrows.errors import InputError, needs
+from narrows.codegen.printers.language import JavaScript
+from narrows.errors import InputError
 from narrows.export.exported_ship import ExportedShip
+from narrows.export.native_build import ZIG_CC, compiled, lacks_zig
 from narrows.export.page.page_sliders import ASSUMED, COEFFICIENTS, Slider, both_ways, covered, deviation, sliders_of
 from narrows.export.passport import passport
-from narrows.export.rendering import c_text
-from narrows.export.scripts import javascript_text
+from narrows.export.ship_files import c_text, javascript_text
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import SwitchedLaw
@@ -39,12 +37,14 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
         raise InputError(f"u = {u:g} m/s: a page shows ships that make way; give a speed over 0")
     helm, why = helm_of(ship.model, u)
     exported = ExportedShip(ship, None, SHIP, steering_of(helm, ship.actuators))
-    lacking = lacks_zig()
+    lacking = lacks_zig("WebAssembly")
     wasm = None if lacking else wasm_of(exported)
     own = title or f"{ship.model.configuration.ship.name} between the banks of a canal: every line is one ship"
-    return page_text(exported, u, own, why, wasm), tuple(filter(None, [lacking, why, ship.model.bank_note]))
+    notes = (f"{SLOWER}: {lacking}" if lacking else "", why, ship.model.bank_note)
+    return page_text(exported, u, own, why, wasm), tuple(filter(None, notes))
 
 
+SLOWER = "the page sails by plain JavaScript, a few times slower"
 BARE_DEFLATE = -15
 # What both the page and its workers run.
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
@@ -181,8 +181,8 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
         },
         "banks": model.feels_bank, "settled": not model.trust_note,
         "names": {
-            "parameters": [javascript_name(one.name) for one in exported.parameters],
-            "inputs": [javascript_name(one.name) for one in exported.inputs],
+            "parameters": [JavaScript().named(one.name) for one in exported.parameters],
+            "inputs": [JavaScript().named(one.name) for one in exported.inputs],
         },
         "parameters": [one.value for one in exported.parameters], "inputs": [one.value for one in exported.inputs],
         "coefficients": [{"name": name, "bounds": _bounds(model, name)} for name in names],
@@ -261,16 +261,6 @@ FUNCTION = re.compile(r"(?<![\w.])(exp|log|pow|sin|cos|hypot|fmod|floor|trunc|fa
 LANE, SHIP = "lane", "ship"
 
 
-def lacks_zig() -> str:
-    """Return what to do for a page that sails by WebAssembly where its compiler is not here, else nothing."""
-    try:
-        with needs("fmu", "WebAssembly"):
-            import ziglang  # noqa: F401
-    except InputError as error:
-        return f"the page sails by plain JavaScript, a few times slower: {error}"
-    return ""
-
-
 def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
     """Return a module that sails fleets of a ship, 64 side by side."""
     ship = c_text(exported)
@@ -290,12 +280,6 @@ def in_single_precision(text: str) -> str:
 
 
 def _compiled(folder: Path, more: tuple[str, ...], single: bool) -> bytes:
-    target = folder / "fleet.wasm"
-    zig = (sys.executable, "-m", "ziglang", "cc", "-target", "wasm32-freestanding")
     real = f"-DLANE_REAL={'float' if single else 'double'}"
-    command = [*zig, *FLAGS, *more, real, f"-I{folder}", str(folder / "fleet.c"), "-o", str(target)]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode or not target.exists():
-        line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
-        raise InputError(f"the compiler for WebAssembly fails ({line.strip()[:200]}); nothing was written")
-    return target.read_bytes()
+    command = (*ZIG_CC, "-target", "wasm32-freestanding", *FLAGS, *more, real, f"-I{folder}", str(folder / "fleet.c"))
+    return compiled(command, folder / "fleet.wasm", "WebAssembly")

@@ -1,0 +1,88 @@
+"""Lines as statements of a language: what its names, numbers and functions are called there."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from keyword import kwlist
+from typing import ClassVar
+
+from narrows.codegen.free_motion import Expr
+from narrows.codegen.lines import Program
+from narrows.codegen.printers.python import Arithmetic, statements
+
+
+class Language(Arithmetic):
+    """A printer of expressions that knows the rest of its language too."""
+
+    TABLE = "waterway"
+    TAKEN: frozenset[str] = frozenset()  # Words that no number can be called by
+    LIBRARY: ClassVar[Mapping[str, str]] = {}  # Elementary functions by what lines and plain functions call them
+    FIELD, DECLARED, ASSIGNED = "{}.{}", "{} = {};", "{} = {};"
+    INFINITE, NO_NUMBER = "inf", "nan"
+
+    def __init__(self, prefix: str = "") -> None:
+        super().__init__()
+        self.prefix = prefix
+
+    def named(self, name: str) -> str:
+        return f"{name}_" if name in self.TAKEN else name
+
+    def literal(self, value: float) -> str:
+        """Return a number to its last bit."""
+        text = repr(float(value))
+        return {"inf": self.INFINITE, "-inf": f"-{self.INFINITE}", "nan": self.NO_NUMBER}.get(text, text)
+
+    def field(self, structure: str, name: str) -> str:
+        return self.FIELD.format(structure, self.named(name))
+
+    def called(self, name: str, *arguments: str) -> str:
+        return super().called(self.LIBRARY.get(name, name), *arguments)
+
+    def _print_Symbol(self, value: Expr) -> str:
+        return self.named(value.name)
+
+    def unpacked(self, names: Iterable[str], places: Mapping[str, str]) -> list[str]:
+        """Write the declaration of numbers by where they are found."""
+        return [self.DECLARED.format(self.named(name), places[name]) for name in names if name != places[name]]
+
+    def body(self, program: Program, targets: Sequence[str], places: Mapping[str, str]) -> list[str]:
+        return self.unpacked(program.asked, places) + statements(program, targets, self, self.DECLARED, self.ASSIGNED)
+
+
+class PythonFile(Language):
+    TAKEN = frozenset({
+        "state", "inputs", "constants", "parameters", "waterway", "result", "np", "abs", "sine", "cosine", *kwlist,
+    })  # fmt: skip
+    LIBRARY: ClassVar = {"cos": "np.cos", "sin": "np.sin"}
+    DECLARED = ASSIGNED = "{} = {}"
+
+
+class JavaScript(Language):
+    TAKEN = frozenset({
+        "await", "break", "case", "catch", "class", "const", "continue", "debugger", "default", "delete", "do", "else",
+        "enum", "export", "extends", "false", "finally", "for", "function", "if", "import", "in", "instanceof", "let",
+        "new", "null", "return", "static", "super", "switch", "this", "throw", "true", "try", "typeof", "var", "void",
+        "while", "with", "yield", "arguments", "eval", "Math", "state", "inputs", "constants", "parameters", "waterway",
+        "result",
+    })  # fmt: skip
+    LIBRARY: ClassVar = {
+        **{own: f"Math.{own}" for own in ("abs", "exp", "log", "sqrt", "floor", "hypot", "cos", "sin", "min", "max")},
+        "sine": "Math.sin", "cosine": "Math.cos", "power": "Math.pow", "whole": "Math.trunc", "int": "Math.trunc",
+    }  # fmt: skip
+    DECLARED = "const {} = {};"
+    INFINITE, NO_NUMBER = "Infinity", "NaN"
+
+
+class CSharp(Language):
+    LIBRARY: ClassVar = {
+        name: re.sub(r"\.(\w)", lambda at: f".{at[1].upper()}", own) for name, own in JavaScript.LIBRARY.items()
+    }
+    DECLARED = "double {} = {};"
+
+
+class Matlab(Language):
+    """MATLAB and Octave, of arrays element by element."""
+
+    LIBRARY: ClassVar = {"sine": "sin", "cosine": "cos"}
+
+    def doprint(self, expression: Expr) -> str:
+        return re.sub(r"([*/])", r".\1", super().doprint(expression))

@@ -1,0 +1,33 @@
+"""A kind of file that a model goes into, and what exporters have alike."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from narrows.export.exported_ship import ExportedShip
+    from narrows.model.model import Model
+    from narrows.waterway.waterway import Waterway
+
+
+@dataclass(frozen=True)
+class Exporter:
+    """A row of ``EXPORTERS``: a module of ``exporters`` names it ``EXPORTER``."""
+
+    kind: str  # What ``narrows export`` calls it
+    words: str  # What it is
+    suffixes: tuple[str, ...]  # Of its files
+    write: Callable[..., Any]  # Of the model, the path, and whichever options of the others it knows
+    # What to say of what was written, by what ``write`` returns
+    notes: Callable[[Any], Iterable[str]] = lambda written: ()
+    platforms: bool = False  # Whether ``write`` returns the platforms that the file runs on
+    refused: Mapping[str, str] = field(default_factory=dict)  # Options that it must not be told, with why
+
+
+def ship_to_export(model: "Model", path: str | Path, waterway: "Waterway | None", *choices: Any) -> "ExportedShip":
+    """Return a ship under its choices, its names beginning with that of the file."""
+    from narrows.export.exported_ship import ExportedShip, prefix_of
+    from narrows.simulation.ship import SimulatedShip
+
+    return ExportedShip(SimulatedShip(model, *choices), waterway, prefix_of(path))

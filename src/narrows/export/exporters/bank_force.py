@@ -1,0 +1,41 @@
+"""The bank's force of a model as one function."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from narrows.export.exporter import Exporter
+from narrows.files import form_of, write_whole
+
+if TYPE_CHECKING:
+    from narrows.model.model import Model
+
+
+def write_bank_force(model: "Model", path: str | Path) -> None:
+    """Write the bank's force as one function, for a simulator that has a hull of its own.
+
+    It takes offset, heading, speed and the section of the water (two banks, their slopes, the depth), and gives sway
+    force and yaw moment, their standard deviations, and whether the tests of the model covered the question.
+
+    Parameters
+    ----------
+    model : Model
+        A model with a bank term.
+    path : str or Path
+        Where to: ``.h`` for C and C++, ``.cs`` for C#, ``.mjs`` for JavaScript, ``.m`` for MATLAB and Octave.
+
+    Raises
+    ------
+    InputError
+        Where the model has no bank force, or the file cannot be written.
+    """
+    from narrows.export.bank_force import force_text
+    from narrows.export.exported_ship import prefix_of
+
+    form_of(path, EXPORTER.suffixes)
+    write_whole(path, force_text(model, path, prefix_of(path)))
+
+
+EXPORTER = Exporter(
+    "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave",
+    (".m", ".h", ".cs", ".mjs"), write_bank_force,
+)  # fmt: skip

@@ -1,0 +1,56 @@
+"""A model as a header of C99 and C++."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from narrows.export.exporter import Exporter, ship_to_export
+from narrows.files import form_of, write_whole
+
+if TYPE_CHECKING:
+    from narrows.codegen.free_motion import Surge
+    from narrows.model.model import Model
+    from narrows.simulation.inputs import Contact
+    from narrows.simulation.ship import Points
+    from narrows.waterway.waterway import Waterway
+
+
+def write_c(
+    model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
+) -> None:  # fmt: skip
+    """Write a model as one header of C99 and C++ without dependencies.
+
+    It has rates, steps, clearance, voyages to contact and exact derivatives, printed from the lines that voyages in
+    Python are sailed by. Its names begin with the name of the file.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    path : str or Path
+        Where to, as in ``ship.h``.
+    waterway : Waterway, optional
+        Where it sails instead of the model's own canal; its table goes into the file, and a caller may give another.
+    surge : str
+        ``held``: the speed stays; ``free``: it is integrated.
+    surge_inertia : float [kg], optional
+        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+    coriolis : bool
+        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
+    contact : str or points [m]
+        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
+        ``none`` in open water.
+
+    Raises
+    ------
+    InputError
+        Where the model lacks what its equations need, the ship does not fit the waterway, or the file cannot be
+        written.
+    """
+    from narrows.export.ship_files import c_text
+
+    form_of(path, EXPORTER.suffixes)
+    write_whole(path, c_text(ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)))
+
+
+EXPORTER = Exporter("c", "a header of C99 and C++", (".h",), write_c)

@@ -1,0 +1,31 @@
+"""A model as an ES module."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from narrows.export.exporter import Exporter, ship_to_export
+from narrows.files import form_of, write_whole
+
+if TYPE_CHECKING:
+    from narrows.codegen.free_motion import Surge
+    from narrows.model.model import Model
+    from narrows.simulation.inputs import Contact
+    from narrows.simulation.ship import Points
+    from narrows.waterway.waterway import Waterway
+
+
+def write_javascript(
+    model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
+    surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
+) -> None:  # fmt: skip
+    """Write a model as one ES module without dependencies, its types as JSDoc: what ``write_c`` writes.
+
+    The parameters and refusals are those of ``write_c``.
+    """
+    from narrows.export.ship_files import javascript_text
+
+    form_of(path, EXPORTER.suffixes)
+    write_whole(path, javascript_text(ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)))
+
+
+EXPORTER = Exporter("js", "an ES module", (".mjs", ".js"), write_javascript)

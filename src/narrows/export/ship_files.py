@@ -1,0 +1,62 @@
+"""A ship as one file of a language: a C header, an ES module, a Python file."""
+
+import ast
+from functools import partial
+
+from narrows.codegen.printers.c import C, CTranslation, c_block
+from narrows.codegen.printers.javascript import JavaScriptTranslation
+from narrows.codegen.printers.language import JavaScript, PythonFile
+from narrows.codegen.printers.python import PlainSource
+from narrows.export.exported_ship import ExportedShip
+from narrows.export.rendering import (
+    bodies_of,
+    last_functions,
+    places_in,
+    plain_functions,
+    rendered,
+    translated,
+    water_of,
+)
+
+
+def c_text(exported: ExportedShip) -> str:
+    language, filling = C(exported.prefix), ("fill_table",) if exported.waterway else ()
+    bodies = {**bodies_of(exported, language), "step_block": "\n    ".join(_block(exported, language))}
+    return rendered(
+        "model.h.j2", exported, language, f=bodies, water=water_of(exported, language),
+        **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
+    )  # fmt: skip
+
+
+def _block(exported: ExportedShip, language: C) -> list[str]:
+    portable, places = exported.portable, places_in(exported, language)
+    for column, rows in (("state", portable.kept), ("inputs", portable.inputs)):
+        places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}
+    results = {
+        f"state[{number}][lane]": portable.step.out[name]
+        for number, name in enumerate((*portable.kept, "room", "lean"))
+    }
+    return c_block(portable.step.lines, results, places, language, f"{exported.prefix.upper()}_LANES")
+
+
+def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
+    language = JavaScript()
+    return rendered(
+        "model.js.j2", exported, language, f=bodies_of(exported, language), water=water_of(exported, language),
+        derivatives=derivatives, **translated(exported, JavaScriptTranslation),
+    )  # fmt: skip
+
+
+def python_text(exported: ExportedShip) -> str:
+    language, source = PythonFile(), plain_functions(exported)
+    functions = last_functions(exported, source)
+    return rendered(
+        "model.py.j2", exported, language, f=bodies_of(exported, language), water=water_of(exported, language),
+        plain=[ast.unparse(one) for one in functions], numbers=_constants_of(functions, source),
+    )  # fmt: skip
+
+
+def _constants_of(functions: list[ast.FunctionDef], source: PlainSource) -> dict[str, float]:
+    """The constants of the modules that functions ask for."""
+    asked = {one.id for function in functions for one in ast.walk(function) if isinstance(one, ast.Name)}
+    return {name: source.constants[name] for name in sorted(asked & set(source.constants))}
