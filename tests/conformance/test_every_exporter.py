@@ -1,17 +1,27 @@
-"""Every exporter of ``EXPORTERS``: its files, its verb, its refusals; and a test that runs what it writes."""
+"""Every exporter of ``EXPORTERS``: its files, its verb, its refusals, its passport; coefficients and options count."""
 
+import zipfile
+from inspect import signature
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
 import narrows as nw
+from export.exported import bent, model_of
 from narrows.cli import app
+from narrows.export import native_build, passport
 from narrows.export.exporters import EXPORTERS
+from narrows.export.page import assembly
 
 every_kind = pytest.mark.parametrize("kind", EXPORTERS)
-TESTS = Path(__file__).parents[1] / "export"
 MODEL = "mikkelsen2025_dtc"
+# A value of each option that is not its own.
+OTHERS = {
+    "waterway": bent("steered"), "surge": "free", "surge_inertia": 300.0, "coriolis": True, "contact": "midship",
+    "fmi": 3, "u": 0.77, "dt": 0.03, "title": "another title",
+}  # fmt: skip
 
 
 @every_kind
@@ -47,13 +57,52 @@ def test_the_help_names_it_and_python_gives_it(kind: str) -> None:
     assert own.words
 
 
+def contents(kind: str, folder: Path, model: nw.Model, **options: Any) -> bytes:
+    """What a file holds; what an archive holds, member by member."""
+    path = folder / f"ship{EXPORTERS[kind].suffixes[0]}"
+    EXPORTERS[kind].write(model, path, **options)
+    if not zipfile.is_zipfile(path):
+        return path.read_bytes()
+    with zipfile.ZipFile(path) as packed:
+        return b"".join(packed.read(name) for name in packed.namelist() if not name.startswith("binaries"))
+
+
+@pytest.fixture
+def uncompiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(native_build, "builds_here", lambda fmi: ())
+    monkeypatch.setattr(assembly, "lacks_zig", lambda what: "left out")
+
+
 @every_kind
-def test_a_test_runs_what_it_writes(kind: str) -> None:
-    """Beside the plain step: how a language is run is for that test to know."""
-    name = EXPORTERS[kind].write.__name__
-    assert any(name in path.read_text(encoding="utf-8") for path in TESTS.glob("*.py")), (
-        f"no test in {TESTS} has {name}"
-    )
+def test_every_coefficient_of_the_bank_counts(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, uncompiled: None
+) -> None:
+    """In what is computed, not in the passport alone."""
+    monkeypatch.setattr(passport, "model_hash", lambda model: "")
+    monkeypatch.setattr(passport, "_coefficients", lambda model: iter(()))
+    model = nw.published(MODEL)
+    before = contents(kind, tmp_path, model)
+    for name in (term.name for term in model.terms.terms if term.from_bank):
+        assert contents(kind, tmp_path, model.with_coefficients({name: 1.01 * model[name]})) != before, name
+
+
+@every_kind
+def test_every_option_counts(kind: str, tmp_path: Path, uncompiled: None) -> None:
+    model, exporter = model_of("steered"), EXPORTERS[kind]
+    asked = [name for name in signature(exporter.write).parameters if name not in ("model", "path", *exporter.refused)]
+    for name in asked:
+        # The mass in surge counts where the surge is free.
+        others = {"surge": "free"} if name == "surge_inertia" else {}
+        before, after = (contents(kind, tmp_path, model, **more) for more in (others, {**others, name: OTHERS[name]}))
+        assert before != after, name
+
+
+@every_kind
+def test_it_carries_the_passport_of_its_model(kind: str, tmp_path: Path, uncompiled: None) -> None:
+    model = nw.published(MODEL)
+    text = contents(kind, tmp_path, model).decode()
+    for part in (passport.model_hash(model), passport.LICENCE, model.source.text.split(",")[0]):
+        assert part in text
 
 
 def test_an_unknown_kind_is_refused(tmp_path: Path) -> None:

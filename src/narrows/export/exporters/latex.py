@@ -1,6 +1,5 @@
 """The equations of a model."""
 
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,11 +26,11 @@ def write_latex(model: "Model", path: str | Path) -> None:
         Where the file cannot be written.
     """
     from narrows.codegen.printers.latex import latex
+    from narrows.export.passport import passport
     from narrows.export.rendering import commented
 
     form_of(path, EXPORTER.suffixes)
-    about = (model.configuration.ship.name, f"terms {model.terms.name}", model.source.text)
-    lines = [f"% {commented(line)}" for line in (*about, f"written by narrows {version('narrows')}") if line]
+    lines = [f"% {commented(line)}" for line in passport(model)]
     for coefficients in (None, model.coefficients):
         lines += ["\\begin{equation}", latex(model.terms, coefficients), "\\end{equation}"]
     write_whole(path, "\n".join(lines) + "\n")
