@@ -59,6 +59,8 @@ from .manoeuvres import Turning as Turning
 from .manoeuvres import overshoots as overshoots
 from .manoeuvres import sail_trials as sail_trials
 from .manoeuvres import turning_circle as turning_circle
+from .model.bank_force import BankForce as BankForce
+from .model.bank_force import bank_force as bank_force
 from .model.data_range import DataRange as DataRange
 from .model.froude import Friction as Friction
 from .model.froude import Scaled as Scaled

@@ -57,9 +57,9 @@ def test_the_help_names_it_and_python_gives_it(kind: str) -> None:
     assert own.words
 
 
-def contents(kind: str, folder: Path, model: nw.Model, **options: Any) -> bytes:
+def contents(kind: str, folder: Path, model: nw.Model, suffix: str = "", **options: Any) -> bytes:
     """What a file holds; what an archive holds, member by member."""
-    path = folder / f"ship{EXPORTERS[kind].suffixes[0]}"
+    path = folder / f"ship{suffix or EXPORTERS[kind].suffixes[0]}"
     EXPORTERS[kind].write(model, path, **options)
     if not zipfile.is_zipfile(path):
         return path.read_bytes()
@@ -93,7 +93,10 @@ def test_every_option_counts(kind: str, tmp_path: Path, uncompiled: None) -> Non
     for name in asked:
         # The mass in surge counts where the surge is free.
         others = {"surge": "free"} if name == "surge_inertia" else {}
-        before, after = (contents(kind, tmp_path, model, **more) for more in (others, {**others, name: OTHERS[name]}))
+        before, after = (
+            [contents(kind, tmp_path, model, suffix, **more) for suffix in exporter.suffixes]
+            for more in (others, {**others, name: OTHERS[name]})
+        )
         assert before != after, name
 
 

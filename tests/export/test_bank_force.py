@@ -127,6 +127,81 @@ def test_the_force_is_that_of_the_model(language: str, name: str, tmp_path: Path
     assert len(set(said[:, 4])) > 2
 
 
+@pytest.mark.parametrize("name", ["paper", "paper+keel_gap", "paper+tapered", "steered"])
+def test_the_call_of_python(name: str) -> None:
+    """One question at a time, and all of them at once."""
+    model = settled(name)
+    y, psi, u, starboard, port, slope_starboard, slope_port, depth = ROWS.T
+    water = {"starboard": starboard, "port": port, "slope_starboard": slope_starboard, "slope_port": slope_port,
+             "depth": depth}  # fmt: skip
+    answers = nw.bank_force(model, y, psi, u, **water)
+    np.testing.assert_allclose(answers.to_dataframe(), [expected(model, row) for row in ROWS], rtol=1e-14)
+    for number, row in enumerate(ROWS):
+        one = nw.bank_force(model, *row[:3], **{name: value[number] for name, value in water.items()})
+        np.testing.assert_array_equal(one.to_dataframe(), answers.to_dataframe()[number : number + 1])
+    assert "beyond the data" in answers.summary().lower()
+
+
+def test_the_canal_of_the_model_is_meant_unless_given() -> None:
+    model = nw.published("mikkelsen2025_dtc")
+    force = nw.bank_force(model, 0.5, 0.1, 1.0)
+    known = model.bank_forces(nw.Motion.at(y=0.5, psi=0.1, u=1.0))
+    assert (force.Y, force.N) == pytest.approx((known["Y"], known["N"]), rel=1e-14)
+    assert np.isnan(force.Y_deviation) == (model.covariance is None)
+
+
+@pytest.mark.parametrize(
+    ("told", "message"),
+    [({"starboard": -9.0}, "no water"), ({"depth": 0.1}, "no water"), ({"starboard": np.nan}, "no water")],
+)
+def test_water_that_is_none_is_refused(told: dict[str, float], message: str) -> None:
+    with pytest.raises(nw.InputError, match=message):
+        nw.bank_force(nw.published("mikkelsen2025_dtc"), 0.5, 0.0, 1.0, **told)
+
+
+def test_a_slope_needs_a_depth_and_a_model_needs_a_bank() -> None:
+    model = nw.published("mikkelsen2025_dtc")
+    dry = replace(model, configuration=replace(model.configuration, canal=nw.Canal(7.0)))
+    with pytest.raises(nw.InputError, match="depth"):
+        nw.bank_force(dry, 0.5, 0.0, 1.0, slope_port=2.0)
+    with pytest.raises(nw.InputError, match="mmg\\+delta"):
+        nw.bank_force(nw.published("yasukawa2015_kvlcc2"), 0.5, 0.0, 1.0)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no C compiler is here")
+@pytest.mark.parametrize("exchange", [False, True])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_fmu_without_states(fmi: int, exchange: bool, tmp_path: Path) -> None:
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    from fmpy.validation import validate_fmu
+    from fmus import Imported
+
+    model = settled("paper+keel_gap")
+    nw.export.write_bank_force(model, tmp_path / "bank.fmu", fmi=fmi)
+    assert validate_fmu(str(tmp_path / "bank.fmu")) == []
+    assert fmpy.read_model_description(str(tmp_path / "bank.fmu")).numberOfContinuousStates in (0, None)
+    fmu, names = Imported(tmp_path / "bank.fmu", exchange).start(), ("y", "psi", "u", *FIELDS)
+    said = []
+    for number, row in enumerate(ROWS):
+        fmu.set(**dict(zip(names, row, strict=True)))
+        if not exchange:
+            fmu.step(float(number), 1.0)
+        said.append([*fmu.get("Y", "N", "Y_deviation", "N_deviation"), fmu.whole("beyond")])
+    np.testing.assert_allclose(said, [expected(model, row) for row in ROWS], rtol=1e-14)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmu.slope(["Y"], ["y"], [1.0])
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmu.set(depth=-1.0)
+
+
+def test_an_fmu_without_deviations_has_no_variables_of_them(tmp_path: Path) -> None:
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    nw.export.write_bank_force(replace(settled("paper"), covariance=None), tmp_path / "bank.fmu")
+    names = {one.name for one in fmpy.read_model_description(str(tmp_path / "bank.fmu")).modelVariables}
+    assert {"Y", "N", "beyond", "depth"} <= names
+    assert not any("deviation" in name for name in names)
+
+
 def test_a_model_without_a_bank_is_refused_with_a_table_that_has_one(tmp_path: Path) -> None:
     with pytest.raises(nw.InputError, match="mmg\\+delta"):
         nw.export.write_bank_force(nw.published("yasukawa2015_kvlcc2"), tmp_path / "bank.h")

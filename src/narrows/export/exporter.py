@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from narrows.errors import InputError
+
 if TYPE_CHECKING:
     from narrows.export.exported_ship import ExportedShip
     from narrows.model.model import Model
@@ -31,3 +33,9 @@ def ship_to_export(model: "Model", path: str | Path, waterway: "Waterway | None"
     from narrows.simulation.ship import SimulatedShip
 
     return ExportedShip(SimulatedShip(model, *choices), waterway, prefix_of(path))
+
+
+def check_standard(fmi: int) -> None:
+    """Refuse a version of FMI that there is not."""
+    if fmi not in (2, 3):
+        raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")

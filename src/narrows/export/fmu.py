@@ -16,7 +16,6 @@ from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.portable import ALONG
 from narrows.codegen.printers.c import C
-from narrows.codegen.printers.language import Language
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu_variables import (
     INTEGERS,
@@ -32,16 +31,17 @@ from narrows.export.fmu_variables import (
 )
 from narrows.export.native_build import NativeBuild, libraries_of_source
 from narrows.export.passport import passport
-from narrows.export.rendering import FATES, commented, places_in, rendered
+from narrows.export.rendering import FATES, commented, filled, places_in, rendered
 from narrows.export.ship_files import c_text
+from narrows.model.model import Model
 from narrows.simulation.departure import voyage_defaults
 
 # Every file in an FMU bears one time, so that written again it is the same.
 SAME_TIME = (2000, 1, 1, 0, 0, 0)
-# Of either standard: what stands beside the header of the ship.
+# Of either standard: what stands beside what depends on the model.
 SOURCES = {
-    2: ("instance.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
-    3: ("instance.h", "fmi3.c", "fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+    2: ("calls.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: ("calls.h", "fmi3.c", "fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
 # Letters on a line of C.
 LETTERS_A_LINE = 100
@@ -52,15 +52,37 @@ OUTPUT_STEPS = 10
 def fmu_bytes(
     exported: ExportedShip, identifier: str, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2
 ) -> bytes:
-    header, variables = c_text(exported), variables_of(exported, speed, dt)
-    token = hashlib.sha256(f"{header} {identifier} {speed!r} {dt!r} {fmi}".encode()).hexdigest()[:32]
+    header, variables, model = c_text(exported), variables_of(exported, speed, dt), exported.ship.model
+    token = token_of(header, identifier, speed, dt, fmi)
+    usual = voyage_defaults(model, speed)
+    outcomes = [(name, FATES.index(name.upper()), words) for name, words in OUTCOMES.items()]
+    description = description_text(
+        model, variables, fmi, identifier=identifier, token=token, stop=usual.duration, output=OUTPUT_STEPS * usual.dt,
+        outcomes=outcomes, derivatives="true",
+    )  # fmt: skip
     sources = {"ship.h": header, "choices.h": _choices(exported, variables, token, speed, dt)}
-    sources |= {name: (files("narrows.export") / "fmi" / name).read_text("utf-8") for name in SOURCES[fmi]}
-    parts = {"modelDescription.xml": description_text(exported, variables, identifier, token, fmi).encode()}
+    return fmu_of({**sources, "instance.h": source_of("instance.h")}, description, model, identifier, builds, fmi)
+
+
+def token_of(*parts: object) -> str:
+    """Return what tells an FMU from every other."""
+    return hashlib.sha256(" ".join(map(str, parts)).encode()).hexdigest()[:32]
+
+
+def source_of(name: str) -> str:
+    return (files("narrows.export") / "fmi" / name).read_text("utf-8")
+
+
+def fmu_of(
+    own: Mapping[str, str], description: str, model: Model, identifier: str, builds: tuple[NativeBuild, ...], fmi: int
+) -> bytes:
+    """Return the archive: the description, the sources and what is made of them, the passport."""
+    sources = {**own, **{name: source_of(name) for name in SOURCES[fmi]}}
+    parts = {"modelDescription.xml": description.encode()}
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     if fmi > 2:
-        parts["sources/buildDescription.xml"] = rendered("build.xml.j2", exported, C(), identifier=identifier).encode()
-    parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in passport(exported.ship.model)).encode()
+        parts["sources/buildDescription.xml"] = filled("build.xml.j2", identifier=identifier).encode()
+    parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in passport(model)).encode()
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
@@ -122,11 +144,7 @@ def _constants_along(exported: ExportedShip, language: C) -> str:
     return "\n    ".join(language.body(along, targets, where))
 
 
-def description_text(
-    exported: ExportedShip, variables: tuple[FmuVariable, ...], identifier: str, token: str, fmi: int
-) -> str:
-    model = exported.ship.model
-    usual = voyage_defaults(model, next(one.start for one in variables if one.name == "u"))
+def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **told: Any) -> str:
     indices: dict[str, list[int]] = {"Outputs": [], "Derivatives": [], "InitialUnknowns": []}
     for index, one in enumerate(variables, 1):
         asked: dict[str, Any] = {
@@ -136,12 +154,9 @@ def description_text(
         for part, wanted in asked.items():
             indices[part] += [index] if wanted else []
     shown = variables if fmi > 2 else tuple(one for one in variables if one.kind is not Kind.INDICATOR)
-    return rendered(
-        f"fmi{fmi}.xml.j2", exported, Language(), variables=shown, all=variables, token=token,
-        version=version("narrows"), identifier=identifier, kinds=Kind,
-        stop=usual.duration, output=OUTPUT_STEPS * usual.dt,
+    return filled(
+        f"fmi{fmi}.xml.j2", variables=shown, all=variables, version=version("narrows"), number=repr, kinds=Kind,
         name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
-        structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR],
-        outcomes=[(name, FATES.index(name.upper()), words) for name, words in OUTCOMES.items()],
+        structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **told,
     )  # fmt: skip

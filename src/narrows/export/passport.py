@@ -3,16 +3,16 @@
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.metadata import version
 
 from narrows.model.data_range import MEASURES, SLACK
 from narrows.model.model import Model
 
-# What moves in a voyage and the tests covered, by its bit in the sum ``beyond``.
-BEYOND = {
-    "speed": (1, "speed"), "abs_y": (2, "offset"), "abs_psi": (4, "heading"), "abs_r": (8, "yaw rate"),
-}  # fmt: skip
+# What moves in a voyage, by its bit in the sum ``beyond``.
+BEYOND = {name: (MEASURES[name].bit, MEASURES[name].short) for name in ("speed", "abs_y", "abs_psi", "abs_r")}
+# What a question of the bank's force has, beside its size in the unit of its range.
+ASKED_OF_BANK = ("speed", "abs_y", "abs_psi", "width_to_beam", "depth_to_draft")
 LICENCE = "This file may be used, changed and passed on freely, for any purpose, without warranty."
 HASH_DIGITS = 16
 
@@ -51,12 +51,13 @@ def _coefficients(model: Model) -> Iterator[str]:
         yield f"  {name} = {model[name]:.4g} +- {deviation:.2g} {term.dimension.unit}{verdict}"
 
 
-def tested_ends(model: Model) -> dict[str, tuple[int, float, float]]:
-    """Return of each measure of the motion its bit, and between which ends it is within the data."""
-    ends = {}
-    for name, (bit, _) in BEYOND.items():
+def ends_of_data(model: Model, names: Iterable[str] = tuple(BEYOND)) -> dict[str, tuple[int, float, float]]:
+    """Return of each measure its bit, and between which ends it is within the data, widths and depths in metres."""
+    ends, ship = {}, model.configuration.ship
+    scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}
+    for name in names:
         pair = getattr(model.data_range, name)
         if pair is not None:
-            slack = SLACK * max(map(abs, pair))
-            ends[name] = (bit, pair[0] - slack, pair[1] + slack)
+            slack, scale = SLACK * max(map(abs, pair)), scales.get(name, 1.0)
+            ends[name] = (MEASURES[name].bit, scale * (pair[0] - slack), scale * (pair[1] + slack))
     return ends

@@ -14,7 +14,7 @@ from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.passport import BEYOND, tested_ends
+from narrows.export.passport import BEYOND, ends_of_data
 
 WIDTH = 108
 # How a voyage ends, in the order of their codes.
@@ -115,10 +115,14 @@ def environment() -> Any:
     return found
 
 
+def filled(template: str, **told: Any) -> str:
+    text: str = environment().get_template(template).render(told)
+    return text.rstrip() + "\n"
+
+
 def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
              "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
-             "tested": tested_ends(exported.ship.model)}  # fmt: skip
-    text: str = environment().get_template(template).render({**alike, **told})
-    return text.rstrip() + "\n"
+             "tested": ends_of_data(exported.ship.model)}  # fmt: skip
+    return filled(template, **{**alike, **told})

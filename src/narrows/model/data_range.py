@@ -19,6 +19,8 @@ class Measure(NamedTuple):
     words: str  # What it is
     unit: str  # To print it in; nothing where it has none
     scale: float = 1.0  # How many of that unit one of its own is [1]
+    short: str = ""  # In lists of what is beyond the data
+    bit: int = 0  # In the sum of them
 
     def shown(self, low: float, high: float) -> str:
         ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
@@ -27,12 +29,12 @@ class Measure(NamedTuple):
 
 # Every range, as sentences speak of it.
 MEASURES = {
-    "speed": Measure("surge velocity", "m/s"),
-    "abs_y": Measure("offset from the centreline", "m"),
-    "abs_psi": Measure("heading", "deg", math.degrees(1.0)),
-    "abs_r": Measure("yaw rate", "deg/s", math.degrees(1.0)),
-    "depth_to_draft": Measure("h/T", ""),
-    "width_to_beam": Measure("W/B", ""),
+    "speed": Measure("surge velocity", "m/s", 1.0, "speed", 1),
+    "abs_y": Measure("offset from the centreline", "m", 1.0, "offset", 2),
+    "abs_psi": Measure("heading", "deg", math.degrees(1.0), "heading", 4),
+    "abs_r": Measure("yaw rate", "deg/s", math.degrees(1.0), "yaw rate", 8),
+    "depth_to_draft": Measure("h/T", "", 1.0, "depth", 32),
+    "width_to_beam": Measure("W/B", "", 1.0, "width", 16),
 }
 
 
@@ -88,6 +90,14 @@ class DataRange:
             In its unit.
         """
         return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
+
+
+def sum_beyond(known: DataRange, asked: Mapping[str, Number]) -> Number:
+    """Return in what a question goes beyond the data, as a sum of the bits of ``MEASURES``."""
+    bits: Number = 0
+    for name, values in asked.items():
+        bits = bits + MEASURES[name].bit * np.asarray(known.outside(name, values), int)
+    return bits
 
 
 def extrapolation(

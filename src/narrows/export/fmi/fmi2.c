@@ -123,8 +123,7 @@ EXPORT S fmi2EnterContinuousTimeMode(C c) { return moved(c, EVENT, CONTINUOUS); 
 EXPORT S fmi2CompletedIntegratorStep(C c, fmi2Boolean n, fmi2Boolean *enter, fmi2Boolean *stop) {
     (void)n;
     MAY(CONTINUOUS);
-    refresh(c);
-    *enter = ship_beyond(numbers(c)->state) != (int)numbers(c)->value[BEYOND], *stop = fmi2False;
+    *enter = is_beyond_changed(c), *stop = fmi2False;
     return fmi2OK;
 }
 EXPORT S fmi2SetTime(C c, fmi2Real t) {

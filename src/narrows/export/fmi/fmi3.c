@@ -148,8 +148,7 @@ EXPORT S fmi3EnterContinuousTimeMode(C c) { return moved(c, EVENT, CONTINUOUS); 
 EXPORT S fmi3CompletedIntegratorStep(C c, fmi3Boolean n, fmi3Boolean *enter, fmi3Boolean *stop) {
     (void)n;
     MAY(CONTINUOUS);
-    refresh(c);
-    *enter = ship_beyond(numbers(c)->state) != (int)numbers(c)->value[BEYOND], *stop = fmi3False;
+    *enter = is_beyond_changed(c), *stop = fmi3False;
     return fmi3OK;
 }
 EXPORT S fmi3SetTime(C c, fmi3Float64 t) {
@@ -185,7 +184,7 @@ EXPORT S fmi3DoStep(C c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean n, fmi3Boolea
     *event = *stop = *early = fmi3False, *last = t;
     MAY(STEPPING);
     const S done = status(sail(c, t, h, last));
-    *event = ((Instance *)c)->with_events && numbers(c)->pending != SHIP_AFLOAT;
+    *event = ((Instance *)c)->with_events && has_event(c);
     *early = *last < t + h && done == fmi3OK;
     return done;
 }

@@ -2,10 +2,6 @@
  * A ship as an FMU has it: every variable is a number of one array, and its place there is its value reference.
  * fmi2.c and fmi3.c are the interface; choices.h is what depends on the model.
  */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "ship.h"
 #include "choices.h"
 
@@ -13,20 +9,14 @@ enum {
     TIME, X, Y, PSI, U, V, R, GEAR,
     DER = GEAR + GEARED,
     CLEARANCE = DER + 6 + GEARED,
-    AGROUND = CLEARANCE + 2 * BANKS, OUTCOME, SIDE, OUTCOME_TIME, BEYOND, STEP, INPUTS,
+    AGROUND = CLEARANCE + 2 * BANKS, OUTCOME, SIDE, OUTCOME_TIME, BEYOND, SETTABLE, STEP = SETTABLE, INPUTS,
     PARAMETERS = INPUTS + sizeof(ship_inputs) / sizeof(double),
     INDICATORS = PARAMETERS + sizeof(ship_parameters) / sizeof(double),
     COUNT = INDICATORS + EVENTS
 };
 enum { STATES = 6 + GEARED, GEAR_AT = SHIP_STATES - GEARED };
 
-/* What an importer has done so far; functions say in which of these they may be called. */
-enum { MADE = 1, STARTING = 2, EVENT = 4, CONTINUOUS = 8, STEPPING = 16, ENDED = 32, FAILED = 64 };
-enum { RUNNING = EVENT | CONTINUOUS | STEPPING, GIVEN = MADE | STARTING };
-
 static const double TOUCHED = 1e-6; /* [m] room at which an importer's event is taken for a contact */
-static const double SAME_TIME = 1e-9; /* share of the time by which an importer's clock may differ */
-
 typedef struct {
     double value[COUNT], state[SHIP_NUMBERS], stop;
     ship_constants constants;
@@ -34,29 +24,7 @@ typedef struct {
     int pending, lean;                 /* how the voyage has ended where the importer has not handled it yet; to which side */
 } Numbers;
 
-typedef struct {
-    Numbers now;
-    int exchange, with_events, early; /* model exchange; whether the importer has an event mode, or takes a step that ends early */
-    void (*tell)(void *whom, const char *sentence);
-    void *whom;
-} Instance;
-
-static int refuse(const Instance *m, const char *sentence) {
-    if (m->tell) m->tell(m->whom, sentence);
-    return 0;
-}
-static int refuse_with(const Instance *m, const char *sentence, double number) {
-    char text[200];
-    snprintf(text, sizeof text, sentence, number);
-    return refuse(m, text);
-}
-
-/* Whether a function may be called now. */
-static int may(const Instance *m, int modes) {
-    if (m->now.mode & modes) return 1;
-    return refuse(m, m->now.mode == FAILED ? "an earlier call failed: reset, or set a saved state"
-                                           : "this function is called out of turn: see the state machine of the standard");
-}
+#include "calls.h"
 
 static void inputs_of(const double *value, ship_inputs *inputs) { memcpy(inputs, value + INPUTS, sizeof *inputs); }
 
@@ -84,21 +52,6 @@ static void reset(Instance *m) {
     put(n, U, SPEED);
 }
 
-/* What an importer sets: a start value, an input or a parameter, each in its time and within its bounds. */
-static int assign(Instance *m, unsigned place, double value) {
-    if (place >= COUNT) return refuse_with(m, "there is no variable %g", place);
-    const char kind = KINDS[place];
-    const int modes = kind == STATE || kind == FIXED ? GIVEN : kind == INPUT ? GIVEN | RUNNING
-                    : kind == TUNABLE ? GIVEN | EVENT | STEPPING : 0;
-    if (!modes) return refuse_with(m, "variable %g is computed: it cannot be set", place);
-    if (!(m->now.mode & modes)) return refuse_with(m, "variable %g cannot be set any more, or not in this mode", place);
-    if (!isfinite(value)) return refuse_with(m, "variable %g is set to what is no finite number", place);
-    if (place >= STEP && (value < low[place - STEP] || value > high[place - STEP]))
-        return refuse_with(m, "%g is beyond the bounds of its variable", value);
-    put(&m->now, place, value);
-    return 1;
-}
-
 /* Rates, room and event indicators of the state as it is. */
 static void refresh(Instance *m) {
     Numbers *n = &m->now;
@@ -119,14 +72,6 @@ static void refresh(Instance *m) {
         for (int i = 0; i < EVENTS; ++i) w[INDICATORS + i] = -1.0;
     n->stale = 0;
 }
-static double get(Instance *m, unsigned place) { return refresh(m), m->now.value[place]; }
-
-/* Whether a variable of one of these kinds is there to be got, and may be now. */
-static int may_get(Instance *m, unsigned place, const char *kinds) {
-    if (place < COUNT && strchr(kinds, KINDS[place])) return may(m, GIVEN | RUNNING | ENDED);
-    return refuse_with(m, "there is no variable %g of this type", place);
-}
-
 /* The ship lies still from now on: how its voyage ended, where and when. */
 static void end_voyage(Instance *m, int outcome, double lean, double time) {
     Numbers *n = &m->now;
@@ -183,9 +128,7 @@ static int sail(Instance *m, double time, double duration, double *reached) {
     Numbers *n = &m->now;
     double *w = n->value, end[2];
     *reached = w[TIME];
-    if (!(fabs(time - w[TIME]) <= SAME_TIME * (1.0 + fabs(time)))) return refuse_with(m, "the last step ended at %g s: go on from there", w[TIME]);
-    if (!(duration > 0.0) || !isfinite(duration)) return refuse_with(m, "a step of %g s is none: give a time over 0", duration);
-    if (time + duration > n->stop + SAME_TIME * (1.0 + fabs(n->stop))) return refuse_with(m, "the experiment stops at %g s", n->stop);
+    if (!may_step(m, time, duration)) return 0;
     if (n->pending != SHIP_AFLOAT) update(m);
     refresh(m);
     *reached = w[TIME] = time + duration;
@@ -251,3 +194,6 @@ static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const u
     }
     return 1;
 }
+
+static int is_beyond_changed(Instance *m) { return refresh(m), ship_beyond(m->now.state) != (int)m->now.value[BEYOND]; }
+static int has_event(const Instance *m) { return m->now.pending != SHIP_AFLOAT; }

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from narrows.errors import InputError
-from narrows.export.exporter import Exporter
+from narrows.export.exporter import Exporter, check_standard
 from narrows.files import form_of, write_whole
 
 if TYPE_CHECKING:
@@ -56,8 +56,7 @@ def write_fmu(
     from narrows.simulation.ship import SimulatedShip
 
     form_of(path, EXPORTER.suffixes)
-    if fmi not in (2, 3):
-        raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
+    check_standard(fmi)
     ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), voyage_defaults(model, u)
     speed, step = usual.speed if u is None else u, usual.dt if dt is None else dt
     finite_numbers(u=speed, dt=step)

@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from narrows.export.exporter import Exporter
+from narrows.export.exporter import Exporter, check_standard
 from narrows.files import form_of, write_whole
 
 if TYPE_CHECKING:
     from narrows.model.model import Model
 
 
-def write_bank_force(model: "Model", path: str | Path) -> None:
+def write_bank_force(model: "Model", path: str | Path, *, fmi: int = 2) -> None:
     """Write the bank's force as one function, for a simulator that has a hull of its own.
 
     It takes offset, heading, speed and the section of the water (two banks, their slopes, the depth), and gives sway
@@ -21,21 +21,26 @@ def write_bank_force(model: "Model", path: str | Path) -> None:
     model : Model
         A model with a bank term.
     path : str or Path
-        Where to: ``.h`` for C and C++, ``.cs`` for C#, ``.mjs`` for JavaScript, ``.m`` for MATLAB and Octave.
+        Where to: ``.h`` for C and C++, ``.cs`` for C#, ``.mjs`` for JavaScript, ``.m`` for MATLAB and Octave,
+        ``.fmu`` for an FMU without states.
+    fmi : int
+        Version of the standard of an FMU: 2 or 3.
 
     Raises
     ------
     InputError
         Where the model has no bank force, or the file cannot be written.
     """
-    from narrows.export.bank_force import force_text
+    from narrows.export.force_files import force_fmu, force_text
     from narrows.export.exported_ship import prefix_of
 
     form_of(path, EXPORTER.suffixes)
-    write_whole(path, force_text(model, path, prefix_of(path)))
+    check_standard(fmi)
+    fmu = Path(path).suffix == ".fmu"
+    write_whole(path, force_fmu(model, prefix_of(path), fmi) if fmu else force_text(model, path, prefix_of(path)))
 
 
 EXPORTER = Exporter(
-    "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave",
-    (".m", ".h", ".cs", ".mjs"), write_bank_force,
+    "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave, or as an FMU",
+    (".m", ".h", ".cs", ".mjs", ".fmu"), write_bank_force,
 )  # fmt: skip

@@ -1,0 +1,134 @@
+"""The bank's force of a model as one function in another language, for simulators with a hull of their own."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import sympy
+
+from narrows.codegen.free_motion import Expr, exact_number, symbolic_functions
+from narrows.codegen.lines import Program, real, straight_lines
+from narrows.codegen.printers.c import C
+from narrows.codegen.printers.language import CSharp, JavaScript, Language, Matlab
+from narrows.codegen.tape import tape_of_terms
+from narrows.errors import InputError
+from narrows.export import native_build
+from narrows.export.fmu import description_text, fmu_of, source_of, token_of
+from narrows.export.fmu_variables import HEADING, INTEGERS, REALS, SIDES, FmuVariable, Kind
+from narrows.export.passport import ASKED_OF_BANK, ends_of_data, passport
+from narrows.export.rendering import commented, filled
+from narrows.model.data_range import MEASURES
+from narrows.model.model import Model
+from narrows.quantities.names import FORCES, MOTION
+from narrows.ship.checks import SMALLEST
+from narrows.simulation.departure import voyage_defaults
+
+# What a caller says of the ship and the water.
+ASKED = ("y", "cos_psi", "sin_psi", "u", "width", "depth")
+RESULTS = ("Y", "N", "Y_variance", "N_variance")
+
+
+def force_program(model: Model) -> Program:
+    """Return the lines of sway force, yaw moment and their variances, by ``ASKED``."""
+    if not model.feels_bank:
+        raise InputError(model.bank_note)
+    tape, values = tape_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}
+    # Rudder, propeller and accelerations make no force of the bank.
+    inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in tape.inputs}
+    inputs |= {name: real(name) for name in ASKED}
+    regressors = tape.replay(inputs, exact_number, symbolic_functions())
+    own = [[term.name for term in group if term.from_bank] for group in list(model.terms.forces.values())[1:]]
+    forces = [sum((exact_number(model[name]) * regressors[name] for name in names), sympy.Integer(0)) for names in own]
+    lines, results = straight_lines([*forces, *(_variance(model, names, regressors) for names in own)])
+    return Program(tuple(lines), tuple(results))
+
+
+def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) -> Expr:
+    if model.covariance is None:
+        return sympy.Integer(-1)
+    places = [model.terms.names.index(name) for name in names]
+    return sum(
+        (
+            exact_number(float(model.covariance[row, column])) * regressors[one] * regressors[other]
+            for row, one in zip(places, names, strict=True)
+            for column, other in zip(places, names, strict=True)
+        ),
+        sympy.Integer(0),
+    )
+
+
+# By the suffix of a file: its language, and how it declares a result.
+LANGUAGES: dict[str, tuple[type[Language], str]] = {
+    ".h": (C, "const double {}"), ".cs": (CSharp, "double {}"), ".mjs": (JavaScript, "const {}"), ".m": (Matlab, "{}"),
+}  # fmt: skip
+
+
+def force_text(model: Model, path: str | Path, prefix: str) -> str:
+    """Return the file of a model, in the language of its suffix."""
+    suffix = Path(path).suffix
+    language, declared = LANGUAGES[suffix]
+    lines = language(prefix).body(
+        force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED}
+    )
+    ends = ends_of_data(model, ASKED_OF_BANK).items()
+    return filled(
+        f"bank_force{suffix}.j2", prefix=prefix, lines=lines,
+        tested=[(name, bit, repr(low), repr(high)) for name, (bit, low, high) in ends],
+        about=[commented(line) for line in passport(model)],
+    )  # fmt: skip
+
+
+def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
+    """Return an FMU without states, whose outputs are the force at its inputs."""
+    header = force_text(model, "bank.h", "bank")
+    token = token_of(header, identifier, fmi)
+    variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(model)))
+    description = description_text(
+        model,
+        variables,
+        fmi,
+        identifier=identifier,
+        token=token,
+        stop=1.0,
+        output=0.1,
+        outcomes=(),
+        derivatives="false",
+    )
+    inputs = [one for one in variables if one.kind is Kind.INPUT]
+    choices = filled(
+        "bank_choices.h.j2", token=token, deviations=2 * (model.covariance is not None), reals=REALS, integers=INTEGERS,
+        kinds={kind.name: kind for kind in Kind}, letters="".join(one.kind for one in variables),
+        start=[C().literal(one.start or 0.0) for one in inputs],
+        low=[C().literal(one.bounds[0]) for one in inputs], high=[C().literal(one.bounds[1]) for one in inputs],
+    )  # fmt: skip
+    sources = {"bank.h": header, "choices.h": choices, "instance.h": source_of("bank_instance.h")}
+    return fmu_of(sources, description, model, identifier, native_build.builds_here(fmi), fmi)
+
+
+def _variables(model: Model) -> Iterator[FmuVariable]:
+    """In the order of ``bank_instance.h``."""
+    ship, canal = model.configuration.ship, model.configuration.canal
+    foot, sloped = (
+        "from the line to the foot of the {} bank",
+        "how far the {} bank recedes for each metre that it rises",
+    )
+    yield FmuVariable("time", Kind.TIME_ITSELF, "s", "time")
+    yield FmuVariable("y", Kind.INPUT, "m", MOTION["y"].meaning, 0.0)
+    yield FmuVariable("psi", Kind.INPUT, "rad", HEADING, 0.0)
+    yield FmuVariable("u", Kind.INPUT, "m/s", MOTION["u"].meaning, float(voyage_defaults(model).speed))
+    for side in SIDES:
+        yield FmuVariable(side, Kind.INPUT, "m", foot.format(side), canal.width / 2)
+    for side in SIDES:
+        yield FmuVariable(f"slope_{side}", Kind.INPUT, "1", sloped.format(side), 0.0, 0, (0.0, math.inf))
+    # A model whose canal has no depth does not ask for one.
+    yield FmuVariable("depth", Kind.INPUT, "m", "water depth", canal.depth or ship.draft, 0, (SMALLEST, math.inf))
+    known = ("", "standard deviation of the ") if model.covariance is not None else ("",)
+    for of in known:
+        for force in "YN":
+            quantity = FORCES[force]
+            yield FmuVariable(f"{force}{'_deviation' * bool(of)}", Kind.ROOM, quantity.unit, f"{of}{quantity.meaning}")
+    bits = ", ".join(f"{MEASURES[name].bit} {MEASURES[name].short}" for name in ASKED_OF_BANK)
+    yield FmuVariable(
+        "beyond", Kind.WHOLE, "1", f"in what the question is beyond the tests of the model, a sum of: {bits}"
+    )

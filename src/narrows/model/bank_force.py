@@ -1,0 +1,163 @@
+"""The force of the banks in any section of water, with its uncertainty: what exported files compute."""
+
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.errors import InputError
+from narrows.model.data_range import extrapolation, sum_beyond
+from narrows.model.model import Model
+from narrows.quantities.names import Number
+from narrows.results import Shown
+from narrows.ship.motion import Motion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, repr=False)
+class BankForce(Shown):
+    """The force of the banks on a ship; arrays where arrays were asked for.
+
+    Parameters
+    ----------
+    Y : number [N]
+        Sway force, positive to starboard.
+    N : number [N m]
+        Yaw moment about midship, positive where it turns the bow to starboard.
+    Y_deviation : number [N]
+        Standard deviation of ``Y`` from the uncertainty of the coefficients; NaN where the model has none.
+    N_deviation : number [N m]
+        Likewise of ``N``.
+    beyond : number
+        0 where the tests of the model covered the question; else a sum of 1 speed, 2 offset, 4 heading, 16 width,
+        32 depth.
+    notes : tuple of str
+        What the tests do not settle or did not cover.
+    """
+
+    Y: Number
+    N: Number
+    Y_deviation: Number
+    N_deviation: Number
+    beyond: Number
+    notes: tuple[str, ...]
+
+    @property
+    def _numbers(self) -> dict[str, Number]:
+        return {name: getattr(self, name) for name in ("Y", "N", "Y_deviation", "N_deviation", "beyond")}
+
+    def summary(self) -> str:
+        """Say force and moment with their deviations."""
+        parts = [("Y", self.Y, self.Y_deviation, "N"), ("N", self.N, self.N_deviation, "N m")]
+        lines = [f"{name} {_shown(value)} {unit}, {_doubt(deviation, unit)}." for name, value, deviation, unit in parts]
+        return "\n".join([*lines, *self.notes])
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give a row for each question."""
+        import pandas as pd
+
+        return pd.DataFrame({name: np.ravel(value) for name, value in self._numbers.items()})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        rows = {name: np.asarray(value).tolist() for name, value in self._numbers.items()}
+        return {**rows, "notes": list(self.notes), "summary": self.summary()}
+
+
+def _shown(value: Number) -> str:
+    low, high = np.min(value), np.max(value)
+    return f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
+
+
+def _doubt(deviation: Number, unit: str) -> str:
+    known = not np.any(np.isnan(deviation))
+    return f"standard deviation {_shown(deviation)} {unit}" if known else "its standard deviation is not known"
+
+
+def bank_force(
+    model: Model, y: Number, psi: Number, u: Number, *, starboard: Number | None = None, port: Number | None = None,
+    depth: Number | None = None, slope_starboard: Number = 0.0, slope_port: Number = 0.0,
+) -> BankForce:  # fmt: skip
+    """Evaluate the force of the banks on a ship, with standard deviations and whether the tests covered the question.
+
+    It is the function that ``narrows export bank-force`` writes for simulators. A sloped bank acts like the wall that
+    leaves the same section of water. Numbers may be arrays of one shape.
+
+    Parameters
+    ----------
+    model : Model
+        A model with a bank term.
+    y : number [m]
+        Offset of midship to starboard of the line.
+    psi : number [rad]
+        Heading from the direction of the line, clockwise seen from above.
+    u : number [m/s]
+        Surge velocity through the water.
+    starboard, port : number, optional [m]
+        Distance from the line to the foot of each bank; half the width of the model's canal unless given.
+    depth : number, optional [m]
+        Water depth; that of the model's canal unless given.
+    slope_starboard, slope_port : number [1]
+        Distance that a bank recedes for each metre that it rises; 0 of a wall.
+
+    Raises
+    ------
+    InputError
+        Where the model has no bank force, its bank terms need a depth, or the banks leave no water.
+
+    Examples
+    --------
+    >>> import narrows as nw
+    >>> dtc = nw.published("mikkelsen2025_dtc")
+    >>> force = nw.bank_force(dtc, 0.8, 0.0, 1.0, starboard=3.5, port=3.2)
+    >>> force.Y > 0 > force.N  # towards the near bank, the bow away from it
+    True
+    """
+    if not model.feels_bank:
+        raise InputError(model.bank_note)
+    canal = model.configuration.canal
+    depth = canal.depth if depth is None else depth
+    deep: Number = 0.0 if depth is None else depth
+    right, left = (
+        (canal.width / 2 if foot is None else foot) + 0.5 * slope * deep
+        for foot, slope in ((starboard, slope_starboard), (port, slope_port))
+    )
+    width, offset = right + left, y - 0.5 * (right - left)
+    if depth is None and np.any(np.not_equal(slope_starboard, 0.0) | np.not_equal(slope_port, 0.0)):
+        raise InputError("a sloped bank needs a depth of the water; give depth")
+    ship = model.configuration.ship
+    deep_enough = depth is None or np.all(np.asarray(depth) > ship.draft)
+    if not (deep_enough and np.all((width > 0) & np.isfinite(width))):
+        raise InputError("the banks leave no water; give distances to both over 0 m, and a depth over the draft")
+    motion = Motion.at(y=offset, psi=psi, u=u)
+    values = {**model.configuration.values(), **motion.values(), "width": width, "depth": depth}
+    forces = [_with_deviation(model, force, values) for force in "YN"]
+    asked = {"speed": u, "abs_y": abs(offset), "abs_psi": abs(psi), "width_to_beam": width / ship.beam}
+    asked |= {} if depth is None else {"depth_to_draft": depth / ship.draft}
+    notes = (*model.bank_notes, *extrapolation(model.data_range, asked))
+    (Y, Y_deviation), (N, N_deviation) = forces
+    return BankForce(Y, N, Y_deviation, N_deviation, sum_beyond(model.data_range, asked), notes)
+
+
+def _with_deviation(model: Model, force: str, values: dict[str, Number]) -> tuple[Number, Number]:
+    """Return the bank's part of a force, and its standard deviation: it is linear in the coefficients."""
+    terms = [term for term in model.terms.forces[force] if term.from_bank]
+    for name in {name for term in terms for name in term.inputs}:
+        if values.get(name) is None:
+            raise InputError(f"the bank terms of this model need {name}; give it")
+    columns = [term.column(values) for term in terms]
+    # Not by sum(), as in ``Model.bank_forces``.
+    total = reduce(
+        add, (model[term.name] * column for term, column in zip(terms, columns, strict=True)), 0.0 * values["y"]
+    )
+    if model.covariance is None:
+        return total, total * np.nan
+    places = [model.terms.names.index(term.name) for term in terms]
+    spread = model.covariance[np.ix_(places, places)]
+    number = range(len(places))
+    variance: Number = sum(spread[i, j] * columns[i] * columns[j] for i in number for j in number)
+    return total, np.sqrt(variance)
