@@ -31,8 +31,8 @@ def write_bank_force(model: "Model", path: str | Path, *, fmi: int = 2) -> None:
     InputError
         Where the model has no bank force, or the file cannot be written.
     """
-    from narrows.export.force_files import force_fmu, force_text
     from narrows.export.exported_ship import prefix_of
+    from narrows.export.force_files import force_fmu, force_text
 
     form_of(path, EXPORTER.suffixes)
     check_standard(fmi)

@@ -196,4 +196,4 @@ static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const u
 }
 
 static int is_beyond_changed(Instance *m) { return refresh(m), ship_beyond(m->now.state) != (int)m->now.value[BEYOND]; }
-static int has_event(const Instance *m) { return m->now.pending != SHIP_AFLOAT; }
+#define HAS_EVENT(m) ((m)->now.pending != SHIP_AFLOAT)
