@@ -1,10 +1,14 @@
 """Every exporter of ``EXPORTERS``: its files, its verb, its refusals, its passport; coefficients and options count."""
 
+import gzip
+import tarfile
 import zipfile
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -61,6 +65,8 @@ def contents(kind: str, folder: Path, model: nw.Model, suffix: str = "", **optio
     """What a file holds; what an archive holds, member by member."""
     path = folder / f"ship{suffix or EXPORTERS[kind].suffixes[0]}"
     EXPORTERS[kind].write(model, path, **options)
+    if tarfile.is_tarfile(path):
+        return gzip.decompress(path.read_bytes())
     if not zipfile.is_zipfile(path):
         return path.read_bytes()
     with zipfile.ZipFile(path) as packed:
@@ -102,10 +108,19 @@ def test_every_option_counts(kind: str, tmp_path: Path, uncompiled: None) -> Non
 
 @every_kind
 def test_it_carries_the_passport_of_its_model(kind: str, tmp_path: Path, uncompiled: None) -> None:
-    model = nw.published(MODEL)
+    """Intervals and covariance too, by numbers written out again here."""
+    model, half = nw.published(MODEL), 0.01 * np.arange(1.0, len(nw.PAPER) + 1.0)
+    root = np.tril(np.full((len(half), len(half)), 0.3)) + np.diag(half)
+    model = replace(model, covariance=root @ root.T)
     text = contents(kind, tmp_path, model).decode()
-    for part in (passport.model_hash(model), passport.LICENCE, model.source.text.split(",")[0]):
-        assert part in text
+    ends = [model["b_bank"] + sign * 1.95996 * np.sqrt(model.covariance.diagonal()[model.terms.names.index("b_bank")])
+            for sign in (-1, 1)]  # fmt: skip
+    parts = (
+        passport.model_hash(model), passport.LICENCE, model.source.text.split(",")[0],
+        f"b_bank = {model['b_bank']:.4g} ({ends[0]:.4g} to {ends[1]:.4g})",
+        *(f"{value:.9g}" for value in model.covariance[np.tril_indices(len(half))]),
+    )  # fmt: skip
+    assert [part for part in parts if part not in text] == []
 
 
 def test_an_unknown_kind_is_refused(tmp_path: Path) -> None:

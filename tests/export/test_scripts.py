@@ -2,9 +2,13 @@
 
 import importlib.util
 import json
+import re
+import runpy
 import shutil
 import subprocess
 import sys
+import tarfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +17,7 @@ import pytest
 from exported import STEERED, bent, model_of, speed_of, states
 
 import narrows as nw
+from narrows.model.data_range import DataRange
 
 CASES = [("own", False), ("steered", True)]
 NODE = shutil.which("node")
@@ -80,6 +85,38 @@ def test_the_python_file(tmp_path: Path, name: str, curved: bool) -> None:
     assert end[0] == pytest.approx(outcome.time, rel=1e-10)
 
 
+BOUNDED = DataRange((0.6, 1.1), (0.0, 0.9), (0.0, 0.2), (0.0, 0.15))
+BEYOND_SCRIPT = """
+import * as ship from "./ship.mjs";
+import { readFileSync } from "fs";
+console.log(JSON.stringify(JSON.parse(readFileSync("given.json")).map(ship.beyond)));
+"""
+
+
+def bits(state: np.ndarray) -> int:
+    """By the rule of the package, a measure at a time."""
+    _, y, cosine, sine, u, _, r = state
+    sizes = {"speed": u, "abs_y": abs(y), "abs_psi": abs(np.arctan2(sine, cosine)), "abs_r": abs(r)}
+    return sum(bit * bool(BOUNDED.outside(name, sizes[name])) for name, bit in zip(sizes, (1, 2, 4, 8), strict=True))
+
+
+def test_beyond_the_tests_in_python_and_javascript(tmp_path: Path) -> None:
+    model, at = replace(model_of("paper"), data_range=BOUNDED), 1.6 * states("paper", 40)
+    nw.export.write_python(model, tmp_path / "ship.py")
+    ship = runpy.run_path(str(tmp_path / "ship.py"))
+    right = [bits(state) for state in at]
+    assert set(right) > {0, 1, 2, 8}
+    assert [int(ship["beyond"](state)) for state in at] == right
+    assert ship["beyond"](at.T).tolist() == right
+    if NODE is None:
+        pytest.skip("no node is here to run the exported module")
+    nw.export.write_javascript(model, tmp_path / "ship.mjs")
+    (tmp_path / "given.json").write_text(json.dumps(at.tolist()), encoding="utf-8")
+    (tmp_path / "run.mjs").write_text(BEYOND_SCRIPT, encoding="utf-8")
+    done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == right
+
+
 def test_the_python_file_needs_numpy_alone(tmp_path: Path) -> None:
     nw.export.write_python(model_of("paper"), tmp_path / "ship.py")
     check = "import sys, ship; print([name for name in ('narrows', 'sympy', 'numba', 'scipy') if name in sys.modules])"
@@ -109,6 +146,24 @@ def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
     outcome = sailed(name, curved)
     assert said["fate"] == 1
     np.testing.assert_allclose(reached(said["state"]), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.skipif(NODE is None, reason="no node is here to run the exported module")
+@pytest.mark.parametrize("curved", [False, True])
+def test_the_package_of_npm(tmp_path: Path, curved: bool) -> None:
+    """As npm unpacks it: every export of the module has a type, and no other name has one."""
+    way = bent("steered") if curved else None
+    nw.export.write_javascript(model_of("steered"), tmp_path / "tanker.tgz", waterway=way)
+    nw.export.write_javascript(model_of("steered"), tmp_path / "tanker.mjs", waterway=way)
+    with tarfile.open(tmp_path / "tanker.tgz") as packed:
+        packed.extractall(tmp_path / "node_modules", filter="data")
+    folder = (tmp_path / "node_modules" / "package").rename(tmp_path / "node_modules" / "tanker")
+    assert (folder / "index.mjs").read_bytes() == (tmp_path / "tanker.mjs").read_bytes()
+    (tmp_path / "run.mjs").write_text('import * as s from "tanker"; console.log(JSON.stringify(Object.keys(s)));')
+    done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    typed = re.findall(r"^export (?:const|function) (\w+)", (folder / "index.d.ts").read_text(), re.MULTILINE)
+    assert sorted(json.loads(done.stdout)) == sorted(typed)
+    assert json.loads((folder / "package.json").read_text())["name"] == "tanker"
 
 
 def test_the_equations_have_their_numbers(tmp_path: Path) -> None:

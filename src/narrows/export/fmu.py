@@ -156,7 +156,7 @@ def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int,
     shown = variables if fmi > 2 else tuple(one for one in variables if one.kind is not Kind.INDICATOR)
     return filled(
         f"fmi{fmi}.xml.j2", variables=shown, all=variables, version=version("narrows"), number=repr, kinds=Kind,
-        name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model))),
+        name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model, covariance=False))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
         structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **told,
     )  # fmt: skip

@@ -5,6 +5,9 @@ import json
 import math
 from collections.abc import Iterable, Iterator
 from importlib.metadata import version
+from textwrap import wrap
+
+import numpy as np
 
 from narrows.model.data_range import MEASURES, SLACK
 from narrows.model.model import Model
@@ -15,6 +18,9 @@ BEYOND = {name: (MEASURES[name].bit, MEASURES[name].short) for name in ("speed",
 ASKED_OF_BANK = ("speed", "abs_y", "abs_psi", "width_to_beam", "depth_to_draft")
 LICENCE = "This file may be used, changed and passed on freely, for any purpose, without warranty."
 HASH_DIGITS = 16
+# Of a normal distribution: 95 % lie within so many standard deviations.
+NORMAL_95 = 1.959964
+WIDTH = 100
 
 
 def model_hash(model: Model) -> str:
@@ -23,7 +29,7 @@ def model_hash(model: Model) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:HASH_DIGITS]
 
 
-def passport(model: Model) -> Iterator[str]:
+def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     """Say in a few lines what a model is, where it is from, and how far it can be trusted."""
     ship = model.configuration.ship
     yield f"{ship.name}: motion between two banks by the terms {model.terms.name}."
@@ -38,20 +44,25 @@ def passport(model: Model) -> Iterator[str]:
     ]
     yield f"Its tests covered: {'; '.join(covered)}." if covered else "The model does not say what its tests covered."
     yield from _coefficients(model)
+    if covariance and model.covariance is not None:
+        yield "Covariance of the coefficients in this order, the lower triangle row by row, in their units:"
+        triangle = ", ".join(f"{value:.9g}" for value in model.covariance[np.tril_indices(len(model.terms))])
+        yield from (f"  {line}" for line in wrap(triangle, WIDTH))
 
 
 def _coefficients(model: Model) -> Iterator[str]:
     if model.covariance is None:
         yield "Its coefficients have no published uncertainty."
         return
-    yield "Coefficients with their standard deviations:"
-    for number, (name, term) in enumerate((name, model.terms[name]) for name in model.terms.names):
-        deviation = math.sqrt(max(float(model.covariance[number, number]), 0.0))
+    yield "Coefficients with 95 % intervals:"
+    for name, variance in zip(model.terms.names, np.diag(model.covariance), strict=True):
+        term, value, half = model.terms[name], model[name], NORMAL_95 * math.sqrt(max(variance, 0.0))
+        low, high = max(value - half, term.bound[0]), min(value + half, term.bound[1])
         verdict = f", {model.verdicts[name]}" if name in model.verdicts else ""
-        yield f"  {name} = {model[name]:.4g} +- {deviation:.2g} {term.dimension.unit}{verdict}"
+        yield f"  {name} = {value:.4g} ({low:.4g} to {high:.4g}) {term.dimension.unit}{verdict}"
 
 
-def ends_of_data(model: Model, names: Iterable[str] = tuple(BEYOND)) -> dict[str, tuple[int, float, float]]:
+def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, float, float]]:
     """Return of each measure its bit, and between which ends it is within the data, widths and depths in metres."""
     ends, ship = {}, model.configuration.ship
     scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}

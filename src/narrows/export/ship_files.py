@@ -1,7 +1,12 @@
 """A ship as one file of a language: a C header, an ES module, a Python file."""
 
 import ast
+import gzip
+import json
+import tarfile
 from functools import partial
+from importlib.metadata import version
+from io import BytesIO
 
 from narrows.codegen.printers.c import C, CTranslation, c_block
 from narrows.codegen.printers.javascript import JavaScriptTranslation
@@ -9,6 +14,7 @@ from narrows.codegen.printers.language import JavaScript, PythonFile
 from narrows.codegen.printers.python import PlainSource
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.rendering import (
+    FATES,
     bodies_of,
     last_functions,
     places_in,
@@ -45,6 +51,30 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
         "model.js.j2", exported, language, f=bodies_of(exported, language), water=water_of(exported, language),
         derivatives=derivatives, **translated(exported, JavaScriptTranslation),
     )  # fmt: skip
+
+
+def npm_bytes(exported: ExportedShip) -> bytes:
+    """Return an npm package of the module: what ``npm install`` takes."""
+    language = JavaScript()
+    types = rendered(
+        "package.d.ts.j2", exported, language, f=bodies_of(exported, language), water=exported.waterway, fates=FATES
+    )
+    own = {
+        "name": exported.prefix.lower(), "version": version("narrows"), "type": "module", "license": "SEE LICENSE IN README.md",
+        "description": next(exported.about()), "exports": {".": {"types": "./index.d.ts", "default": "./index.mjs"}},
+        "types": "./index.d.ts",
+    }  # fmt: skip
+    texts = {
+        "package.json": json.dumps(own, indent=2) + "\n", "index.mjs": javascript_text(exported), "index.d.ts": types,
+        "README.md": "\n\n".join(exported.about()) + "\n",
+    }  # fmt: skip
+    packed = BytesIO()
+    with tarfile.open(fileobj=packed, mode="w") as archive:
+        for name, text in texts.items():
+            member = tarfile.TarInfo(f"package/{name}")
+            member.size, member.mode = len(text.encode()), 0o644
+            archive.addfile(member, BytesIO(text.encode()))
+    return gzip.compress(packed.getvalue(), mtime=0)
 
 
 def python_text(exported: ExportedShip) -> str:

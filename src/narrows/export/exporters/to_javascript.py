@@ -20,12 +20,14 @@ def write_javascript(
 ) -> None:  # fmt: skip
     """Write a model as one ES module without dependencies, its types as JSDoc: what ``write_c`` writes.
 
-    The parameters and refusals are those of ``write_c``.
+    A path that ends in ``.tgz`` makes an npm package of it, with types for TypeScript. The parameters and refusals are
+    those of ``write_c``.
     """
-    from narrows.export.ship_files import javascript_text
+    from narrows.export.ship_files import javascript_text, npm_bytes
 
     form_of(path, EXPORTER.suffixes)
-    write_whole(path, javascript_text(ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)))
+    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)
+    write_whole(path, npm_bytes(ship) if Path(path).suffix == ".tgz" else javascript_text(ship))
 
 
-EXPORTER = Exporter("js", "an ES module", (".mjs", ".js"), write_javascript)
+EXPORTER = Exporter("js", "an ES module, or an npm package of it with types", (".mjs", ".js", ".tgz"), write_javascript)
