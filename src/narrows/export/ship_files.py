@@ -60,7 +60,8 @@ def npm_bytes(exported: ExportedShip) -> bytes:
         "package.d.ts.j2", exported, language, f=bodies_of(exported, language), water=exported.waterway, fates=FATES
     )
     own = {
-        "name": exported.prefix.lower(), "version": version("narrows"), "type": "module", "license": "SEE LICENSE IN README.md",
+        "name": exported.prefix.lower(), "version": version("narrows"), "type": "module",
+        "license": "SEE LICENSE IN README.md",
         "description": next(exported.about()), "exports": {".": {"types": "./index.d.ts", "default": "./index.mjs"}},
         "types": "./index.d.ts",
     }  # fmt: skip
