@@ -123,6 +123,18 @@ def test_it_carries_the_passport_of_its_model(kind: str, tmp_path: Path, uncompi
     assert [part for part in parts if part not in text] == []
 
 
+@pytest.mark.parametrize("kind", [kind for kind, own in EXPORTERS.items() if own.refused])
+def test_what_it_refuses_to_be_told(kind: str, tmp_path: Path) -> None:
+    path, way = (
+        tmp_path / f"ship{EXPORTERS[kind].suffixes[0]}",
+        Path(nw.__file__).parents[2] / "examples/waterway.geojson",
+    )
+    assert list(EXPORTERS[kind].refused) == ["waterway"]
+    done = CliRunner().invoke(app, ["export", kind, MODEL, "-o", str(path), "--waterway", str(way)])
+    assert str(done.exception) == EXPORTERS[kind].refused["waterway"]
+    assert not path.exists()
+
+
 def test_an_unknown_kind_is_refused(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["export", "fortran", MODEL, "-o", str(tmp_path / "ship.f")])
     assert isinstance(done.exception, nw.InputError)

@@ -243,6 +243,53 @@ def test_the_header_is_cpp_too(tmp_path: Path, curved: bool) -> None:
     subprocess.run(["g++", *flags, "main.cpp"], cwd=tmp_path, check=True)
 
 
+CLASS = """#include <cstdio>
+#include "tanker.hpp"
+#include "dtc.hpp"
+int main() {
+    tanker::Ship ship;
+    ship.x(6.0), ship.y(0.5), ship.psi(0.02), ship.u(%(u)r), ship.inputs.rudder_order = 0.1;
+    const bool aground = ship.sail(0.05, 60.0) == tanker::Outcome::Grounded;
+    std::printf("%%d %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g\\n", aground, ship.time, ship.x(), ship.y(), ship.psi(),
+                ship.rudder(), ship.lean);
+    dtc::Ship other;
+    other.u(1.0), other.step(0.05);
+    std::printf("%%.17g %%.17g %%d\\n", other.clearance()[0], other.rates()[0], other.beyond());
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler is here")
+@pytest.mark.parametrize("curved", [False, True])
+def test_the_class_of_cpp_sails_the_voyage(tmp_path: Path, curved: bool) -> None:
+    """Two ships in one program, without a warning."""
+    model, way = model_of("steered"), bent("steered") if curved else None
+    nw.export.write_c(model, tmp_path / "tanker.hpp", waterway=way)
+    nw.export.write_c(nw.published("mikkelsen2025_dtc"), tmp_path / "dtc.hpp")
+    u = speed_of("steered")
+    (tmp_path / "main.cpp").write_text(CLASS % {"u": u}, encoding="utf-8")
+    strict = ["-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off"]
+    subprocess.run(["g++", *strict, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
+    first, second = subprocess.run(
+        ["./main"], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    voyage = nw.simulate(
+        model, x=6.0, y=0.5, psi=0.02, u=u, dt=0.05, waterway=way, controller=nw.ConstantRudder(0.1)
+    ).outcome
+    aground, time, x, y, psi, rudder, lean = map(float, first.split())
+    assert aground == 1
+    assert [time, x, y, psi] == pytest.approx(
+        [voyage.time, *[voyage.state[name] for name in ("x", "y", "psi")]], rel=1e-10
+    )
+    assert (lean > 0) == (voyage.side == "starboard")
+    assert abs(rudder) <= 0.1
+    clearance, ahead, _ = map(float, second.split())
+    ship = nw.published("mikkelsen2025_dtc").configuration
+    assert clearance == pytest.approx((ship.canal.width - ship.ship.beam) / 2, rel=1e-12)
+    assert ahead == pytest.approx(1.0)
+
+
 def test_the_file_names_what_is_in_it(tmp_path: Path) -> None:
     nw.export.write_c(model_of("paper"), tmp_path / "4 dtc-model.h")
     text = (tmp_path / "4 dtc-model.h").read_text(encoding="utf-8")

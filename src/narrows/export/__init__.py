@@ -10,6 +10,7 @@ if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter b
     from narrows.export.exporters.to_fmu import write_fmu as write_fmu
     from narrows.export.exporters.to_javascript import write_javascript as write_javascript
     from narrows.export.exporters.to_latex import write_latex as write_latex
+    from narrows.export.exporters.to_matlab import write_matlab as write_matlab
     from narrows.export.exporters.to_page import write_page as write_page
     from narrows.export.exporters.to_python import write_python as write_python
 

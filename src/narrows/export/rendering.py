@@ -1,7 +1,7 @@
 """What files of all languages have alike: plain functions as their source, templates, comments that stay comments."""
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import wrap
@@ -120,18 +120,21 @@ def filled(template: str, **told: Any) -> str:
     return text.rstrip() + "\n"
 
 
-def _tested(exported: ExportedShip, language: Language) -> Iterator[tuple[str, int, str, str]]:
+def _tested(
+    exported: ExportedShip, language: Language, sizes: Mapping[str, str]
+) -> Iterator[tuple[str, int, str, str]]:
     """How a state is measured against the data: the size, its bit, the ends."""
-    turned = language.called("angle", "state[2]", "state[3]")
-    sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
     for name, (bit, low, high) in ends_of_data(exported.ship.model, BEYOND).items():
         size = language.called("abs", sizes[name]) if name.startswith("abs") else sizes[name]
         yield size, bit, language.literal(low), language.literal(high)
 
 
 def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:
+    turned = language.called("angle", "state[2]", "state[3]")
+    sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
+    measured = told.get("sizes", sizes)
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
              "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
-             "tested": tuple(_tested(exported, language))}  # fmt: skip
+             "tested": tuple(_tested(exported, language, measured))}  # fmt: skip
     return filled(template, **{**alike, **told})

@@ -8,11 +8,16 @@ from functools import partial
 from importlib.metadata import version
 from io import BytesIO
 
+from narrows.codegen.choices import COUNTED, LENGTH
+from narrows.codegen.free_motion import INPUTS, OPEN
+from narrows.codegen.linearisation import LINEARISED
+from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import C, CTranslation, c_block
 from narrows.codegen.printers.javascript import JavaScriptTranslation
-from narrows.codegen.printers.language import JavaScript, PythonFile
+from narrows.codegen.printers.language import JavaScript, Matlab, PythonFile
 from narrows.codegen.printers.python import PlainSource
-from narrows.export.exported_ship import ExportedShip
+from narrows.export.exported_ship import ExportedNumber, ExportedShip
+from narrows.export.fmu_variables import HEADING
 from narrows.export.rendering import (
     FATES,
     bodies_of,
@@ -23,6 +28,7 @@ from narrows.export.rendering import (
     translated,
     water_of,
 )
+from narrows.simulation.departure import voyage_defaults
 
 
 def c_text(exported: ExportedShip) -> str:
@@ -31,6 +37,14 @@ def c_text(exported: ExportedShip) -> str:
     return rendered(
         "model.h.j2", exported, language, f=bodies, water=water_of(exported, language),
         **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
+    )  # fmt: skip
+
+
+def cpp_text(exported: ExportedShip) -> str:
+    """Return the C of a ship with a class around it."""
+    return rendered(
+        "model.hpp.j2", exported, C(exported.prefix), c=c_text(exported), fates=FATES,
+        counted=COUNTED in exported.portable.kept, between_banks=exported.ship.shape != OPEN,
     )  # fmt: skip
 
 
@@ -91,3 +105,35 @@ def _constants_of(functions: list[ast.FunctionDef], source: PlainSource) -> dict
     """The constants of the modules that functions ask for."""
     asked = {one.id for function in functions for one in ast.walk(function) if isinstance(one, ast.Name)}
     return {name: source.constants[name] for name in sorted(asked & set(source.constants))}
+
+
+def matlab_text(exported: ExportedShip) -> str:
+    """Return the rates of a ship as a function of MATLAB, in the order of states that MSS has."""
+    language, portable = Matlab(), exported.portable
+    order = ("u", "v", "r", "x", "y", "psi", *portable.gear)
+    where = {name: f"x({number})" for number, name in enumerate(order, 1)}
+    for angle in ("psi", *(actuator.name for actuator in portable.geared)):
+        where |= {f"{function}_{angle}": language.called(function, where[angle]) for function in ("cos", "sin")}
+    # Orders first, as in MSS.
+    inputs = sorted(zip(portable.inputs, exported.inputs, strict=True), key=lambda pair: pair[0] in INPUTS.values())
+    where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
+    where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}
+    motion, gear = portable.continuous[:2]
+    asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked}]
+    where |= {name: name for name in asked}
+    rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *portable.gear)}
+    targets = list(rates.values())
+    lines = [
+        *language.body(motion, targets[: len(LINEARISED)], where),
+        *language.body(gear, targets[len(LINEARISED) :], where),
+    ]
+    known = dict(zip(exported.constants, exported.programs["constants"].results, strict=True))
+    constants = Program.of(Lines(list(exported.programs["constants"].assignments)), [known[name] for name in asked])
+    states = {one.name: one for one in exported.state}
+    return rendered(
+        "model.m.j2", exported, language, lines=lines, inputs=[one for _, one in inputs],
+        states=[states.get(name, ExportedNumber("psi", 0.0, "rad", HEADING)) for name in order],
+        parameters=[one for one in exported.parameters if one.name in constants.asked],
+        constants=language.body(constants, asked, {name: name for name in constants.asked}),
+        sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)"},
+    )  # fmt: skip

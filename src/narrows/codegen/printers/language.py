@@ -82,7 +82,10 @@ class CSharp(Language):
 class Matlab(Language):
     """MATLAB and Octave, of arrays element by element."""
 
-    LIBRARY: ClassVar = {"sine": "sin", "cosine": "cos"}
+    TAKEN = frozenset({
+        "x", "ui", "xdot", "U", "beyond", "i", "j", "pi", "eps", "end", "for", "if", "while", "function", "otherwise",
+    })  # fmt: skip
+    LIBRARY: ClassVar = {"sine": "sin", "cosine": "cos", "minimum": "min", "maximum": "max", "whole": "fix"}
 
     def doprint(self, expression: Expr) -> str:
         return re.sub(r"([*/])", r".\1", super().doprint(expression))

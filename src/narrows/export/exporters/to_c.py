@@ -28,7 +28,7 @@ def write_c(
     model : Model
         The ship in its canal.
     path : str or Path
-        Where to, as in ``ship.h``.
+        Where to: ``.h``, or ``.hpp`` for the same with a class of C++ around it.
     waterway : Waterway, optional
         Where it sails instead of the model's own canal; its table goes into the file, and a caller may give another.
     surge : str
@@ -47,10 +47,11 @@ def write_c(
         Where the model lacks what its equations need, the ship does not fit the waterway, or the file cannot be
         written.
     """
-    from narrows.export.ship_files import c_text
+    from narrows.export.ship_files import c_text, cpp_text
 
     form_of(path, EXPORTER.suffixes)
-    write_whole(path, c_text(ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)))
+    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)
+    write_whole(path, cpp_text(ship) if Path(path).suffix == ".hpp" else c_text(ship))
 
 
-EXPORTER = Exporter("c", "a header of C99 and C++", (".h",), write_c)
+EXPORTER = Exporter("c", "a header of C99 and C++, or one with a class", (".h", ".hpp"), write_c)
