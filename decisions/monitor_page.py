@@ -23,11 +23,11 @@ from narrows.warning.monitoring.demonstration import LINE, demonstration
 from narrows.warning.page.bridge_page import BridgePage
 from narrows.warning.page.page_updates import packed, update_of
 
-SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}
+SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "old": (1024, 768), "phone": (390, 844)}
 PALETTES = ("day", "dusk", "night")
-MOMENTS = ("clear", "caution", "warning", "alarm")
+MOMENTS = ("clear", "caution", "warning", "alarm", "emergency alarm")
 """Of the demonstration, by the status that the page has some seconds after it came."""
-HELD, USUAL_SPEED, SETTLED, DPI = 5, 4.0, 400, 110
+HELD, USUAL_SPEED, SETTLED, DPI = 2, 4.0, 400, 110
 
 
 def figure() -> Figure:

@@ -31,7 +31,7 @@ class FiltersAbreast:
         recursion = self.filter.recursion
         self.spread, self.size = recursion.moving, len(self.filter.states)
         self.whole = self.size + self.filter.estimated
-        self.lanes = ShipLanes(self.filter.ship, self.filter.states, count * (1 + 2 * self.whole))
+        self.lanes = ShipLanes(self.filter.ship, self.filter.states, count * (1 + 2 * self.whole), self.filter.waterway)
         self.noise = recursion._walk.T @ recursion._walk
         points = Columns(np.eye(self.whole), self.filter.states)
         sensors = self.filter.sensors.values()

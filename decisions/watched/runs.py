@@ -1,4 +1,4 @@
-"""Transits with what every predictor foretells of them, some at a time, kept so that a run can go on."""
+"""Transits with what every predictor forecasts of them, kept so that a run can go on; people who act on an alert."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -6,50 +6,99 @@ from pathlib import Path
 import numpy as np
 
 from narrows.estimation import Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.warning.forecasting.escapes import escape_numbers
 from watched.filters import FiltersAbreast, readings_of
 from watched.forecasts import COLUMNS, ForecastsAbreast
-from watched.truths import DURATION, Physics, Transits, modelled
+from watched.truths import DURATION, LENGTH, Hands, Physics, Ships, departing, modelled, waterway
 
 SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
-ABREAST, MEMBERS = 100, 128
-FROM, EVERY, AFTERWARDS = 60, 2, 120
-"""From when on it is foretold, between two forecasts, and how long it is seen what becomes of a ship at the end [s]."""
+ABREAST, MEMBERS = 128, 96
+FROM, EVERY, BEFORE, ESCAPED = 120, 2, 300, 180
+"""From when on it is forecast, between two forecasts; what is looked at before a contact and after an alert [s]."""
+STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder", "order", "t")
 Run = dict[str, np.ndarray]
 
 
 def watched(physics: Physics, seed: int, count: int = ABREAST, members: int = MEMBERS) -> Run:
-    """Transits of ships, and what is foretold of them, (times, ships)."""
-    estimator, random = Estimator(modelled(), SENSORS), np.random.default_rng(seed + 1)
-    ships, filters = Transits(physics, count, seed), FiltersAbreast(estimator, count)
+    """Transits of ships, and what is forecast of them, (times, ships)."""
+    estimator = Estimator(modelled(), SENSORS, waterway=waterway())
+    random, ships = np.random.default_rng(seed + 1), departing(physics, count, seed)
+    hands, filters = Hands(ships), FiltersAbreast(estimator, count)
     forecasts, before, told = ForecastsAbreast(estimator, count, members), ships.indicated, []
+    seen = np.zeros((DURATION, 5, count), np.float32)
+    states = np.zeros((DURATION, len(STATE), count), np.float32)
     for t in range(DURATION):
         readings, now = readings_of(estimator, {**ships.state, "psi": ships.psi}, random), ships.indicated
         if t:
             filters.update(readings, before, now)
         else:
             filters.begin(readings, np.arange(count))
+        seen[t] = forecasts.observe(filters.mean, now)
         if t >= FROM and (t - FROM) % EVERY == 0:
             told.append(forecasts.columns(filters.normal(), now, ships.alive))
-        before = now
-        ships.step(t)
-    for t in range(DURATION, DURATION + AFTERWARDS):
-        ships.step(t)
+        before, states[t] = now, np.stack([ships.state[name] for name in STATE])
+        hands.steer(t)
+        ships.step()
     columns = {name: np.array([row[name] for row in told], np.float32) for name in COLUMNS}
-    return {**columns, "struck": ships.contact, "least": ships.least, "upset": ships.upset, "when": ships.when}
+    met = np.flatnonzero(~ships.alive)
+    last = np.clip(ships.contact[met].astype(int)[:, None] - np.arange(BEFORE, 0, -1), 0, DURATION - 1)
+    history = states[last, :, met[:, None]]
+    outcome = {"struck": ships.contact, "least": ships.least, "lapse": ships.own["lapse"], "kind": ships.own["kind"]}
+    return {
+        **columns,
+        **outcome,
+        "when": ships.own["when"],
+        "met": met,
+        "history": history,
+        "seen": seen,
+        "hand": ships.own["hand"],
+    }
 
 
-def kept_runs(physics: Physics, number: int, transits: range, folder: Path | None) -> Iterator[Run]:
-    """Transits of a kind, by their numbers; those that are kept in the folder are not sailed again."""
-    for part in range(transits.start // ABREAST, transits.stop // ABREAST):
-        path = folder / f"{number}-{part:03d}.npz" if folder else None
+def averted(physics: Physics, seed: int, run: Run, met: np.ndarray, acts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whether ships (places among those that met a bank) stay clear if somebody acts at a time, and by how much [m].
+
+    A person acts on the true state by the escape, an order a second, while everything else goes
+    on as it did; who would act after the contact averts nothing.
+    """
+    which = run["met"][met]
+    since = (acts - (run["struck"][which] - BEFORE)).astype(int)
+    tries = np.flatnonzero((since < BEFORE) & np.isfinite(acts))
+    clear, left = np.zeros(len(met), bool), np.zeros(len(met))
+    if not len(tries):
+        return clear, left
+    rows = run["history"][met[tries], np.maximum(since[tries], 0)].astype(float)
+    state = dict(zip(STATE, rows.T, strict=True))
+    start = np.where(since[tries] < 0, run["struck"][which[tries]] - BEFORE, acts[tries])
+    ships = departing(physics, len(run["struck"]), seed).taken(which[tries], state, start, seed + 2)
+    limit = ships.model.configuration.gear.limit
+    law = escape_numbers(0.0, LENGTH, limit)
+    for _ in range(ESCAPED):
+        _escape(ships, law, limit)
+        ships.step()
+    clear[tries], left[tries] = ships.alive, np.where(ships.alive, ships.least, 0.0)
+    return clear, left
+
+
+def _escape(ships: Ships, law: dict[str, float], limit: float) -> None:
+    state = ships.state
+    course = np.clip((law["line"] - state["y"]) * law["reach"], -law["approach"], law["approach"])
+    turn = (state["r"] - ships.bend * state["u"]) * law["by_r"] / np.maximum(state["u"], 0.1)
+    state["order"] = np.clip(-law["by_psi"] * (ships.psi - course) - turn, -limit, limit)
+
+
+def kept_runs(physics: Physics, number: int, parts: range, folder: Path | None) -> Iterator[tuple[int, Run]]:
+    """Runs of a kind with their seeds; those that are kept in the folder are not sailed again."""
+    for part in parts:
+        path, seed = folder / f"{number}-{part:03d}.npz" if folder else None, 1000 * number + part
         if path and path.exists():
             with np.load(path) as kept:
-                yield dict(kept)
+                yield seed, dict(kept)
             continue
-        run = watched(physics, 1000 * number + part)
+        run = watched(physics, seed)
         if path:
             path.parent.mkdir(parents=True, exist_ok=True)
             unfinished = path.with_suffix(".part.npz")
             np.savez_compressed(unfinished, **run)
             unfinished.rename(path)
-        yield run
+        yield seed, run

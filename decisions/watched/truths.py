@@ -1,7 +1,8 @@
-"""What ships do in truth: transits of eight minutes by people who steer, and of whom half let go of the helm once."""
+"""What ships do in truth: an hour on a canal with bends and narrows, hands of several kinds, and lapses at the helm."""
 
+from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -12,46 +13,49 @@ import narrows as nw
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
 from narrows.identification.conditions import bundled_ship
+from narrows.ship.cross_section import half_swept
 from narrows.simulation.controllers import Asked
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.terms.tables import table_named
-from narrows.warning.forecasting.forecaster import BridgePredictor
+from narrows.waterway import Bank, Centreline
+from narrows.waterway.waterway import Waterway
 
-SPEED, DURATION, DT = 4.5, 480, 1.0
+SPEED, DURATION, DT = 4.5, 3600, 1.0
 LENGTH, WIDTH, DEPTH = 230.0, 300.0, 16.2
-LINES = np.arange(-60.0, 61.0, 20.0)
+LINES = np.arange(-40.0, 41.0, 20.0)
 """That ships are held on [m]."""
-CHANGES, ORDERS = 120, 10
-"""When half of them are brought 20 m to a side [s], and between two orders of the helm."""
-AREA, LEVER, WIND, GUST = 6000.0, 15.0, 14.0, 60
-"""Of the ship above water [m2], of the wind forward of midship [m]; fastest wind [m/s], and how long it blows [s]."""
+EPOCH = 720
+"""Between two lines or speeds of a ship [s]."""
+BENDS = ((3000.0, 4500.0, 5000.0), (7500.0, 9000.0, -4000.0), (12000.0, 13500.0, 6000.0))
+"""From, to [m], radius to starboard [m]."""
+NARROWS = ((0.0, 150.0), (5400.0, 150.0), (5700.0, 130.0), (6700.0, 130.0), (7000.0, 150.0), (10000.0, 165.0),
+           (11400.0, 165.0), (11800.0, 145.0), (30000.0, 145.0))  # fmt: skip
+"""Half the width along the way [m]."""
+AREA, LEVER, WIND, GUST, BLOWS = 6000.0, 15.0, 14.0, 60.0, 4
+"""Of the ship above water [m2], of the wind forward of midship [m]; fastest wind [m/s], how long [s], how often."""
+MEETING, MEETINGS, MEETING_LEVER = 45.0, 3, 30.0
+"""How long another ship is felt [s], how often, and how far off midship [m]."""
 STRENGTH, CURRENT, BIAS = 0.15, 0.3, np.radians(0.5)
 """Standard deviations: of the banks' strength, the current along [m/s], and the rudder's indicator."""
+HANDS = {"steady": (0, 10, 1.0), "late": (4, 12, 1.0), "over-steering": (3, 8, 1.7), "change-over": (0, 10, 1.0)}
+"""Hands: from what is seen to the order, between two orders [s], and times the regulator's move."""
+OTHER_HANDS = {"slow": (5, 20, 0.7), "nervous": (2, 5, 2.0)}
+LAPSES = ("forgotten", "wrong order", "strong bank")
 
 
 @dataclass(frozen=True)
 class Physics:
-    """What the ships are, that the warning takes for another.
+    """What the ships are, that the warning takes for another."""
 
-    Parameters
-    ----------
-    words : str
-        For the table.
-    form : str
-        Of the bank's terms: ``as modelled``, or ``distance``.
-    spread : float
-        Times the standard deviations of the coefficients.
-    depth : float [m]
-        Of the water.
-    """
-
-    words: str
-    form: str = "as modelled"
-    spread: float = 1.0
-    depth: float = DEPTH
+    words: str  # For the table
+    form: str = "as modelled"  # Of the bank's terms: ``as modelled``, or ``distance``
+    spread: float = 1.0  # Times the standard deviations of the coefficients
+    depth: float = DEPTH  # Of the water [m]
+    shear: float = 0.0  # Of the current: how much it changes along the way [m/s]
+    other_hands: bool = False  # Whether hands are of kinds that chose no threshold
 
 
 @cache
@@ -89,55 +93,61 @@ def _other_form(known: nw.Model) -> nw.Model:
     return replace(bare.with_coefficients(**scales), covariance=covariance)
 
 
-@dataclass
-class Transits:
-    """Ships on their way, a lane each.
+@cache
+def waterway() -> Waterway:
+    """The canal."""
+    s = np.arange(0.0, 22001.0, 20.0)
+    bend = sum(np.where((s >= first) & (s < last), 1.0 / radius, 0.0) for first, last, radius in BENDS)
+    heading = np.cumsum(20.0 * bend)
+    line = Centreline(np.cumsum(20.0 * np.stack([np.sin(heading), np.cos(heading)], axis=1), axis=0))
+    at, half = np.array(NARROWS).T
+    at = np.minimum(at, line.length)
+    ends = np.array([0.0, line.length])
+    return Waterway(line, Bank("starboard", at, half), Bank("port", at, half), (ends, np.full(2, DEPTH)), name="canal")
+
+
+class Ships:
+    """Ships on their way, a lane each, each with a clock of its own.
 
     Parameters
     ----------
-    physics : Physics
-        What they are.
-    count, seed : int
-        How many, and of all that is drawn.
+    model : Model
+        The ship as it is, before its coefficients are drawn.
+    own : mapping
+        Columns of what each ship has of its own.
+    state : mapping
+        Columns of the state.
+    t : (ships,) [s]
+        Clocks.
+    seed : int
+        Of what disturbs them.
     """
 
-    physics: Physics
-    count: int
-    seed: int
-    state: dict[str, np.ndarray] = field(init=False)
-
-    def __post_init__(self) -> None:
-        model, n = true_model(self.physics), self.count
-        self.random = draw = np.random.default_rng(self.seed)
-        self.coefficients = {name: np.array(one) for name, one in sampled(model, n, self.seed).items()}
-        self.banks = [term.name for term in model.terms.terms if term.from_bank]
-        first = draw.choice(LINES, n)
-        self.lines = first, np.clip(first + draw.choice([-20.0, 0.0, 20.0], n), LINES[0], LINES[-1])
-        self.upset = np.arange(n) % 2 == 0
-        self.when, self.lasts = draw.uniform(180, 300, n), draw.uniform(60, 150, n)
-        self.size, self.away = draw.uniform(0.5, 3.0, n), draw.uniform(0, 120, n)
-        self.blows = draw.uniform(60, 400, n)
-        self.gust = nw.wind_force(1.0, AREA) * draw.uniform(0, WIND, n) ** 2 * draw.choice([-1, 1], n)
-        self.strength = 1 + STRENGTH * draw.standard_normal(n)
-        self.current, self.bias = (size * draw.standard_normal(n) for size in (CURRENT, BIAS))
-        self.contact, self.least = np.full(n, np.inf), np.full(n, np.inf)
-        self._helms = [helm(line) for line in self.lines]
-        self._memory: Mapping[str, Any] = {}
-        self._begin(SimulatedShip(model, "held"))
-
-    def _begin(self, ship: SimulatedShip) -> None:
-        n, line = self.count, self._helms[0].lines[0]
-        psi = line.psi + BIAS * self.random.standard_normal(n)
-        columns = {"x": 0.0, "y": line.y, "u": SPEED, "v": line.v, "r": 0.0, "t": 0.0, "rudder": line.rudder}
-        columns |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
-        self.state = {name: np.full(n, column, float) for name, column in columns.items()}
-        self.order, self.ship, each = self.state["rudder"].copy(), ship, np.zeros(n)
-        run = KernelRun(ship, DT, DT, steering=steering_of(Asked(), ship.actuators))
-        values = {**self.state, **self.coefficients, "psi": each, "X": each, "Y": each, "N": each, "push_end": np.inf}
-        self._sailing = run.prepared({**values, PARAMETER("order"): each}, n, 1)
-        self._constants = run._system({**values, PARAMETER("order"): each}).constants
+    def __init__(
+        self, model: nw.Model, own: Mapping[str, np.ndarray], state: Mapping[str, np.ndarray], t: np.ndarray, seed: int
+    ) -> None:
+        self.model, self.own, self.state, self.t = model, dict(own), dict(state), np.array(t, float)
+        self.random, self.count = np.random.default_rng(seed), len(self.t)
+        self.contact, self.least = np.full(self.count, np.inf), np.full(self.count, np.inf)
+        self.ship = ship = SimulatedShip(model, "held")
+        run = KernelRun(ship, DT, DT, steering=steering_of(Asked(), ship.actuators), waterway=waterway())
+        values = {**self.state, **self.coefficients, "psi": 0.0, "push_end": np.inf, PARAMETER("order"): self.order}
+        values |= dict.fromkeys("XYN", np.zeros(self.count))
+        self._sailing = run.prepared(values, self.count, 1)
+        self._constants = run._system(values).constants
         self._inputs = {name: place for place, name in enumerate(self._sailing.kernel.VESSEL_INPUTS)}
         self._values, self._walks = ship.values(), ProcessNoise.of_length(LENGTH).by_state()
+        self.banks = [term.name for term in model.terms.terms if term.from_bank]
+
+    @property
+    def coefficients(self) -> dict[str, np.ndarray]:
+        """Each ship's own."""
+        return {name: self.own[name] for name in self.model.terms.names}
+
+    @property
+    def order(self) -> np.ndarray:
+        """Rudders that are ordered."""
+        return self.state["order"]
 
     @property
     def alive(self) -> np.ndarray:
@@ -152,54 +162,158 @@ class Transits:
     @property
     def indicated(self) -> np.ndarray:
         """The rudder as the bridge sees it."""
-        return self.state["rudder"] - self.bias
+        return self.state["rudder"] - self.own["bias"]
 
-    def step(self, t: int) -> None:
+    @property
+    def epoch(self) -> np.ndarray:
+        """Which of its lines and speeds each ship has."""
+        return np.minimum(self.t // EPOCH, self.own["lines"].shape[1] - 1).astype(int)
+
+    @property
+    def bend(self) -> np.ndarray:
+        """Curvature of the line at each ship."""
+        return bend_at(self.state["x"])
+
+    def step(self) -> None:
         """Sail a second."""
-        self._steer(t)
-        self._load(t)
+        self._load()
         self._sailing()
         hit = (self._sailing.codes[:, 0] != 0) & self.alive
-        self.contact[hit] = t + DT
+        self.contact[hit] = self.t[hit] + DT
         going = self.alive
         for name, column in zip(self._sailing.kernel.KEPT_NAMES, self._sailing.end.T, strict=True):
             if name in self.state and name != "t":
                 self.state[name] = np.where(going, column, self.state[name])
         for name in ("u", "v", "r"):
-            self.state[name] += self._walks[name] * self.random.standard_normal(self.count) * going
-        self.state["x"] += self.current * DT * going
+            self.state[name] = self.state[name] + self._walks[name] * self.random.standard_normal(self.count) * going
+        wanted = self.own["speeds"][np.arange(self.count), self.epoch]
+        self.state["u"] = self.state["u"] + np.clip(wanted - self.state["u"], -0.005, 0.005) * going
+        self._drift(going)
+        self.t += DT
         self.least = np.where(going, np.minimum(self.least, self.clearance()), self.least)
+
+    def _drift(self, going: np.ndarray) -> None:
+        current = self.own["current"] + self.own["shear"] * np.sin(self.state["x"] / 500.0)
+        gone = current * DT * going
+        psi = self.psi - self.bend * gone
+        self.state["x"] = self.state["x"] + gone
+        self.state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
 
     def clearance(self) -> Any:
         """Of the hull's corners to the banks [m]."""
-        hull, state = self.ship.model.configuration.ship, self.state
-        return BridgePredictor(hull, WIDTH / 2, state["y"], self.psi, state["u"], state["v"], state["r"]).now
+        width = np.interp(self.state["x"], *np.array(NARROWS).T)
+        return width - np.abs(self.state["y"]) - half_swept(self.model.configuration.ship, self.psi)
 
-    def _steer(self, t: int) -> None:
-        if t % ORDERS:
-            return
-        law = self._helms[int(t > CHANGES)]
-        ship, gear = self.state, self.ship.model.configuration.gear
-        at = {**ship, **law.parameters(), "psi": self.psi, "t": float(t), "dt": float(ORDERS), "current": 0.0}
-        at |= {"rudder_limit": gear.limit, "rudder_rate": gear.rate, "water": lambda name, x: np.zeros(np.shape(x))}
-        memory = self._memory or law.memory(at)
-        orders, after = law.orders(SimpleNamespace(**{**at, **memory}))
-        hands = ~(self.upset & (t >= self.when) & (t < self.when + self.away))
-        self.order = np.where(hands, orders["rudder"], self.order)
-        self._memory = {name: np.where(hands, value, memory[name]) for name, value in after.items()}
-
-    def _load(self, t: int) -> None:
-        sailing, inputs, blows = self._sailing, self._inputs, (t >= self.blows) & (t < self.blows + GUST)
-        acts = self.upset & (t >= self.when) & (t < self.when + self.lasts)
-        strength = self.strength + self.size * acts
-        banks = {name: strength * self.coefficients[name] for name in self.banks}
-        columns = {PARAMETER("order"): self.order, "Y_in": self.gust * blows, "N_in": LEVER * self.gust * blows}
+    def _load(self) -> None:
+        sailing, inputs, own = self._sailing, self._inputs, self.own
+        acts = (self.t >= own["when"]) & (self.t < own["when"] + own["bank lasts"])
+        strength = own["strength"] + own["bank grows"] * acts
+        force, moment = self._pushes()
+        banks = {name: strength * self.own[name] for name in self.banks}
+        columns = {PARAMETER("order"): self.order, "Y_in": force, "N_in": moment}
         columns |= self._constants({**self._values, **self.coefficients, **banks})
         for name, column in columns.items():
             if name in inputs:
                 sailing.vessel_inputs[:, inputs[name]] = column
         for place, name in enumerate(sailing.kernel.KEPT_NAMES):
             sailing.start[:, place] = self.state.get(name, 0.0)
+
+    def _pushes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of gusts, and of ships that pass: a push and then a pull."""
+        since = self.t[:, None] - self.own["blows"]
+        wind = (self.own["gusts"] * ((since >= 0) & (since < GUST))).sum(axis=1)
+        since = self.t[:, None] - self.own["meets"]
+        meets = (since >= 0) & (since < MEETING)
+        push = (self.own["passing"] * meets * np.where(since < MEETING / 2, 1.0, -1.0)).sum(axis=1)
+        return wind + push, LEVER * wind + MEETING_LEVER * push
+
+    def taken(self, ships: np.ndarray, state: Mapping[str, np.ndarray], t: np.ndarray, seed: int) -> "Ships":
+        """The same ships (several times, perhaps) in states at times."""
+        return Ships(self.model, {name: column[ships] for name, column in self.own.items()}, state, t, seed)
+
+
+@cache
+def _bend_table() -> tuple[np.ndarray, np.ndarray]:
+    s = np.arange(0.0, 22001.0, 10.0)
+    return s, sum(np.where((s >= first) & (s < last), 1.0 / radius, 0.0) for first, last, radius in BENDS)
+
+
+def bend_at(x: np.ndarray) -> np.ndarray:
+    """Curvature of the line [1/m]."""
+    return np.interp(x, *_bend_table())
+
+
+def departing(physics: Physics, count: int, seed: int) -> Ships:
+    """Ships at the beginning of the hour, an even number: those of even numbers have a lapse at the helm."""
+    model, draw, n = true_model(physics), np.random.default_rng(seed), count
+    lines = draw.choice(LINES, (n, DURATION // EPOCH + 1))
+    held = [_held_lines()[y] for y in lines[:, 0].tolist()]
+    lapse, kind = np.arange(n) % 2 == 0, draw.choice(len(LAPSES), n, p=(0.5, 0.25, 0.25))
+    push = float(nw.wind_force(1.0, AREA))
+    surge = lapse & ((kind == 2) | (draw.random(n) < 0.5))
+    hands = np.array([*(OTHER_HANDS if physics.other_hands else HANDS).values()])
+    hand = draw.integers(0, len(hands), n)
+    own = {name: np.array(one) for name, one in sampled(model, n, seed).items()} | {
+        "lines": lines, "speeds": SPEED + draw.uniform(-0.7, 0.5, lines.shape), "lapse": lapse, "kind": kind,
+        "when": np.where(lapse, draw.uniform(400, 3200, n), np.inf), "bank lasts": draw.uniform(60, 150, n),
+        "bank grows": np.where(surge, draw.uniform(0.5, 3.0, n), 0.0),
+        "away": np.where(kind == 0, draw.uniform(45, 180, n), np.where(kind == 1, draw.uniform(30, 90, n), 0.0)),
+        "wrong": np.radians(draw.uniform(8, 27, n)) * draw.choice([-1, 1], n), "hand": hand,
+        "gusts": push * draw.uniform(0, WIND, (n, BLOWS)) ** 2 * draw.choice([-1, 1], (n, BLOWS)),
+        "blows": draw.uniform(60, DURATION, (n, BLOWS)), "meets": draw.uniform(200, DURATION, (n, MEETINGS)),
+        "passing": push * draw.uniform(4, 10, (n, MEETINGS)) ** 2 * draw.choice([-1, 1], (n, MEETINGS)),
+        "strength": 1 + STRENGTH * draw.standard_normal(n), "shear": np.full(n, physics.shear),
+        "current": CURRENT * draw.standard_normal(n), "bias": BIAS * draw.standard_normal(n),
+        "delay": hands[hand, 0], "interval": hands[hand, 1], "boldness": hands[hand, 2],
+        "changes": (hand == 3) & ~np.array(physics.other_hands),
+    }  # fmt: skip
+    psi = np.array([one.psi for one in held]) + 0.005 * draw.standard_normal(n)
+    state = {"x": np.full(n, 200.0), "y": lines[:, 0], "u": own["speeds"][:, 0], "r": np.zeros(n), "t": np.zeros(n)}
+    state |= {"v": np.array([one.v for one in held]), "rudder": np.array([one.rudder for one in held])}
+    state |= {"order": state["rudder"].copy(), "cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
+    return Ships(model, own, state, np.zeros(n), seed + 1)
+
+
+class Hands:
+    """Who steers: the regulator of the ship as modelled, as a hand of its kind gives its orders; or nobody."""
+
+    def __init__(self, ships: Ships) -> None:
+        self.ships, self._seen = ships, deque[dict[str, np.ndarray]](maxlen=16)
+        self._helms = [helm(ships.own["lines"][:, k]) for k in range(ships.own["lines"].shape[1])]
+        self._memory: Mapping[str, Any] = {}
+
+    def steer(self, t: int) -> None:
+        """Give the orders of a second."""
+        ships, own = self.ships, self.ships.own
+        self._seen.append({**ships.state, "psi": ships.psi})
+        since = t - own["when"]
+        away = (since >= 0) & (since < own["away"])
+        changing = own["changes"] & (t % 900 >= 870)
+        wrong = (since >= 0) & (since < DT) & (own["kind"] == 1)
+        due = (t % own["interval"] == 0) & ~away & ~changing
+        if due.any():
+            self._order(t, due)
+        ships.state["order"] = np.where(wrong, own["wrong"], ships.order)
+
+    def _order(self, t: int, due: np.ndarray) -> None:
+        ships, gear = self.ships, self.ships.model.configuration.gear
+        law = self._helms[int(ships.epoch[0])]
+        back = len(self._seen) - 1 - np.minimum(ships.own["delay"].astype(int), len(self._seen) - 1)
+        rows = np.arange(ships.count)
+        seen = {name: np.stack([one[name] for one in self._seen])[back, rows] for name in self._seen[-1]}
+        at = {**seen, **law.parameters(), "rudder": ships.state["rudder"], "t": float(t), "dt": ships.own["interval"]}
+        at |= {
+            "current": 0.0,
+            "rudder_limit": gear.limit,
+            "rudder_rate": gear.rate,
+            "water": lambda name, x: bend_at(x),
+        }
+        memory = self._memory or law.memory(at)
+        orders, after = law.orders(SimpleNamespace(**{**at, **memory}))
+        move = (orders["rudder"] - ships.state["rudder"]) * ships.own["boldness"]
+        wanted = np.clip(ships.state["rudder"] + move, -gear.limit, gear.limit)
+        ships.state["order"] = np.where(due, wanted, ships.order)
+        self._memory = {name: np.where(due, value, memory[name]) for name, value in after.items()}
 
 
 @cache

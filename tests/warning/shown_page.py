@@ -16,17 +16,17 @@ from narrows.estimation.estimate import Estimate
 from narrows.estimation.states import StateNames
 from narrows.estimation.unscented import Gaussian
 from narrows.warning.alerts.alert import BANKS, AlertDesk, Condition, Priority, Situation
-from narrows.warning.forecasting.forecast import CASES, BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.future_lanes import FAN_MEMBERS, TIMES, PredictedFan
+from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
 from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
 from narrows.warning.page.bridge_page import BridgePage
 
 BANK = BANKS["starboard"]
-ALARM = {BANK: Condition(Priority.ALARM, "Bank to starboard in 60 s: last chance in 14 s")}
+ALARM = {BANK: Condition(Priority.ALARM, "14 s to act: bank to starboard. Hard to port, then steady")}
 HANDSHAKE = (
     "GET {path} HTTP/1.1\r\nHost: {host}\r\n{more}Upgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
 )
+FAN_MEMBERS = 32
 STATES = ("x", "y", "psi", "u", "v", "r")
 SHIP = nw.Ship(name="A ship", length=230.0, beam=32.2, draft=10.8, block_coefficient=0.65)
 NOW = {"x": 3200.0, "y": 60.0, "psi": 0.05, "u": 4.2, "v": 0.0, "r": 0.001}
@@ -37,20 +37,24 @@ def estimate(t: float, now: Mapping[str, float] | None = NOW) -> Estimate:
     return Estimate(t, StateNames(STATES), normal, now is not None, {})
 
 
-def forecast(contact: float = math.inf, last_chance: float = math.inf) -> BankForecast:
-    side, share = ("starboard", 0.4) if math.isfinite(contact) else ("", 0.0)
-    cases = {case.name: CaseForecast(case.name, share, share / 2, contact, side) for case in CASES}
-    return BankForecast(0.0, cases, LikelyRun(contact, side, last_chance, False), contact, 0.1, -0.3, math.radians(35))
+def forecast(contact: float = math.inf, last_chance: float = math.inf, unattended: float = 0.4) -> BankForecast:
+    side = "starboard" if math.isfinite(contact) else ""
+    escape = Escape("then steady parallel to the bank", math.radians(-35), math.radians(35), 21.0)
+    likely = LikelyRun(contact, side, last_chance)
+    chances = 0.0, 0.1, unattended, 0.2, 0.3
+    return BankForecast(
+        0.0, likely, last_chance, *chances, escape, contact, 0.1, -0.3, math.radians(35), tracks()
+    )  # fmt: skip
 
 
-def fan(status: BridgeStatus) -> PredictedFan:
+def tracks() -> Tracks:
     """Straight on, a little apart."""
-    times, now = np.array(TIMES), status.estimate.values
+    times, now = np.arange(5.0, 121.0, 5.0), NOW
     off = np.linspace(-0.3, 0.3, FAN_MEMBERS)[:, None]
     x, ones = now["x"] + now["u"] * times, np.ones(len(times))
-    tracks = np.stack([x * np.ones_like(off), now["y"] + off * times, now["psi"] + 0 * off * times], axis=-1)
+    fan = np.stack([x * np.ones_like(off), now["y"] + off * times, now["psi"] + 0 * off * times], axis=-1)
     likely = np.stack([x, now["y"] * ones, now["psi"] * ones], axis=-1)
-    return PredictedFan(times, tracks, likely, likely)
+    return Tracks(times, fan, likely, likely.copy())
 
 
 class Watched:
@@ -58,7 +62,7 @@ class Watched:
 
     def __init__(self) -> None:
         self.model, self.waterway = SimpleNamespace(configuration=SimpleNamespace(ship=SHIP)), canal()
-        self.desk, self.t, self.fan = AlertDesk(), 0.0, fan
+        self.desk, self.t = AlertDesk(), 0.0
 
     def status(
         self, told: BankForecast | None = None, now: Mapping[str, float] | None = NOW,

@@ -36,7 +36,7 @@ from narrows.warning.alerts.alert import (
 )
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt, notifications
-from narrows.warning.forecasting.forecast import AS_IS, PILOT_NOW, BankForecast, CaseForecast, LikelyRun
+from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
 
 SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:2018
 REPEAT_AFTER = 60.0  # [s] after which an alert that nobody acknowledges sounds anew
@@ -187,12 +187,9 @@ def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
     assert [alert.state for alert in desk.alerts] == [AlertState.ACKNOWLEDGED, AlertState.RECTIFIED]
 
 
-def forecast(now: float = 0.0, contact: float = math.inf, chance: float = math.inf, curved: float = math.inf):
-    cases = {
-        AS_IS: CaseForecast(AS_IS, 0.0, 0.0, 50.0, "port"), PILOT_NOW: CaseForecast(PILOT_NOW, now, now, 50.0, "port")
-    }  # fmt: skip
-    run = LikelyRun(contact, "port", max(chance, 0.0), chance < 0.0)
-    return BankForecast(0.0, cases, run, curved, 0.0, 0.1, 0.6)
+def forecast(left: float = math.inf, unattended: float = 1.0, gone: bool = False) -> BankForecast:
+    escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(50.0, "port", -1.0 if gone else 10.0)
+    return BankForecast(0.0, likely, left, 0.0, 0.0, unattended, 0.0, 0.0, escape, 50.0, 0.0, 0.1, 0.6)
 
 
 USUAL = Thresholds()
@@ -201,37 +198,35 @@ USUAL = Thresholds()
 @pytest.mark.parametrize(
     ("told", "level"),
     [
-        ({}, Priority.NONE), ({"now": USUAL.caution}, Priority.CAUTION), ({"contact": 110.0}, Priority.NONE),
-        ({"contact": 10.0 / USUAL.caution}, Priority.CAUTION), ({"curved": 10.0 / USUAL.caution}, Priority.CAUTION),
-        ({"now": USUAL.warning}, Priority.WARNING), ({"now": 0.9 * USUAL.warning, "curved": 60.0}, Priority.WARNING),
-        ({"now": 0.5, "contact": 9.9 / (USUAL.alarm - 0.5)}, Priority.ALARM),
-        ({"contact": 35.0, "chance": -1.0, "now": 1.0}, Priority.ALARM),
-        ({"contact": 25.0, "chance": -1.0}, Priority.EMERGENCY_ALARM), ({"contact": 5.0}, Priority.ALARM),
+        ({}, Priority.NONE), ({"left": 60.1}, Priority.NONE), ({"left": 60.0}, Priority.CAUTION),
+        ({"left": 30.0}, Priority.WARNING), ({"left": 15.0}, Priority.ALARM), ({"left": -1.0}, Priority.ALARM),
+        ({"left": -1.0, "gone": True}, Priority.EMERGENCY_ALARM),
     ],
 )  # fmt: skip
-def test_one_number_tells_how_urgent_it_is(told: dict[str, float], level: Priority) -> None:
+def test_the_time_that_is_left_to_act_makes_the_level(told: dict[str, float], level: Priority) -> None:
+    """A minute, 30 s, 15 s."""
     assert Thresholds().level(forecast(**told)) is level
 
 
 def test_nothing_chatters_at_a_threshold() -> None:
-    """A chance that jumps over a threshold and back every second, for ten minutes: one warning."""
+    """A time that jumps over a threshold and back every second, for ten minutes: one warning."""
     level, said = BankLevel(USUAL), []
     for t in range(600):
-        said.append(level.update(float(t), forecast(now=USUAL.warning + (0.02 if t % 5 else -0.02))))
-    assert sum(a is not b for a, b in pairwise(said)) == 1
-    below = [level.update(600.0 + t, forecast(now=0.05)) for t in range(20)]
-    assert below.index(Priority.NONE) == LOWER_DELAY
+        said.append(level.update(float(t), forecast(USUAL.warning + (-0.5 if t % 5 else 0.5))))
     assert said.index(Priority.WARNING) >= RAISE_DELAY
+    assert sum(a is not b for a, b in pairwise(said)) <= 2
+    below = [level.update(600.0 + t, forecast()) for t in range(20)]
+    assert below.index(Priority.NONE) == LOWER_DELAY
 
 
-def test_an_emergency_waits_for_nothing_and_a_spike_is_none() -> None:
+def test_a_spike_is_no_alert() -> None:
     level = BankLevel(Thresholds())
-    assert level.update(0.0, forecast(now=0.9)) is Priority.NONE
-    assert level.update(1.0, forecast()) is Priority.NONE
-    assert level.update(2.0, forecast(contact=10.0, chance=-1.0)) is Priority.EMERGENCY_ALARM
+    assert [level.update(float(t), forecast(*left)) for t, left in enumerate([(1.0,), (), (1.0,), ()])] == [
+        Priority.NONE
+    ] * 4
 
 
-@pytest.mark.parametrize("wrong", [{"caution": 0.0}, {"warning": 0.05}, {"alarm": math.nan}, {"emergency": -1.0}])
+@pytest.mark.parametrize("wrong", [{"caution": 20.0}, {"warning": 70.0}, {"alarm": math.nan}])
 def test_thresholds_that_are_none_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(nw.InputError, match=next(iter(wrong))):
         Thresholds(**wrong)

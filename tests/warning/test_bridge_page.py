@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import socket
 from collections.abc import Iterator
 from http.client import HTTPConnection
@@ -64,17 +65,28 @@ def test_a_doubt_is_told_beside_the_headline() -> None:
 
 
 def test_nothing_is_clear_while_a_last_chance_or_a_contact_comes() -> None:
-    words = [Watched().status(forecast(*told)).word for told in ((), (100.0, 46.0), (100.0,))]
-    assert words == ["clear", "watch", "watch"]
+    words = [Watched().status(forecast(*told)).word for told in ((), (100.0, 46.0))]
+    assert words == ["clear", "watch"]
 
 
 def test_water_to_both_sides_is_that_of_geometry() -> None:
     """Along the line, by hand; at a heading, the corners reach further to both sides alike."""
     room = clearances(SHIP, canal(), estimate(0.0, dict.fromkeys("xyurv", 0.0) | {"x": 800.0, "y": 40.0, "psi": 0.0}))
-    assert room == pytest.approx((150.0 + 40.0 - 16.1, 150.0 - 40.0 - 16.1))
+    assert room[:2] == pytest.approx((150.0 + 40.0 - 16.1, 150.0 - 40.0 - 16.1))
     turned = clearances(SHIP, canal(), estimate(0.0, dict.fromkeys("xyurv", 0.0) | {"x": 800.0, "y": 40.0, "psi": 0.2}))
     assert turned.port - room.port == pytest.approx(turned.starboard - room.starboard)
     assert turned.port < room.port - 20.0
+
+
+def test_bow_and_stern_have_their_own_water_and_speed() -> None:
+    """By hand: a ship at a heading of 0.1 that turns; the bow is 11.5 m nearer to starboard and goes there faster."""
+    now = {"x": 800.0, "y": 40.0, "psi": 0.1, "u": 4.0, "v": 0.2, "r": 0.002}
+    room, reach = clearances(SHIP, canal(), estimate(0.0, now)), 115.0 * math.sin(0.1)
+    for end, place in ((room.bow, 1), (room.stern, -1)):
+        assert end.starboard == pytest.approx(150.0 - 40.0 - place * reach - 16.1 * math.cos(0.1), abs=1e-6)
+        assert end.port == pytest.approx(150.0 + 40.0 + place * reach - 16.1 * math.cos(0.1), abs=1e-6)
+        across = 4.0 * math.sin(0.1) + (0.2 + place * 115.0 * 0.002) * math.cos(0.1)
+        assert end.speed == pytest.approx(across)
 
 
 def test_the_scene_lies_in_the_canal() -> None:
@@ -93,11 +105,10 @@ def test_the_scene_lies_in_the_canal() -> None:
 def test_what_diverges_is_not_drawn() -> None:
     monitored = Watched()
     status = monitored.status(forecast())
-    tracks = monitored.fan(status)
-    tracks.members[3, 5:] = np.nan
-    monitored.fan = lambda status: tracks
+    tracks = status.forecast.tracks
+    tracks.fan[3, 5:] = np.nan
     assert len(update_of(monitored, status, 0.0)["scene"]["fan"]["members"]) == FAN_MEMBERS - 1
-    tracks.likely[-1] = np.inf
+    tracks.as_is[-1] = np.inf
     assert update_of(monitored, status, 0.0)["scene"]["fan"] is None
 
 

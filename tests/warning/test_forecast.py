@@ -10,52 +10,50 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
 from narrows.estimation import Estimator
-from narrows.simulation.controllers import SwitchedLaw
-from narrows.warning.forecasting.forecast import AS_IS, CASES, LIKELY, BankForecast
-from narrows.warning.forecasting.forecaster import Forecaster, Members, rudder_needed
+from narrows.warning.forecasting.escapes import LineOfSight, escape_numbers
+from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, rudder_needed
+from narrows.warning.forecasting.future_lanes import Case
+from narrows.warning.forecasting.helmsman import Helmsmen
 
 FAN_MEMBERS = 32  # ships of the fan
 
-MEMBERS = 40
 STATE = ("x", "y", "psi", "u", "v", "r")
 
 
 @cache
 def forecaster(coefficients: str = "considered") -> Forecaster:
-    return Forecaster(estimator(coefficients), members=MEMBERS)
+    return Forecaster(estimator(coefficients), members=40, escaping=40)
+
+
+def nobody_yet() -> Helmsmen:
+    return Helmsmen(1, ship().configuration.ship.length)
 
 
 def forecast(y: float, psi: float = 0.0, rudder: float = 0.0) -> BankForecast:
-    return forecaster()(estimate(y, psi), {"rudder": rudder})
+    return forecaster()(estimate(y, psi), {"rudder": rudder}, nobody_yet())
 
 
-def sailed(state: dict[str, float], model: nw.Model, case: object, rudder: float) -> nw.Outcome:
+class Law(LineOfSight):
+    """The law with the numbers of one future."""
+
+    def __init__(self, numbers: dict[str, float]) -> None:
+        super().__init__()
+        object.__setattr__(self, "numbers", numbers)
+
+    def parameters(self) -> dict[str, float]:
+        return self.numbers
+
+
+def sailed(state: dict[str, float], model: nw.Model, case: Case, rudder: float, current: float, t: float) -> nw.Voyage:
     """The same future as one voyage."""
-    side = math.copysign(model.configuration.gear.limit, case.hard_over) if case.hard_over else rudder
-    pilot = nw.control.regulator(ship(), 0.0, SPEED, waterway=canal(), at=800.0)
-    law = SwitchedLaw(pilot, side, case.taken_over)
+    length, limit = model.configuration.ship.length, model.configuration.gear.limit
+    numbers = {**escape_numbers(0.0, length, limit), "since": case.since, "ordered": rudder}
+    numbers["by_r"] = numbers["by_r"] / state["u"]
     told = {name: state[name] for name in STATE}
-    options = {"waterway": canal(), "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}
-    return nw.simulate(model, **told, duration=case.duration, **options).outcome
-
-
-def test_the_fan_is_where_voyages_go() -> None:
-    """The most likely one each ten seconds, as it is and with a pilot, by the plain engine; members lie about it."""
-    now, one = estimate(60.0, 0.02), forecaster()
-    one(now, {"rudder": 0.02})
-    fan, state = one.fan(now, {"rudder": 0.02}), now.values
-    model = by_bank(state["bank"], dict(ship().coefficients))
-    pilot, rudder = nw.control.regulator(ship(), 0.0, SPEED, waterway=canal(), at=800.0), 0.02 + state["rudder_bias"]
-    for track, taken_over in ((fan.likely, 1e9), (fan.pilot, 0.0)):
-        law = SwitchedLaw(pilot, rudder, taken_over)
-        told = {name: state[name] for name in STATE}
-        water = canal().with_water(current=state["current"])
-        options = {"waterway": water, "controller": law, "rudder": rudder, "dt": 2.5, "contact": "corners"}
-        voyage = nw.simulate(model, **told, duration=60.0, **options)
-        sailed = np.stack([np.interp(fan.times[:6], voyage.t, voyage[name]) for name in ("x", "y", "psi")], axis=1)
-        np.testing.assert_allclose(track[:6], sailed, atol=1e-3)
-    assert fan.members.shape == (FAN_MEMBERS, 12, 3)
-    np.testing.assert_allclose(fan.members[:, 2].mean(axis=0), fan.likely[2], atol=2.0)
+    water = canal().with_water(current=current)
+    options = {"waterway": water, "controller": Law(numbers), "rudder": rudder, "dt": 2.5, "contact": "corners"}
+    return nw.simulate(model, **told, duration=t, **options)
 
 
 def by_bank(bank: float, coefficients: dict[str, float]) -> nw.Model:
@@ -63,32 +61,48 @@ def by_bank(bank: float, coefficients: dict[str, float]) -> nw.Model:
     return replace(ship(), coefficients={**coefficients, **banks})
 
 
+def test_the_tracks_are_where_voyages_go() -> None:
+    """The most likely ship each five seconds, as it is and by the escape, by the plain engine; samples lie about it."""
+    now = estimate(60.0, 0.02)
+    tracks, state = forecaster()(now, {"rudder": 0.02}, nobody_yet()).tracks, now.values
+    model, rudder = by_bank(state["bank"], dict(ship().coefficients)), 0.02 + state["rudder_bias"]
+    for track, since in ((tracks.as_is, 1e9), (tracks.escape, 0.0)):
+        voyage = sailed(state, model, Case(60.0, since), rudder, state["current"], 60.0)
+        plain = np.stack([np.interp(tracks.times[:12], voyage.t, voyage[name]) for name in ("x", "y", "psi")], axis=1)
+        np.testing.assert_allclose(track[:12], plain, atol=2e-3)
+    assert tracks.fan.shape == (FAN_MEMBERS, 12, 3)
+    np.testing.assert_allclose(tracks.fan[:, 2].mean(axis=0), tracks.as_is[5], atol=2.0)
+
+
 @pytest.mark.parametrize("coefficients", ["considered", "estimated"])
 def test_every_lane_is_a_voyage(coefficients: str) -> None:
-    """Of eight members and of the most likely run, in every case: one after the other by the plain engine."""
+    """Of some samples, in every kind of future: one after the other by the plain engine."""
     now, one, met = estimate(100.0, 0.16, coefficients=coefficients), forecaster(coefficients), 0
-    one(now, {"rudder": 0.02})
-    drawn = one._members.drawn(now), one._members.likely(now)
-    ends = one._lanes([one._ships(ships, 0.02) for ships in drawn])
-    for ships, end, cases in zip(drawn, ends, (CASES, LIKELY), strict=True):
-        for k in range(min(len(ships.states), 6)):
-            state = dict(zip(now.states.names, ships.states[k], strict=True))
-            model = by_bank(state["bank"], dict(zip(ship().terms.names, ships.coefficients[k], strict=True)))
-            for number, case in list(enumerate(cases))[:: len(cases) // 8]:
-                outcome = sailed(state, model, case, 0.02 + state["rudder_bias"])
-                hit = outcome.kind in ("grounded", "left validity")
-                assert np.isfinite(end.contact[number, k]) == hit, (k, case)
-                if outcome.kind == "grounded":
-                    assert end.contact[number, k] == pytest.approx(outcome.time, abs=2.5)  # a step
-                    assert (end.side[number, k] > 0) == (outcome.side == "starboard")
-                met += hit
-    assert met > 8
+    one(now, {"rudder": 0.02}, nobody_yet())
+    drawn, law = one.escaping.drawn(now.joint.mean[None], now.joint.root[None]), nobody_yet().law(np.array([SPEED]))
+    ships = one.samples(drawn, np.array([0.02]), law, one.escaping.count)
+    likely = one.samples(one.members.likely(now.joint.mean[None]), np.array([0.02]), law, 1)
+    members = one.samples(one.members.drawn(now.joint.mean[None], now.joint.root[None]), np.array([0.02]), law, 40)
+    _, ends, _ = one._lanes([members, ships, likely], now.values["current"])
+    cases = one._lanes.blocks[1].cases
+    for k in range(4):
+        state = dict(zip(now.states.names, drawn.states[k], strict=True))
+        model = by_bank(state["bank"], dict(zip(ship().terms.names, drawn.coefficients[k], strict=True)))
+        for number, case in list(enumerate(cases))[::3]:
+            rudder = 0.02 + state["rudder_bias"]
+            outcome = sailed(state, model, case, rudder, now.values["current"], case.duration).outcome
+            hit = outcome.kind in ("grounded", "left validity")
+            assert np.isfinite(ends.contact[number, k]) == hit, (k, case)
+            if outcome.kind == "grounded":
+                assert ends.contact[number, k] == pytest.approx(outcome.time, abs=2.5)  # a step
+            met += hit
+    assert met > 4
 
 
 @pytest.mark.parametrize("coefficients", ["considered", "estimated", "certain"])
 def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
     now = estimate(60.0, 0.02, coefficients=coefficients)
-    drawn = Members(estimator(coefficients).filter, 16000, 0).drawn(now)
+    drawn = Members(estimator(coefficients).filter, 16000, 0).drawn(now.joint.mean[None], now.joint.root[None])
     np.testing.assert_allclose(drawn.states.mean(axis=0), now.normal.mean, rtol=1e-9, atol=1e-12)
     size = np.sqrt(np.diag(now.covariance))
     off = (np.cov(drawn.states.T) - now.covariance) / np.outer(size, size)
@@ -100,30 +114,49 @@ def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
 
 def test_in_the_middle_nothing_is_met_and_towards_a_bank_everything() -> None:
     calm, lost = forecast(0.0), forecast(100.0, 0.3, 0.5)
-    assert calm.as_it_is.soon == calm.pilot_now.probability == 0.0
-    assert calm.likely.last_chance == calm.likely.contact == math.inf
-    assert not calm.likely.gone
-    assert lost.as_it_is.soon > 0.9
+    assert calm.soon == calm.nobody == 0.0
+    assert calm.last_chance == calm.likely.contact == math.inf
+    assert lost.soon > 0.9
+    assert lost.gone
     assert lost.likely.gone
-    assert lost.likely.side == lost.as_it_is.side == "starboard"
+    assert lost.side == "starboard"
     assert lost.likely.contact < 60.0
-    assert "last chance gone" in lost.summary()
-    assert lost.to_dict()["cases"][AS_IS]["soon"] == lost.as_it_is.soon
+    assert "last chance gone" in lost.words()
+    assert lost.escape.words().startswith("Hard to port, then")
+    assert lost.to_dict()["escape"]["words"] == lost.escape.words()
     assert "no chance of grounding" in lost.notes[0]
 
 
-def test_the_sooner_a_pilot_takes_over_the_better() -> None:
+def test_the_number_comes_first_and_a_sentence_of_forty_letters_has_it() -> None:
     told = forecast(40.0, 0.2, 0.5)
-    shares = [told.cases[case.name].probability for case in CASES[1:8]]
-    assert shares == sorted(shares)
-    assert 0.0 < shares[-1]
-    assert told.cases["hard to starboard"].probability > told.cases["hard to port"].probability
+    assert 0.0 < told.last_chance < 60.0
+    assert told.words()[:40].startswith(f"{told.last_chance:.0f} s to act: bank to starboard")
 
 
-def test_the_last_chance_lies_before_the_contact() -> None:
-    told = forecast(40.0, 0.3, 0.5)
-    assert not told.likely.gone
-    assert 0.0 < told.likely.last_chance < told.likely.contact
+def test_the_later_somebody_acts_the_more_samples_are_lost() -> None:
+    near, far = (forecast(40.0, psi, 0.5) for psi in (0.3, 0.2))
+    assert near.last_chance < far.last_chance
+    assert near.failing > far.failing
+    assert near.escape.clearance < far.escape.clearance
+
+
+def test_the_last_chance_lies_before_the_contact_and_that_of_the_likely_ship_later() -> None:
+    told = forecast(40.0, 0.2, 0.5)
+    assert told.last_chance <= told.likely.last_chance < told.likely.contact
+
+
+def test_a_last_chance_is_where_rising_shares_cross() -> None:
+    times, shares = np.array([0.0, 10.0, 20.0]), np.array([[0.0, 0.0, 0.1], [0.2, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    np.testing.assert_allclose(crossing(times, shares, 0.05), [15.0, -1.0, math.inf])
+
+
+def test_a_gear_that_is_slower_leaves_less_time() -> None:
+    """The gear as it is: at a quarter of its rate the last chance comes earlier."""
+    gear = replace(ship().configuration.gear, rate_deg=0.6)
+    slow = replace(ship(), configuration=replace(ship().configuration, gear=gear))
+    one = Forecaster(Estimator(slow, SENSORS, waterway=canal()), members=40, escaping=40)
+    now = estimate(40.0, 0.2)
+    assert one(now, {"rudder": 0.5}, nobody_yet()).last_chance < forecast(40.0, 0.2, 0.5).last_chance - 5.0
 
 
 @pytest.mark.parametrize("x", [800.0, 4500.0])
@@ -136,9 +169,21 @@ def test_the_rudder_that_is_needed_is_that_of_the_steady_course(x: float) -> Non
     assert rudder_needed(estimator().filter.ship, canal(), {**at, "y": 140.0}, {}) == math.inf
 
 
-def test_the_margin_is_what_the_gear_has_left() -> None:
-    told = forecast(40.0)
-    assert told.rudder_margin == pytest.approx(ship().configuration.gear.limit - abs(told.rudder_needed))
+def steered(seconds: int, lapse: int | None, gain: float = 1.2) -> Helmsmen:
+    """A hand that answers a swinging heading every 8 s, and from a time on leaves the rudder where it is."""
+    one, rudder = Helmsmen(1, 230.0), 0.0
+    for t in range(seconds):
+        psi = 0.05 * math.sin(2 * math.pi * t / 90.0)
+        if t % 8 == 0 and (lapse is None or t < lapse):
+            rudder = -gain * psi
+        one.update(*(np.array([value]) for value in (0.0, psi, 0.0, SPEED, rudder)))
+    return one
+
+
+def test_a_hand_at_work_is_seen_and_so_is_a_rudder_that_is_forgotten() -> None:
+    assert steered(600, None).unattended[0] < 0.05
+    assert steered(600, 540).unattended[0] > 0.5
+    assert steered(600, 540).law(np.array([SPEED]))["by_psi"][0] == pytest.approx(1.2, rel=0.4)
 
 
 def test_what_cannot_be_forecast_is_said() -> None:
@@ -147,5 +192,5 @@ def test_what_cannot_be_forecast_is_said() -> None:
     with pytest.raises(nw.InputError, match="members = 1: give a whole number from 2"):
         Forecaster(estimator(), members=1)
     fresh = Estimator(ship(), SENSORS, waterway=canal())
-    with pytest.raises(nw.InputError, match="nothing known of this ship yet"):
-        forecaster()(fresh.update(0.0, {"gyro": 0.0}), {})
+    with pytest.raises(nw.InputError, match="nothing is known of this ship yet"):
+        forecaster()(fresh.update(0.0, {"gyro": 0.0}), {}, nobody_yet())

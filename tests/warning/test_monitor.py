@@ -33,7 +33,7 @@ def test_a_calm_ship_is_clear_and_its_state_is_known() -> None:
     assert last.estimate["y"] == pytest.approx(0.0, abs=1.0)
     assert last.clearance == pytest.approx(150.0 - ship().configuration.ship.beam / 2, abs=3.0)
     assert last.line().split()[0] == "clear"
-    assert last.to_dict()["forecast"]["cases"]["pilot now"]["probability"] == 0.0
+    assert last.to_dict()["forecast"]["nobody"] == 0.0
 
 
 def test_a_ship_on_its_way_into_a_bank_is_an_emergency() -> None:
@@ -100,7 +100,7 @@ def test_an_alarm_is_not_over_because_the_monitor_was_started_anew(tmp_path: Pat
 
 
 def test_a_forecast_that_fails_or_is_late_is_not_available() -> None:
-    def fails(estimate: object, positions: object) -> BankForecast:
+    def fails(*asked: object) -> BankForecast:
         raise nw.InputError("no pilot holds it")
 
     one = monitor()

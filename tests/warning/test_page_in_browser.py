@@ -10,7 +10,7 @@ from browsers import chromium
 from narrows.warning.alerts.alert import NO_FORECAST, SHIP_OR_WATER, Condition, Priority
 from narrows.warning.page.bridge_page import BridgePage
 
-SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "phone": (390, 844)}
+SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "old": (1024, 768), "phone": (390, 844)}
 URGENT = {**ALARM, SHIP_OR_WATER: Condition(Priority.CAUTION, "Beyond the data: speed 4.2 m/s.")}
 
 
@@ -86,11 +86,13 @@ def test_it_fits_the_screen_with_all_that_matters(page: Any, pulse: Pulse, size:
     assert page.evaluate(inside, ".readout, .alerts")
     said = {
         "headline": URGENT[BANK].text, "caveats": "Beyond the data: speed 4.2 m/s.", "chance": "14 s",
-        "contact": "60 s", "contact-side": "to starboard", "soon": "20 %", "pilot": "40 %", "rudder": "S 6°",
-        "needed": "P 17° of 35°", "port": "188 m", "starboard": "68 m", "speed": "8.2 kn", "turn": "S 3.4°/min",
+        "contact": "60 s", "contact-side": "to starboard", "unattended": "40 %", "rudder": "S 6°",
+        "escape": "Hard to port, then steady parallel to the bank", "leaves": "leaves 21 m",
+        "bow-port": "200 m", "bow-starboard": "68 m", "stern-starboard": "80 m", "bow-starboard-speed": "▼ 0.3 m/s",
+        "speed": "8.2 kn", "turn": "S 3.4°/min",
     }  # fmt: skip
     assert {name: page.inner_text(f"#{name}") for name in said} == said
-    for name in ("headline", "caveats", "port", "starboard"):
+    for name in ("headline", "caveats", "chance", "escape"):
         box = page.locator(f"#{name}").bounding_box()
         assert 0 <= box["x"]
         assert box["x"] + box["width"] <= width
@@ -132,7 +134,7 @@ def test_what_is_not_available_is_never_green(page: Any, pulse: Pulse) -> None:
     say(pulse, page, "Not available", now=None, conditions=silent)
     assert page.evaluate("getComputedStyle(document.querySelector('h1')).color") != clear
     assert background(page) == "rgb(91, 102, 112)"
-    assert page.inner_text("#chance") == page.inner_text("#port") == "–"
+    assert page.inner_text("#chance") == page.inner_text("#bow-port") == "–"
     assert page.is_visible("#nowhere")
     assert "No heading for 11 s" in page.inner_text("#alerts").replace("no heading", "No heading")
 

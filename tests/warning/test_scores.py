@@ -1,9 +1,6 @@
 """Scores of warnings: spells of alerts beside the level that says them, predictors beside geometry."""
 
 import math
-import re
-from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,62 +8,29 @@ import pytest
 from transit import ship
 
 from narrows.warning.alerts.alert import BankLevel, Priority, Thresholds
-from narrows.warning.forecasting.forecast import (
-    AS_IS,
-    PILOT_NOW,
-    BankForecast,
-    CaseForecast,
-    LikelyRun,
-    urgency_of,
-)
+from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
 from narrows.warning.forecasting.forecaster import BridgePredictor
 from narrows.warning.monitoring.bridge_status import clearances
-from narrows.warning.transit_scores import (
-    ScoredTransit,
-    TransitScorer,
-    highest_held,
-    lead_times,
-    score_transits,
-    standing_since,
-)
+from narrows.warning.transit_scores import PREDICTORS, ScoredTransit, TransitScorer, alert_spells, score_transits
 
 HALF, SPEED = 150.0, 4.5
+STILL = dict.fromkeys(("x", "y", "psi", "u", "v", "r"), 0.0)
 
 
-def told(urgency: float) -> BankForecast:
-    cases = {name: CaseForecast(name, urgency, 0.0, math.inf, "") for name in (AS_IS, PILOT_NOW)}
-    return BankForecast(0.0, cases, LikelyRun(math.inf, "", math.inf, False), math.inf, 0.0, 0.0, 0.6)
-
-
-def test_the_docs_say_the_usual_thresholds() -> None:
-    page = (Path(__file__).parent.parent.parent / "docs" / "warning.md").read_text(encoding="utf-8")
-    usual = Thresholds()
-    told = dict(re.findall(r"^\| (\w+) \| urgency ([0-9.]+): ", page, re.MULTILINE))
-    assert told == {name: f"{getattr(usual, name)}" for name in ("caution", "warning", "alarm")}
+def told(left: float, curved: float = math.inf) -> BankForecast:
+    escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(math.inf, "", left)
+    return BankForecast(0.0, likely, left, 0.0, 0.0, 1.0, 0.0, 0.0, escape, curved, 0.0, 0.0, 0.6)
 
 
 @pytest.mark.parametrize("every", [1.0, 2.0])
 def test_an_alert_stands_where_the_level_says_it(every: float) -> None:
     """Of urgencies that wander about the threshold: the same seconds as of the level of the monitor."""
-    walk = np.cumsum(np.random.default_rng(3).normal(0.0, 0.15, (400, 5)), axis=0)
+    walk = np.cumsum(np.random.default_rng(3).normal(0.0, 0.15, 400))
     t, urgency = every * np.arange(400.0), 1.0 + np.abs(walk) % 1.0 - 0.6
-    since = standing_since(t, urgency)
-    for ship_number in range(5):
-        level = BankLevel(Thresholds(1.0, math.inf, math.inf))
-        said = [level.update(now, told(float(u))) for now, u in zip(t, urgency[:, ship_number], strict=True)]
-        np.testing.assert_array_equal(np.isfinite(since[:, ship_number]), np.array(said) == Priority.CAUTION)
-        raised = highest_held(t, urgency[:, [ship_number]], np.array([math.inf])) >= 1.0
-        assert raised == (Priority.CAUTION in said)
-
-
-def test_a_lead_counts_from_the_alert_that_stands_at_the_contact() -> None:
-    t = np.arange(100.0)
-    urgency = np.zeros((100, 3))
-    urgency[10:30, 0], urgency[60:, 0] = 2.0, 2.0  # An alert that went, and another.
-    urgency[10:30, 1] = 2.0  # One that went before.
-    urgency[40:, 2], urgency[55:60, 2] = 2.0, 0.0  # One that fell silent for less than it is kept.
-    leads = lead_times(t, standing_since(t, urgency), np.array([90.0, 90.0, 90.0]))
-    np.testing.assert_allclose(leads, [90.0 - 62.0, 0.0, 90.0 - 42.0])
+    level = BankLevel(Thresholds(60.0, 1e-6, 1e-6))
+    said = [level.update(now, told(60.0 / u)) > Priority.NONE for now, u in zip(t, urgency, strict=True)]
+    stands = [any(start <= now < end for start, end in alert_spells(t, urgency)) for now in t]
+    assert stands == said
 
 
 def beside(y: float, psi: float, r: float = 0.0, v: float = 0.0, bend: float = 0.0) -> BridgePredictor:
@@ -93,50 +57,43 @@ def test_the_curved_track_is_a_circle() -> None:
     assert beside(0.0, 0.0, r=SPEED / 2000.0, bend=1 / 2000.0).curved_contact(120.0)[0] == math.inf
 
 
-def test_urgency_is_a_chance_and_times_to_contact() -> None:
-    """10 s are as urgent as a certain contact with a pilot; times below 1 s are no more urgent than that."""
-    assert urgency_of(0.2, 20.0, math.inf) == pytest.approx(0.7)
-    assert urgency_of(0.0, 40.0, 10.0) == pytest.approx(1.25)
-    assert urgency_of(0.0, 0.5, math.inf) == pytest.approx(10.0)
-
-
 def transit(name: str, urgent: list[tuple[int, int]], clearance: float) -> ScoredTransit:
-    """100 s with an urgency of 1 in some of them for all predictors, and a clearance that falls from 60 s on."""
-    t = np.arange(100.0)
-    urgencies = np.zeros((100, 7))
+    """400 s with an urgency of 1 in some of them for all predictors, a clearance that falls at 360 s, a last chance."""
+    t = np.arange(400.0)
+    urgencies = np.zeros((400, len(PREDICTORS)))
     for start, end in urgent:
         urgencies[start:end] = 1.0
-    return ScoredTransit(name, t, urgencies, np.where(t >= 60.0, clearance, 50.0))
+    return ScoredTransit(name, t, urgencies, np.where(t >= 360.0, clearance, 50.0), 350.0 - t)
 
 
 def test_scores_are_those_counted_by_hand() -> None:
-    """An alert stands after 2 s, so 48 s before the contact at 60 s, or 9 s, which is less than the 20 s needed."""
-    silent = ScoredTransit("silent", np.arange(3.0), np.full((3, 7), math.nan), np.full(3, 50.0))
+    """An alert stands after 2 s; so 18 s before the last chance goes, or 8 s, which is less than the 10 s needed."""
+    silent = ScoredTransit(
+        "silent", np.arange(3.0), np.full((3, len(PREDICTORS)), math.nan), np.full(3, 50.0), np.ones(3)
+    )
     scores = score_transits([
-        transit("early", [(10, 100)], 4.9), transit("late", [(49, 100)], 4.9), transit("near", [(5, 20)], 5.1),
-        transit("near and calm", [], 20.0), transit("in vain", [(5, 20)], 20.1), transit("spike", [(5, 7)], 30.0),
-        transit("calm", [], 30.0), silent,
+        transit("early", [(330, 400)], 4.9), transit("late", [(340, 400)], 4.9), transit("long before", [(5, 20)], 4.9),
+        transit("in vain", [(5, 20), (100, 120)], 20.1), transit("spike", [(5, 7)], 30.0), silent,
     ])  # fmt: skip
-    assert (scores.contacts, scores.near, scores.quiet, scores.unknown) == (2, 2, 3, ("silent",))
-    assert scores.leads == {"early": (48.0,) * 7, "late": (9.0,) * 7}
+    assert (scores.contacts, scores.clear, scores.unknown) == (3, 2, ("silent",))
+    assert scores.hours == pytest.approx((3 * 360 + 2 * 399) / 3600)
+    assert scores.left == {name: (left,) * 5 for name, left in (("early", 18.0), ("late", 8.0), ("long before", 0.0))}
     for row in scores.rows:
-        assert (row.missed, row.lead, row.false, row.near) == (1, 28.5, 1, 1)
+        assert (row.in_time, row.left) == (1, 8.0)
+        assert row.false == pytest.approx(300.0 / scores.hours)
 
 
 def test_predictors_count_in_their_own_thresholds() -> None:
-    """Distance 25 m, curved track 50 s, one run 60 s, chance 0.85, and the levels 0.38, 0.69 and 0.91."""
-    forecast = replace(told(0.17), likely=LikelyRun(40.0, "port", math.inf, False), curved=25.0)
-    status = SimpleNamespace(t=7.0, clearance=50.0, estimate=SimpleNamespace(ready=True), forecast=forecast)
+    """Distance 20 m, curved track 40 s, and the levels 60, 30 and 15 s."""
+    ready = SimpleNamespace(ready=True)
     scorer = TransitScorer("one", Thresholds())
-    scorer.add(status)
+    scorer.add(SimpleNamespace(t=7.0, clearance=50.0, estimate=ready, forecast=told(20.0, 25.0)))
     scorer.add(SimpleNamespace(t=9.0, clearance=10.0, estimate=SimpleNamespace(ready=False), forecast=None))
     scored = scorer.transit()
-    urgency = 0.17 + 10 / 40 + 10 / 25
-    expected = [25 / 50, 50 / 25, 60 / 40, 0.17 / 0.85, urgency / 0.38, urgency / 0.69, urgency / 0.91]
-    np.testing.assert_allclose(scored.urgencies, [expected, [math.nan] * 7])
-    np.testing.assert_array_equal(scored.t, [0.0, 2.0])
-    np.testing.assert_array_equal(scored.clearance, [50.0, math.nan])
-    assert (scored.least, scored.struck(5.0), scored.struck(50.1)) == (50.0, math.inf, 0.0)
+    expected = [20 / 50, 40 / 25, 60 / 20, 30 / 20, 15 / 20]
+    np.testing.assert_allclose(scored.urgencies, [expected, [math.nan] * 5])
+    np.testing.assert_array_equal(scored.last_chance, [20.0, math.nan])
+    assert (scored.contact(5.0), scored.contact(50.1)) == (math.inf, 0.0)
 
 
 def test_clearances_count_from_the_corners_of_the_hull() -> None:
@@ -150,10 +107,10 @@ def test_clearances_count_from_the_corners_of_the_hull() -> None:
     way = SimpleNamespace(room=room, line=SimpleNamespace(length=1000.0))
     hull = SimpleNamespace(length=200.0, beam=30.0, draft=11.0)
     for x in (-5.0, 400.0, 1007.0):
-        now = SimpleNamespace(ready=True, values={"x": x, "y": 12.0, "psi": 0.0})
-        assert clearances(hull, way, now) == pytest.approx((45.0, 25.0))
-    assert asked == [(0.0, 11.0), (400.0, 11.0), (1000.0, 11.0)]
-    turned = SimpleNamespace(ready=True, values={"x": 0.0, "y": 2.0, "psi": math.radians(-30.0)})
+        now = SimpleNamespace(ready=True, values={**STILL, "x": x, "y": 12.0})
+        assert clearances(hull, way, now)[:2] == pytest.approx((45.0, 25.0))
+    assert asked[::3] == [(0.0, 11.0), (400.0, 11.0), (1000.0, 11.0)]
+    turned = SimpleNamespace(ready=True, values={**STILL, "y": 2.0, "psi": math.radians(-30.0)})
     reach = 100.0 * 0.5 + 15.0 * math.sqrt(0.75)
-    assert clearances(hull, way, turned) == pytest.approx((50.0 - reach, 50.0 - reach))
-    assert clearances(hull, way, SimpleNamespace(ready=False)) == (math.inf, math.inf)
+    assert clearances(hull, way, turned)[:2] == pytest.approx((50.0 - reach, 50.0 - reach))
+    assert clearances(hull, way, SimpleNamespace(ready=False))[:2] == (math.inf, math.inf)

@@ -24,7 +24,7 @@ from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransi
 from narrows.warning.transit_scores import PREDICTORS, TransitScorer, score_transits
 
 MISTAKE = (40.0, 120.0)  # [s] in which the demonstration's rudder is wrong
-NEEDED_LEAD = 20.0  # [s] before a contact: a later alert is missed
+NEEDED_TIME = 10.0  # [s] to act
 
 
 def test_recorded_transits_are_scored() -> None:
@@ -37,14 +37,14 @@ def test_recorded_transits_are_scored() -> None:
             scorer.add(status)
         transits.append(scorer.transit())
     scores = score_transits(transits)
-    assert (scores.contacts, scores.near, scores.quiet, scores.unknown) == (1, 0, 1, ("mute",))
+    assert (scores.contacts, scores.clear, scores.unknown) == (1, 1, ("mute",))
     assert all(row.false == 0 for row in scores.rows)
-    leads = dict(zip(PREDICTORS, scores.leads["aground"], strict=True))
-    assert 30.0 > leads["caution"] >= leads["alarm"] > 10.0
-    assert scores.to_dataframe().loc["caution", "missed"] == (leads["caution"] < NEEDED_LEAD)
+    left = dict(zip(PREDICTORS, scores.left["aground"], strict=True))
+    assert left["caution"] >= left["alarm"]
+    assert scores.to_dataframe().loc["caution", "in_time"] == (left["caution"] >= NEEDED_TIME)
     assert "1 transit with a contact" in scores.summary()
     assert any("mute" in note for note in scores.notes)
-    with pytest.raises(nw.InputError, match="cannot tell contacts"):
+    with pytest.raises(nw.InputError, match="does not tell contacts"):
         score_transits(transits, limit=25.0)
 
 

@@ -10,6 +10,7 @@ from narrows.readers.nmea.nmea_hearing import Entry, Hearing
 from narrows.readers.nmea.nmea_lines import sentences
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
@@ -22,7 +23,7 @@ Fault = Callable[[int, Lines], Lines]
 
 @cache
 def forecaster() -> Forecaster:
-    return Forecaster(monitor(shared=False).estimator, members=20)
+    return Forecaster(monitor(shared=False).estimator, members=20, escaping=20)
 
 
 def monitor(shared: bool = True, **options: object) -> BridgeMonitor:
@@ -48,10 +49,10 @@ def ticks(seconds: int, fault: Fault | None = None, **where: float) -> Iterator[
 
 @cache
 def calm_forecast() -> BankForecast:
-    return forecaster()(monitored(ticks(5))[-1].estimate, {"rudder": 0.0})
+    return forecaster()(monitored(ticks(5))[-1].estimate, {"rudder": 0.0}, Helmsmen(1, 230.0))
 
 
-def calm(estimate: object, positions: object) -> BankForecast:
+def calm(estimate: object, positions: object, helmsman: object) -> BankForecast:
     return calm_forecast()
 
 

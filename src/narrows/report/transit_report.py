@@ -24,7 +24,7 @@ TRACK = (
 )
 
 HISTORY = (
-    "Water beside the hull, chances of contact, times to contact and to the last chance of the most likely run, "
+    "Water beside the hull, chances, times to contact and to the last chance, "
     "and the rudder beside the one that holds the ship where it is; shaded where an alert held."
 )
 
@@ -57,8 +57,9 @@ def transit_figure(transit: WatchedTransit) -> Figure:
     told, t = transit.columns, transit.columns["t"]
     curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
         ("water beside\nthe hull [m]", ((told["clearance"], BLUE, "clearance"),)),
-        ("chance of\ncontact [%]", (
-            (100 * told["pilot_now"], BLUE, "a pilot takes over now"), (100 * told["soon"], GREY, "in 60 s, as it is"),
+        ("chance [%]", (
+            (100 * told["nobody"], BLUE, "contact: nobody acts in time"),
+            (100 * told["unattended"], GREY, "nobody at the helm"),
         )),
         ("time [s]", (
             (told["contact"], ORANGE, "to contact, as it is"), (told["last_chance"], BLACK, "to the last chance"),

@@ -1,4 +1,4 @@
-"""Scores of recorded transits: contacts that were missed, how early the others were told, and what was told in vain."""
+"""Scores of recorded transits: how much time was left to act when each predictor warned, and how often in vain."""
 
 import math
 from collections.abc import Sequence
@@ -11,55 +11,69 @@ from narrows.errors import InputError
 from narrows.results import Described
 from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.settings import HYSTERESIS, LOWER_DELAY, NEEDED_LEAD, QUIET_CLEARANCE, RAISE_DELAY, SCORED_CONTACT
+from narrows.warning.settings import (
+    BEFORE_CONTACT,
+    HYSTERESIS,
+    LOWER_DELAY,
+    NEEDED_TIME,
+    QUIET_CLEARANCE,
+    RAISE_DELAY,
+    SCORED_CONTACT,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
+
+# Of predictors that know no model: clearance [m], time to contact on a curved track [s]: decisions/warning_scores.py.
+CLEARANCE, CURVED = 20.0, 40.0
+LEVELS = ("caution", "warning", "alarm")
+PREDICTORS = (f"distance to the bank, {CLEARANCE:g} m", f"curved by the rate of turn, {CURVED:g} s", *LEVELS)
+# Times [s] that are one; water and times that are none.
+SAME, LEAST = 1e-9, 1e-3
 
 
 @dataclass(frozen=True)
 class PredictorScore:
     predictor: str  # With its threshold, or a level of the monitor
-    missed: int  # Contacts before which it did not stand for 20 s
-    lead: float  # Median time that it stood before a contact; NaN without one [s]
-    false: int  # Quiet transits in which it was raised
-    near: int  # Transits that came near, without contact, in which it was raised
+    in_time: int  # Contacts before which it was raised with 10 s left to act
+    left: float  # Median time left to act when it was raised before a contact; NaN without one [s]
+    false: float  # Alerts that no contact followed, in 100 hours
 
 
 @dataclass(frozen=True, repr=False)
 class TransitScores(Described):
-    contacts: int  # Transits by what became of them
-    quiet: int  # Transits by what became of them
-    near: int  # Transits by what became of them
+    contacts: int  # Transits with a contact
+    clear: int  # Transits without one
+    hours: float  # That were watched with a forecast [h]
     limit: float  # Clearance that counts as contact [m]
     rows: tuple[PredictorScore, ...]  # A predictor each
-    leads: dict[str, tuple[float, ...]]  # By transit with a contact: how long each predictor stood before it [s]
-    unknown: tuple[str, ...]  # Transits of which nothing could be foretold
+    left: dict[str, tuple[float, ...]]  # By transit with a contact: time left to act when each predictor was raised [s]
+    unknown: tuple[str, ...]  # Transits without a forecast
 
     @property
     def notes(self) -> tuple[str, ...]:
         rule = (
-            f"A contact is a clearance below {self.limit:g} m as the estimate has it; quiet is what always had more "
-            f"than {QUIET_CLEARANCE:g} m; missed is what stood less than {NEEDED_LEAD:g} s before a contact."
+            f"A contact is a clearance below {self.limit:g} m by the estimate; in time is an alert with "
+            f"{NEEDED_TIME:g} s left to act by the monitor's own forecast; false is one that no contact follows in "
+            f"{BEFORE_CONTACT:g} s."
         )
-        few = ("So few transits tell little: see the intervals in docs/warning.md.",)
-        left = tuple(f"Nothing could be foretold of {name}: it is left out." for name in self.unknown)
-        return (rule, *few, *left)
+        few = ("A few transits determine these numbers poorly: see the intervals in docs/warning.md.",)
+        return (rule, *few, *(f"There was no forecast for {name}: it is left out." for name in self.unknown))
 
     def summary(self) -> str:
         met = f"{self.contacts} {'transit' if self.contacts == 1 else 'transits'} with a contact"
-        lines = [f"{met}, {self.near} that came near, {self.quiet} quiet ones."]
+        lines = [f"{met}, {self.clear} without, {self.hours:.1f} h."]
         for row in self.rows:
-            lead = f", {row.lead:.0f} s before it (median)" if math.isfinite(row.lead) else ""
-            vain = f"in vain in {row.false} of {self.quiet}"
-            lines.append(f"{row.predictor}: missed {row.missed} of {self.contacts}{lead}; {vain}.")
+            left = f", {row.left:.0f} s left to act (median)" if math.isfinite(row.left) else ""
+            in_time = f"in time in {row.in_time} of {self.contacts}"
+            lines.append(f"{row.predictor}: {in_time}{left}; {row.false:.0f} false alerts in 100 h.")
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        counts = {"contacts": self.contacts, "near": self.near, "quiet": self.quiet, "limit": self.limit}
-        leads = {name: dict(zip(PREDICTORS, row, strict=True)) for name, row in self.leads.items()}
+        counts = {"contacts": self.contacts, "clear": self.clear, "hours": self.hours, "limit": self.limit}
+        left = {name: dict(zip(PREDICTORS, row, strict=True)) for name, row in self.left.items()}
         rows = [vars(row) for row in self.rows]
-        return {"summary": self.summary(), **counts, "predictors": rows, "leads": leads, "notes": [*self.notes]}
+        return {"summary": self.summary(), **counts, "predictors": rows, "left": left, "notes": [*self.notes]}
 
     def to_dataframe(self) -> "pd.DataFrame":
         import pandas as pd
@@ -73,13 +87,9 @@ class ScoredTransit:
     t: np.ndarray  # (seconds,) Since the watch began [s]
     urgencies: np.ndarray  # (seconds, predictors) Over their thresholds; NaN without a forecast [1]
     clearance: np.ndarray  # (seconds,) Estimated, to the nearer bank; NaN where unknown [m]
+    last_chance: np.ndarray  # (seconds,) Of the 95 % ship; negative where it is gone [s]
 
-    @property
-    def least(self) -> float:
-        """The least clearance [m]; NaN where it was never known."""
-        return float(np.nanmin(self.clearance)) if np.isfinite(self.clearance).any() else math.nan
-
-    def struck(self, limit: float) -> float:
+    def contact(self, limit: float) -> float:
         """Return when the clearance first was below a limit [s]; infinite where it never was."""
         below = self.clearance < limit
         return float(self.t[below.argmax()]) if below.any() else math.inf
@@ -88,105 +98,75 @@ class ScoredTransit:
 def score_transits(transits: Sequence[ScoredTransit], limit: float = SCORED_CONTACT) -> TransitScores:
     if not 0.0 <= limit < QUIET_CLEARANCE:
         raise InputError(
-            f"a clearance of {limit:g} m cannot tell contacts from quiet transits; give 0 to {QUIET_CLEARANCE:g} m"
+            f"a clearance of {limit:g} m does not tell contacts from quiet transits; give 0 to {QUIET_CLEARANCE:g} m"
         )
     known = [one for one in transits if np.isfinite(one.urgencies).any()]
     unknown = tuple(one.name for one in transits if not np.isfinite(one.urgencies).any())
-    met = [one for one in known if math.isfinite(one.struck(limit))]
-    quiet = [one for one in known if one.least > QUIET_CLEARANCE]
-    near = [one for one in known if one not in met and one not in quiet]
-    leads: dict[str, tuple[float, ...]] = {}
-    for one in met:
-        since, struck = standing_since(one.t, one.urgencies), np.full(len(PREDICTORS), one.struck(limit))
-        leads[one.name] = tuple(lead_times(one.t, since, struck).tolist())
-    told, vain, close = (np.array([*rows]).reshape(-1, len(PREDICTORS)) for rows in (
-        leads.values(), map(_raised, quiet), map(_raised, near)
-    ))  # fmt: skip
+    left: dict[str, tuple[float, ...]] = {}
+    false, seconds = np.zeros(len(PREDICTORS)), 0.0
+    for one in known:
+        met = one.contact(limit)
+        seconds += min(met, float(one.t[-1])) - float(one.t[0])
+        spells = [alert_spells(one.t, column) for column in one.urgencies.T]
+        false += [sum(not 0.0 <= met - start <= BEFORE_CONTACT and start < met for start, _ in own) for own in spells]
+        if math.isfinite(met):
+            left[one.name] = tuple(_left_at(one, met, own) for own in spells)
+    table = np.array([*left.values()]).reshape(-1, len(PREDICTORS))
+    hours = seconds / 3600.0
     rows = tuple(
         PredictorScore(
-            name, int((told[:, k] < NEEDED_LEAD).sum()), float(np.median(told[:, k])) if len(met) else math.nan,
-            int(vain[:, k].sum()), int(close[:, k].sum()),
+            name, int((table[:, k] >= NEEDED_TIME).sum()), float(np.median(table[:, k])) if len(table) else math.nan,
+            float(100.0 * false[k] / hours) if hours else math.nan,
         )
         for k, name in enumerate(PREDICTORS)
     )  # fmt: skip
-    return TransitScores(len(met), len(quiet), len(near), limit, rows, leads, unknown)
+    return TransitScores(len(left), len(known) - len(left), hours, limit, rows, left, unknown)
 
 
-def _raised(one: ScoredTransit) -> np.ndarray:
-    return np.asarray(np.isfinite(standing_since(one.t, one.urgencies)).any(axis=0))
-
-
-# A recorded transit as a score asks for it: what each predictor said in each second, and when it came near.
-# Of predictors beside the package's own, as fitted at 2 % of false alarms: water [m], times to contact [s], chance.
-ROOM, CURVED, ONE_RUN, PILOT = 25.0, 50.0, 60.0, 0.85
-LEVELS = ("caution", "warning", "alarm")
-
-PREDICTORS = (
-    f"distance to the bank, {ROOM:g} m", f"curved by the rate of turn, {CURVED:g} s",
-    f"one run of the model, {ONE_RUN:g} s", f"chance of contact with a pilot now, {100 * PILOT:g} %", *LEVELS,
-)  # fmt: skip
-
-# Water and times that are none.
-LEAST = 1e-3
+def _left_at(one: ScoredTransit, met: float, spells: list[tuple[float, float]]) -> float:
+    """Time left to act when the alert before a contact was raised [s]; 0 where it was gone, or there was none."""
+    raised = [max(start, met - BEFORE_CONTACT) for start, end in spells if start < met and end >= met - BEFORE_CONTACT]
+    if not raised:
+        return 0.0
+    left = float(one.last_chance[min(int(np.searchsorted(one.t, raised[0] - SAME)), len(one.t) - 1)])
+    return max(left, 0.0) if math.isfinite(left) else BEFORE_CONTACT
 
 
 class TransitScorer:
+    """Collects what each predictor had to say in each second of a recording."""
+
     def __init__(self, name: str, thresholds: Thresholds) -> None:
         self.name, self.thresholds = name, thresholds
         self._rows: list[tuple[float, ...]] = []
 
     def add(self, status: BridgeStatus) -> None:
         room = status.clearance if status.estimate.ready else math.nan
-        self._rows.append((status.t, room, *self._urgencies(status, room)))
-
-    def _urgencies(self, status: BridgeStatus, room: float) -> tuple[float, ...]:
-        told = status.forecast
-        if told is None:
-            return (math.nan,) * len(PREDICTORS)
-        times = (CURVED / max(told.curved, LEAST), ONE_RUN / max(told.likely.contact, LEAST))
-        levels = (told.urgency / getattr(self.thresholds, level) for level in LEVELS)
-        return (ROOM / max(room, LEAST), *times, told.pilot_now.probability / PILOT, *levels)
+        forecast = status.forecast
+        if forecast is None:
+            self._rows.append((status.t, room, math.nan, *(math.nan,) * len(PREDICTORS)))
+            return
+        left = max(forecast.last_chance, LEAST)
+        levels = (getattr(self.thresholds, level) / left for level in LEVELS)
+        others = CLEARANCE / max(room, LEAST), CURVED / max(forecast.curved, LEAST)
+        self._rows.append((status.t, room, forecast.last_chance, *others, *levels))
 
     def transit(self) -> ScoredTransit:
-        table = np.array(self._rows, float).reshape(-1, 2 + len(PREDICTORS))
-        t = table[:, 0] - table[:1, 0]
-        return ScoredTransit(self.name, t, table[:, 2:], table[:, 1])
+        table = np.array(self._rows, float).reshape(-1, 3 + len(PREDICTORS))
+        return ScoredTransit(self.name, table[:, 0] - table[:1, 0], table[:, 3:], table[:, 1], table[:, 2])
 
 
-# Times [s] that are one.
-SAME = 1e-9
-
-
-def standing_since(t: np.ndarray, urgency: np.ndarray) -> np.ndarray:
-    """Return since when an alert stands, (times,...) [s]; infinite where none does."""
-    # t (times,) [s]; urgency (times, ...)
-    shape = urgency.shape[1:]
-    above, below, since = (np.full(shape, np.inf) for _ in range(3))
-    told = np.empty(urgency.shape)
-    for k, now in enumerate(t):
-        known = ~np.isnan(urgency[k])
-        high, low = known & (urgency[k] >= 1.0), known & (urgency[k] < HYSTERESIS)
-        above = np.where(high, np.minimum(above, now), np.where(known, np.inf, above))
-        below = np.where(low, np.minimum(below, now), np.where(known, np.inf, below))
-        stands = np.isfinite(since)
-        since = np.where(~stands & (now - above >= RAISE_DELAY - SAME), now, since)
-        since = np.where(stands & (now - below >= LOWER_DELAY - SAME), np.inf, since)
-        told[k] = since
-    return told
-
-
-def lead_times(t: np.ndarray, since: np.ndarray, struck: np.ndarray) -> np.ndarray:
-    """Return how long before a contact the alert that then stands was raised [s]; 0 where none stands."""
-    # t (times,) [s]; since (times, n) [s]; struck (n,) [s]
-    last = np.maximum(np.searchsorted(t, struck - SAME) - 1, 0)
-    stands = since[last, np.arange(len(struck))]
-    return np.where(np.isfinite(stands), struck - stands, 0.0)
-
-
-def highest_held(t: np.ndarray, urgency: np.ndarray, struck: np.ndarray) -> np.ndarray:
-    """Return the highest urgency that would raise an alert, (n,): it held for as long as one waits."""
-    # t (times,) [s]; urgency (times, n); struck (n,) [s]
-    rows = 1 + int(np.ceil((RAISE_DELAY - SAME) / (t[1] - t[0])))
-    live = np.where((t[:, None] < struck), np.nan_to_num(urgency), 0.0)
-    held = np.lib.stride_tricks.sliding_window_view(live, rows, axis=0).min(axis=-1)
-    return np.asarray(held.max(axis=0))
+def alert_spells(t: np.ndarray, urgency: np.ndarray) -> list[tuple[float, float]]:
+    """Return from when to when an alert stands, by the rule of the monitor's levels; to infinity at the end [s]."""
+    spells: list[tuple[float, float]] = []
+    above = below = math.inf
+    stands = False
+    for now, value in zip(t.tolist(), urgency.tolist(), strict=True):
+        above = min(above, now) if value >= 1.0 else above if math.isnan(value) else math.inf
+        below = min(below, now) if value < HYSTERESIS else below if math.isnan(value) else math.inf
+        if not stands and now - above >= RAISE_DELAY - SAME:
+            stands = True
+            spells.append((now, math.inf))
+            below = math.inf
+        elif stands and now - below >= LOWER_DELAY - SAME:
+            stands, spells[-1] = False, (spells[-1][0], now)
+    return spells

@@ -219,26 +219,24 @@ class AlertDesk:
 
 @dataclass(frozen=True)
 class Thresholds:
-    caution: float = 0.38  # [1] urgency; 5 % of quiet transits of 8 minutes have one
-    warning: float = 0.69  # [1] urgency; 2 % of these have one
-    alarm: float = 0.91  # [1] urgency; 1 % of these have one
-    emergency: float = 30.0  # To contact, where the last chance is gone [s]
+    """Levels by the time that is left to act [s]."""
+
+    caution: float = 60.0
+    warning: float = 30.0
+    alarm: float = 15.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.caution <= self.warning <= self.alarm:
+        if not 0.0 < self.alarm <= self.warning <= self.caution < math.inf:
             raise InputError(
-                f"caution = {self.caution}, warning = {self.warning}, alarm = {self.alarm}: give urgencies over 0, "
-                "none smaller than the one before"
+                f"caution = {self.caution}, warning = {self.warning}, alarm = {self.alarm}: give times to act [s] over "
+                "0, none longer than the one before"
             )
-        if not self.emergency >= 0.0:
-            raise InputError(f"emergency = {self.emergency} is no time; give seconds")
 
     def level(self, forecast: BankForecast, eased: float = 1.0) -> Priority:
-        run, urgency = forecast.likely, forecast.urgency
-        if run.gone and run.contact <= self.emergency / eased:
+        if forecast.likely.gone and math.isfinite(forecast.likely.contact):
             return Priority.EMERGENCY_ALARM
         levels = (self.alarm, Priority.ALARM), (self.warning, Priority.WARNING), (self.caution, Priority.CAUTION)
-        return next((level for threshold, level in levels if urgency >= eased * threshold), Priority.NONE)
+        return next((level for threshold, level in levels if forecast.last_chance <= threshold / eased), Priority.NONE)
 
 
 class BankLevel:
@@ -254,7 +252,7 @@ class BankLevel:
         kept = max(wanted, min(self.level, self.thresholds.level(forecast, HYSTERESIS))) if forecast else wanted
         self._above = min(self._above, t) if wanted > self.level else math.inf
         self._below = min(self._below, t) if kept < self.level else math.inf
-        if t - self._above >= RAISE_DELAY or wanted is Priority.EMERGENCY_ALARM:
+        if t - self._above >= RAISE_DELAY:
             self.level, self._above = wanted, math.inf
         elif t - self._below >= LOWER_DELAY:
             self.level, self._below = kept, math.inf

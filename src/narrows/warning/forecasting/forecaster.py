@@ -1,7 +1,7 @@
-"""The forecaster: from an estimate to what will happen, at every update."""
+"""The forecaster: from an estimate, and how the rudder is used, to what happens if nobody acts and if somebody does."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.control.local_motion import local_water
-from narrows.control.regulator import regulator
-from narrows.control.regulator_law import Regulator
 from narrows.control.self_propulsion import with_propulsion
 from narrows.control.steady_course import RUDDER, solved
 from narrows.errors import InputError, check_count
@@ -22,23 +20,24 @@ from narrows.ship.cross_section import half_swept
 from narrows.ship.particulars import Ship
 from narrows.simulation.ship import SimulatedShip
 from narrows.warning import settings
-from narrows.warning.forecasting.forecast import AFTER, CASES, CHANCES, LIKELY, BankForecast, CaseForecast, LikelyRun
-from narrows.warning.forecasting.future_lanes import (
-    BLOCKS,
-    FAN_MEMBERS,
-    FutureBlock,
-    FutureLanes,
-    Outcomes,
-    PredictedFan,
-    Ships,
-    fan_of,
-)
+from narrows.warning.forecasting.escapes import KICK, REVOLUTIONS, STEADY, Manoeuvre, escape_numbers
+from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
+from narrows.warning.forecasting.future_lanes import Case, FutureBlock, FutureLanes, Outcomes, Ships
+from narrows.warning.forecasting.helmsman import Helmsmen
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 # [s] a whole number of steps, as all times of the cases are.
-EVEN = 10.0
+EVEN = 5.0
+AFTER, ESCAPE_TIME = settings.HORIZON, settings.ESCAPE_TIME
+TAKEOVERS, CHANCES = np.array(settings.TAKEOVERS), np.array(settings.LIKELY_TAKEOVERS)
+# Times of the tracks that are drawn [s].
+TIMES = np.arange(5.0, AFTER + 1.0, 5.0)
+FAN_EVERY, FAN_MEMBERS = 2, 32  # Of these times, and samples, for the fan
+UNCONTROLLED = (Case(AFTER), Case(AFTER, 0.0))
+# Of them: the rudder as it is; the helmsman steers as in the last minutes.
+AS_IS, HELMSMAN = 0, 1
 
 
 class Samples(NamedTuple):
@@ -46,109 +45,189 @@ class Samples(NamedTuple):
     coefficients: np.ndarray  # (ships, coefficients) In the order of the model's table
 
 
+def escapes(manoeuvres: tuple[Manoeuvre, ...], takeovers: np.ndarray) -> list[Case]:
+    return [Case(since + ESCAPE_TIME, since, one) for one in manoeuvres for since in takeovers.tolist()]
+
+
 class Forecaster:
-    def __init__(self, estimator: Estimator, line: float = 0.0, *, members: int = 1000, seed: int = 0) -> None:
+    """Forecasts of one ship, or of ``ships`` abreast."""
+
+    def __init__(
+        self, estimator: Estimator, line: float = 0.0, *, members: int = settings.MEMBERS,
+        escaping: int = settings.ESCAPING_MEMBERS, ships: int = 1, seed: int = 0,
+    ) -> None:  # fmt: skip
         check_count("members", members, 2)
-        self.filter, self.line = estimator.filter, line
+        self.filter, self.line, self.ships = estimator.filter, line, ships
         if RUDDER not in self.filter.actuators:
             raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
-        self._members = Members(self.filter, members + members % 2, seed)
-        self._fan_members = Members(self.filter, FAN_MEMBERS, seed)
-        self._lanes: FutureLanes | None = None
-        self._fan_lanes: FutureLanes | None = None
-        self._pilot_for = (-math.inf, math.inf)
+        driven = any(name == REVOLUTIONS for name in self.filter.actuators)
+        self.manoeuvres = (STEADY, KICK) if driven else (STEADY,)
+        self.members = Members(self.filter, members + members % 2, seed)
+        self.escaping = Members(self.filter, escaping + escaping % 2, seed + 1)
+        self._drawn = Members(self.filter, FAN_MEMBERS, seed)
 
-    def __call__(self, estimate: Estimate, positions: Mapping[str, float]) -> BankForecast:
-        ships = self._members.drawn(estimate), self._members.likely(estimate)
-        now, rudder = estimate.values, positions.get(RUDDER, 0.0)
-        lanes = self._flowing(self._laid_out(now), now, positions)
-        members, likely = lanes([self._ships(drawn, rudder) for drawn in ships])
-        cases = {case.name: _of_case(members, number, case.name) for number, case in enumerate(CASES)}
-        needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
-        limit = self.filter.model.configuration.gear.limit
-        true = rudder + now.get("rudder_bias", 0.0)
-        return BankForecast(estimate.t, cases, _likely(likely), self._curved(now), true, needed, limit)
+    @cached_property
+    def _lanes(self) -> FutureLanes:
+        count, cases = self.ships, escapes(self.manoeuvres, TAKEOVERS)
+        likely = [UNCONTROLLED[AS_IS], *escapes(self.manoeuvres, CHANCES)]
+        blocks = (UNCONTROLLED, self.members.count), (cases, self.escaping.count), (likely, 1)
+        return self.laid_out(*(FutureBlock(each, count * members) for each, members in blocks))
 
-    def _curved(self, now: Mapping[str, float]) -> float:
-        """To contact of a track that is curved by the yaw rate."""
-        model, waterway = self.filter.model, self.filter.waterway
-        water = local_water(model, waterway, now["x"] if waterway is not None else 0.0)
-        psi, u, v, r = (np.array([now[name]]) for name in ("psi", "u", "v", "r"))
-        y = np.array([now["y"] - water.middle])
-        beside = BridgePredictor(model.configuration.ship, water.width / 2, y, psi, u, v, r, water.curvature)
-        return float(beside.curved_contact(AFTER)[0])
+    @cached_property
+    def _track_lanes(self) -> FutureLanes:
+        fan = [Case(t) for t in TIMES[1::FAN_EVERY].tolist()]
+        own = [Case(t) for t in TIMES.tolist()]
+        saved = [Case(t, 0.0, one) for one in self.manoeuvres for t in TIMES.tolist()]
+        return self.laid_out(FutureBlock(fan, FAN_MEMBERS), FutureBlock([*own, *saved], 1))
 
-    def fan(self, estimate: Estimate, positions: Mapping[str, float]) -> PredictedFan:
-        rudder, likely = positions.get(RUDDER, 0.0), self._members.likely(estimate)
-        self._laid_out(estimate.values)
-        if self._fan_lanes is None:
-            self._fan_lanes = self._made(self._takes_over, BLOCKS)
-        self._fan_lanes.steer(self._takes_over)
-        lanes = self._flowing(self._fan_lanes, estimate.values, positions)
-        lanes([self._ships(drawn, rudder) for drawn in (self._fan_members.drawn(estimate), likely, likely)])
-        return fan_of(lanes.poses())
-
-    def _flowing(self, lanes: FutureLanes, now: Mapping[str, float], positions: Mapping[str, float]) -> FutureLanes:
-        current = now.get("current", self.filter.waterway.current if self.filter.waterway else 0.0)
-        lanes.flow(current, positions.get("revolutions"))
-        return lanes
-
-    def _ships(self, drawn: Samples, rudder: float) -> Ships:
-        terms = self.filter.model.terms
-        columns = dict(zip(self.filter.states.names, drawn.states.T, strict=True))
-        coefficients = dict(zip(terms.names, drawn.coefficients.T, strict=True))
-        bank = columns.get("bank", 1.0)
-        coefficients |= {term.name: bank * coefficients[term.name] for term in terms.terms if term.from_bank}
-        return Ships(columns, rudder + columns.get("rudder_bias", np.zeros(len(drawn.states))), coefficients)
-
-    def _laid_out(self, now: Mapping[str, float]) -> FutureLanes:
-        length = self.filter.model.configuration.ship.length
-        place, speed = self._pilot_for
-        far = self.filter.waterway is not None and abs(now["x"] - place) > settings.PILOT_REDESIGN_LENGTHS * length
-        if self._lanes and not far and abs(now["u"] - speed) <= settings.PILOT_REDESIGN_SPEED * speed:
-            return self._lanes
-        pilot = self._takes_over = self._pilot(now)
-        if self._lanes is None:
-            self._lanes = self._made(pilot, (FutureBlock(CASES, self._members.count), FutureBlock(LIKELY, 1)))
-        self._lanes.steer(pilot)
-        self._pilot_for = (now["x"], now["u"])
-        return self._lanes
-
-    def _made(self, pilot: Regulator, blocks: Sequence[FutureBlock]) -> FutureLanes:
+    def laid_out(self, *blocks: FutureBlock) -> FutureLanes:
         model, waterway = self.filter.model, self.filter.waterway
         ship = model.configuration.ship
         step = EVEN / math.ceil(EVEN * settings.STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
         if waterway is not None and waterway.step is None:
             waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
-        return FutureLanes(self.filter.ship, waterway, pilot, blocks, step)
+        return FutureLanes(self.filter.ship, waterway, self.line, blocks, step)
 
-    def _pilot(self, now: Mapping[str, float]) -> Regulator:
-        model, waterway = self.filter.model, self.filter.waterway
-        at = 0.0 if waterway is None else min(max(now["x"], 0.0), waterway.line.length)
-        slow = settings.LEAST_FROUDE * math.sqrt(GRAVITY * model.configuration.ship.length)
-        return regulator(model, self.line, max(now["u"], slow), waterway=waterway, at=at)
+    def __call__(self, estimate: Estimate, positions: Mapping[str, float], helmsman: Helmsmen) -> BankForecast:
+        now, rudder = estimate.values, np.array([positions.get(RUDDER, 0.0)])
+        joint = estimate.joint
+        if joint is None:
+            raise InputError("nothing is known of this ship yet, so nothing can be forecast")
+        mean, root = joint.mean[None], joint.root[None]
+        law = helmsman.law(np.array([now["u"]]))
+        blocks = [
+            self.samples(members.drawn(mean, root), rudder, law, members.count)
+            for members in (self.members, self.escaping)
+        ]
+        blocks.append(self.samples(self.members.likely(mean), rudder, law, 1))
+        outcomes = self._lanes(blocks, *self._flow(now, positions))
+        seen = judged(outcomes, self.ships, len(self.manoeuvres), helmsman.unattended)
+        best = int(seen.best[0])
+        tracks = self._tracks(mean, root, rudder, law, self._flow(now, positions), best)
+        return self._forecast(estimate, positions, seen, tracks, float(helmsman.unattended[0]))
+
+    def _forecast(
+        self, estimate: Estimate, positions: Mapping[str, float], seen: "Judged", tracks: Tracks, unattended: float
+    ) -> BankForecast:
+        now, gear, best = estimate.values, self.filter.model.configuration.gear, int(seen.best[0])
+        rudder = positions.get(RUDDER, 0.0) + now.get("rudder_bias", 0.0)
+        needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
+        order = self.order(now)
+        left = self._least_water(tracks.escape)
+        escape = Escape(self.manoeuvres[best].words, order, gear.limit, left)
+        likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
+        return BankForecast(
+            estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
+            unattended, float(seen.soon[0]), float(seen.as_is[0]), escape, self.curved(now), rudder, needed,
+            gear.limit, tracks,
+        )  # fmt: skip
+
+    def order(self, now: Mapping[str, float]) -> float:
+        """Return the first rudder angle of an escape [rad]."""
+        water = self._water(now)
+        hull, limit = self.filter.model.configuration.ship, self.filter.model.configuration.gear.limit
+        numbers = escape_numbers(self.line, hull.length, limit)
+        course = float(np.clip((self.line - now["y"]) * numbers["reach"], -numbers["approach"], numbers["approach"]))
+        turn = (now["r"] - water.curvature * now["u"]) * numbers["by_r"] / max(now["u"], 0.1)
+        return float(np.clip(-numbers["by_psi"] * (now["psi"] - course) - turn, -limit, limit))
+
+    def _water(self, now: Mapping[str, float]) -> Any:
+        return local_water(
+            self.filter.model, self.filter.waterway, now["x"] if self.filter.waterway is not None else 0.0
+        )
+
+    def curved(self, now: Mapping[str, float]) -> float:
+        """Return the time to contact of a track that is curved by the yaw rate [s]."""
+        water = self._water(now)
+        psi, u, v, r = (np.array([now[name]]) for name in ("psi", "u", "v", "r"))
+        y, hull = np.array([now["y"] - water.middle]), self.filter.model.configuration.ship
+        predictor = BridgePredictor(hull, water.width / 2, y, psi, u, v, r, water.curvature)
+        return float(predictor.curved_contact(AFTER)[0])
+
+    def _tracks(self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, flow: Any, best: int) -> Tracks:
+        drawn, likely = self._drawn.drawn(mean, root), self._drawn.likely(mean)
+        lanes, count = self._track_lanes, len(TIMES)
+        lanes([self.samples(drawn, rudder, law, FAN_MEMBERS), self.samples(likely, rudder, law, 1)], *flow)
+        fan, single = lanes.poses()
+        first = count * (1 + best)
+        return Tracks(TIMES, fan.swapaxes(0, 1), single[:count, 0], single[first : first + count, 0])
+
+    def _least_water(self, track: np.ndarray) -> float:
+        """Least water beside the hull on a track [m]; none left where it ends in a bank."""
+        if not np.isfinite(track).all():
+            return 0.0
+        x, y, psi = track.T
+        ship, waterway = self.filter.model.configuration.ship, self.filter.waterway
+        if waterway is None:
+            middle, width = np.zeros(1), np.full(1, self.filter.model.configuration.canal.width)
+        else:
+            here = waterway.room(np.clip(x, 0.0, waterway.line.length), ship.draft)
+            middle, width = here.middle, here.width
+        return max(float((width / 2 - np.abs(y - middle) - half_swept(ship, psi)).min()), 0.0)
+
+    def _flow(self, now: Mapping[str, float], positions: Mapping[str, float]) -> tuple[float, float | None]:
+        waterway = self.filter.waterway
+        return now.get("current", waterway.current if waterway else 0.0), positions.get(REVOLUTIONS)
+
+    def samples(self, drawn: Samples, rudder: np.ndarray, law: Mapping[str, np.ndarray], members: int) -> Ships:
+        terms = self.filter.model.terms
+        columns = dict(zip(self.filter.states.names, drawn.states.T, strict=True))
+        coefficients = dict(zip(terms.names, drawn.coefficients.T, strict=True))
+        bank = columns.get("bank", 1.0)
+        coefficients |= {term.name: bank * coefficients[term.name] for term in terms.terms if term.from_bank}
+        true = np.repeat(rudder, members) + columns.get("rudder_bias", 0.0)
+        return Ships(columns, true, coefficients, {name: np.repeat(value, members) for name, value in law.items()})
 
 
-def _of_case(ends: Outcomes, place: int, name: str) -> CaseForecast:
-    contact, side = ends.contact[place], ends.side[place]
-    meets = np.isfinite(contact)
-    share = float(meets.mean())
-    time = float(np.median(contact[meets])) if share else math.inf
-    return CaseForecast(
-        name, share, float((contact <= settings.SOON).mean()), time, _side(side[meets].sum()) if share else ""
-    )
+class Judged(NamedTuple):
+    """What becomes of ships abreast, (ships,...)."""
+
+    contact: np.ndarray  # Of the most likely one as the rudder is; infinite where there is none [s]
+    side: np.ndarray  # Of that: negative to port
+    likely_chance: np.ndarray  # Its last chance; infinite beyond what is tried, negative where it is gone [s]
+    last_chance: np.ndarray  # Of the 95 % ship [s]
+    failing: np.ndarray  # (ships, manoeuvres, takeovers) Share of samples that meet a bank all the same [1]
+    best: np.ndarray  # Which manoeuvre
+    nobody: np.ndarray  # Chance that nobody acts in time [1]
+    soon: np.ndarray  # Chance of contact within a minute, the rudder as it is [1]
+    as_is: np.ndarray  # The same within the horizon [1]
+    helmsman: np.ndarray  # The same where the helmsman steers on [1]
 
 
-def _likely(ends: Outcomes) -> LikelyRun:
-    contact = float(ends.contact[0, 0])
-    met = np.isfinite(ends.contact[1 : 1 + len(CHANCES), 0])
-    clear = int(met.argmax()) if met.any() else len(CHANCES)
-    last = math.inf if clear == len(CHANCES) else CHANCES[max(clear - 1, 0)]
-    return LikelyRun(contact, _side(ends.side[0, 0]) if math.isfinite(contact) else "", last, clear == 0)
+def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndarray) -> Judged:
+    members, escaping, likely = outcomes
+    as_is, helmsman = members.contact.reshape(2, ships, -1)
+    failing = np.isfinite(escaping.contact).reshape(count, len(TAKEOVERS), ships, -1).mean(axis=-1)
+    failing = np.maximum.accumulate(failing.transpose(2, 0, 1), axis=2)
+    single = np.isfinite(likely.contact[1:]).reshape(count, len(CHANCES), ships).transpose(2, 0, 1)
+    best_share = failing.min(axis=1)
+    # Somebody comes back to the helm after an exponential time; from the last takeover on nobody is in time.
+    side = np.where(np.isfinite(escaping.contact), escaping.side, 0)[-1].reshape(ships, -1).sum(axis=1)
+    weights = -np.diff(np.exp(-np.array([0.0, *(TAKEOVERS[1:] + TAKEOVERS[:-1]) / 2, np.inf]) / settings.RETURN_TIME))
+    steered = np.isfinite(helmsman).mean(axis=1)
+    nobody = unattended * (best_share * weights).sum(axis=1) + (1.0 - unattended) * steered
+    return Judged(
+        likely.contact[0], np.where(np.isfinite(likely.contact[0]), likely.side[0], side),
+        crossing(CHANCES, single.min(axis=1), 0.5),
+        crossing(TAKEOVERS, best_share, settings.FAILING_SHARE), failing, failing[:, :, :2].sum(axis=2).argmin(axis=1),
+        nobody, (as_is <= settings.SOON).mean(axis=1), np.isfinite(as_is).mean(axis=1), steered,
+    )  # fmt: skip
+
+
+def crossing(times: np.ndarray, share: np.ndarray, limit: float) -> np.ndarray:
+    """Return when rising shares (n, times) come over a limit [s]; -1 where they begin over it, infinite where never."""
+    share = np.maximum.accumulate(np.asarray(share, float), axis=1)
+    over = share > limit
+    after = np.where(over.any(axis=1), over.argmax(axis=1), 0)
+    rows, before = np.arange(len(share)), np.maximum(after - 1, 0)
+    low, high = share[rows, before], share[rows, after]
+    part = np.where(high > low, (limit - low) / np.where(high > low, high - low, 1.0), 0.0)
+    when = times[before] + part * (times[after] - times[before])
+    return np.where(over[:, 0], -1.0, np.where(over.any(axis=1), when, np.inf))
 
 
 def _side(sign: float) -> str:
-    return "starboard" if sign > 0 else "port"
+    return "starboard" if sign > 0 else "port" if sign < 0 else ""
 
 
 @dataclass
@@ -167,18 +246,19 @@ class Members:
         half = np.random.default_rng(self.seed).standard_normal((self.count // 2, size))
         return np.concatenate([half, -half])
 
-    def drawn(self, estimate: Estimate) -> Samples:
-        return self._ships(estimate, self._normals)
+    def drawn(self, mean: np.ndarray, root: np.ndarray) -> Samples:
+        """Return the samples of ships abreast, one ship after the other: mean (ships, n), root (ships, n, k)."""
+        return self._samples(mean, root, self._normals)
 
-    def likely(self, estimate: Estimate) -> Samples:
-        return self._ships(estimate, np.zeros((1, self._normals.shape[1])))
+    def likely(self, mean: np.ndarray) -> Samples:
+        """Return the most likely state of each ship, with the model's own coefficients."""
+        return self._samples(mean, np.zeros((len(mean), mean.shape[1], 1)), np.zeros((1, self._normals.shape[1])))
 
-    def _ships(self, estimate: Estimate, normals: np.ndarray) -> Samples:
-        joint, size = estimate.joint, len(self.filter.states)
-        if joint is None:
-            raise InputError("there is nothing known of this ship yet, so nothing can be foretold")
-        points = joint.mean + normals[:, : joint.root.shape[1]] @ joint.root.T
-        carried = normals[:, : self.filter.considered]
+    def _samples(self, mean: np.ndarray, root: np.ndarray, normals: np.ndarray) -> Samples:
+        size = len(self.filter.states)
+        points = mean[:, None] + normals[:, : root.shape[2]] @ root.transpose(0, 2, 1)
+        points = points.reshape(-1, mean.shape[1])
+        carried = np.tile(normals[:, : self.filter.considered], (len(mean), 1))
         directions = points[:, size:] if self.filter.estimated else carried
         return Samples(points[:, :size], self._coefficients(directions))
 

@@ -1,26 +1,34 @@
-"""All futures of all members in one call of the package's kernel: every one a lane, laid out once."""
+"""All futures of all samples in one call of the package's kernel: every one a lane, laid out once."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.control.regulator_law import Regulator
-from narrows.estimation.ship_lanes import RUDDER
-from narrows.simulation.controllers import LAST_ORDER, ORDERED, SwitchedLaw
+from narrows.codegen.choices import stages_at
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
-from narrows.warning.forecasting.forecast import AFTER, AS_IS, NEVER, Case
+from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.warning.forecasting.escapes import REVOLUTIONS, LineOfSight, Manoeuvre, escape_numbers
 from narrows.warning.settings import CONTACT_TOLERANCE
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
+RUDDER = "rudder"
 # How a lane ends in a bank, or across the canal, which is on the way there.
 MEETS = (Code.GROUNDED, Code.DIVERGED, Code.OUTSIDE)
+NEVER = 1e9
+
+
+class Case(NamedTuple):
+    """One future: the rudder as it is until a time, then a manoeuvre, or the helmsman's own steering."""
+
+    duration: float  # How long it is looked at [s]
+    since: float = NEVER  # When the rudder is taken over [s]
+    manoeuvre: Manoeuvre | None = None  # None: the helmsman steers as in the last minutes
 
 
 class FutureBlock(NamedTuple):
@@ -31,15 +39,12 @@ class FutureBlock(NamedTuple):
     def lanes(self) -> int:
         return len(self.cases) * self.ships
 
-    def repeated(self, name: str) -> np.ndarray:
-        """Return a number of the cases for every lane."""
-        return np.repeat([getattr(case, name) for case in self.cases], self.ships)
-
 
 class Ships(NamedTuple):
     columns: Mapping[str, np.ndarray]  # (ships,) x, y [m], psi [rad], u, v [m/s], r [rad/s]
     rudder: np.ndarray  # (ships,) Its true angle [rad]
     coefficients: Mapping[str, np.ndarray]  # (ships,) By name, those of the bank as strong as it is estimated
+    helmsman: Mapping[str, np.ndarray]  # (ships,) Numbers of the law by which the helmsman steers
 
 
 class Outcomes(NamedTuple):
@@ -48,45 +53,36 @@ class Outcomes(NamedTuple):
 
 
 class FutureLanes:
-    """Lanes of one ship in many futures."""
+    """Lanes of one kind of ship in many futures."""
 
     def __init__(
-        self, ship: SimulatedShip, waterway: "Waterway | None", pilot: Regulator, blocks: Sequence[FutureBlock],
-        step: float,
-    ) -> None:  # fmt: skip
-        self.ship, self.blocks, self._gear = ship, blocks, ship.model.configuration.gear
-        self._taken_over, self._duration, self._hard_over = (
-            np.concatenate([block.repeated(name) for block in blocks])
-            for name in ("taken_over", "duration", "hard_over")
-        )
-        self._lanes = len(self._duration)
-        law = SwitchedLaw(pilot, np.zeros(self._lanes), self._taken_over)
-        steering = steering_of(law, ship.actuators)
-        run = KernelRun(ship, self._duration, step, steering=steering, waterway=waterway)
-        many = {name: np.full(self._lanes, value) for name, value in ship.model.coefficients.items()}
+        self, ship: SimulatedShip, waterway: "Waterway | None", line: float, blocks: Sequence[FutureBlock], step: float
+    ) -> None:
+        self.ship, self.blocks, self.line = ship, blocks, line
+        self._driven = any(actuator.name == REVOLUTIONS for actuator in ship.actuators)
+        steering = steering_of(LineOfSight(self._driven), ship.actuators)
+        assert steering is not None
+        lanes = sum(block.lanes for block in blocks)
+        duration = np.concatenate([np.repeat([case.duration for case in b.cases], b.ships) for b in blocks])
+        run = KernelRun(ship, duration, step, steering=steering, waterway=waterway)
+        many = {name: np.full(lanes, value) for name, value in ship.model.coefficients.items()}
+        many |= {name: np.full(lanes, value) for name, value in steering.parameters.items()}
         still = dict.fromkeys((*START, *INPUTS), 0.0)
-        self._prepared = run.prepared({**still, "u": 1.0, **many}, self._lanes, workers=1)
+        self._prepared = run.prepared({**still, "u": 1.0, **many}, lanes, workers=1)
         self._prepared.limits[0] = CONTACT_TOLERANCE * ship.model.configuration.ship.beam
-        self._constants = ship.system(waterway is not None, steering.law if steering else None).constants
+        self._constants = ship.system(waterway is not None, steering.law).constants
         self._ship_values = ship.values()
         kernel = self._prepared.kernel
         self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
 
-    def steer(self, pilot: Regulator) -> None:
-        for name, value in pilot.parameters().items():
-            place = self._inputs.get(PARAMETER(name))
-            if place is not None:
-                self._prepared.vessel_inputs[:, place] = value
-
-    def flow(self, current: float, revolutions: float | None) -> None:
-        for name, value in (("current", current), ("revolutions", revolutions)):
-            if name in self._inputs and value is not None:
-                self._prepared.vessel_inputs[:, self._inputs[name]] = value
-
-    def __call__(self, ships: Sequence[Ships]) -> list[Outcomes]:
+    def __call__(
+        self, ships: Sequence[Ships], current: float = 0.0, revolutions: float | None = None
+    ) -> list[Outcomes]:
+        if "current" in self._inputs:
+            self._prepared.vessel_inputs[:, self._inputs["current"]] = current
         for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
-            self._load(lanes, len(block.cases), own)
+            self._load(lanes, block, own, revolutions)
         self._prepared()
         return self._ends()
 
@@ -94,18 +90,41 @@ class FutureLanes:
         stops = np.cumsum([block.lanes for block in self.blocks]).tolist()
         return [slice(stop - block.lanes, stop) for stop, block in zip(stops, self.blocks, strict=True)]
 
-    def _load(self, lanes: slice, cases: int, ships: Ships) -> None:
+    def _load(self, lanes: slice, block: FutureBlock, ships: Ships, revolutions: float | None) -> None:
         columns, rows, inputs = ships.columns, self._prepared.start[lanes], self._prepared.vessel_inputs[lanes]
-        own = {name: columns[name] for name in ("x", "y", "u", "v", "r")}
-        own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
-        own |= dict.fromkeys((RUDDER, MEMORY(LAST_ORDER)), ships.rudder)
+        own: dict[str, Any] = {name: columns[name] for name in ("x", "y", "u", "v", "r")}
+        own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), RUDDER: ships.rudder}
+        turns = self._ship_values.get(REVOLUTIONS, 0.0) if revolutions is None else revolutions
+        own |= {REVOLUTIONS: np.full(block.ships, turns)} if self._driven else {}
+        # Orders that are on their way in a gear with dead time or lag: those of the rudder as it is.
+        own |= stages_at(self.ship.actuators, own.__getitem__)
+        cases = len(block.cases)
         for name, column in own.items():
-            rows[:, self._kept[name]] = np.tile(column, cases)
-        for name, column in self._constants({**self._ship_values, **ships.coefficients}).items():
+            if name in self._kept:
+                rows[:, self._kept[name]] = np.tile(column, cases)
+        constants = self._constants({**self._ship_values, **ships.coefficients})
+        for name, column in constants.items():
             if name in self._inputs:
-                inputs[:, self._inputs[name]] = np.tile(np.broadcast_to(column, len(ships.rudder)), cases)
-        side, held = self._hard_over[lanes], np.tile(ships.rudder, cases)
-        inputs[:, self._inputs[PARAMETER(ORDERED)]] = np.where(side, side * self._gear.limit, held)
+                inputs[:, self._inputs[name]] = np.tile(np.broadcast_to(column, block.ships), cases)
+        for number, case in enumerate(block.cases):
+            part = inputs[number * block.ships : (number + 1) * block.ships]
+            for name, value in self._law(case, ships, turns).items():
+                part[:, self._inputs[PARAMETER(name)]] = value
+
+    def _law(self, case: Case, ships: Ships, turns: float) -> dict[str, Any]:
+        """Numbers of the law in a case."""
+        hull, gear = self.ship.model.configuration.ship, self.ship.model.configuration.gear
+        numbers: dict[str, Any] = {"since": case.since, "ordered": ships.rudder}
+        if case.manoeuvre is None:
+            numbers |= {"approach": 10.0, **ships.helmsman}
+            numbers["since"] = np.maximum(numbers["since"], case.since)
+        else:
+            numbers |= escape_numbers(self.line, hull.length, gear.limit)
+            numbers["by_r"] = numbers["by_r"] / np.maximum(ships.columns["u"], 0.1)
+        if self._driven:
+            kick = case.manoeuvre.kick if case.manoeuvre else 1.0
+            numbers |= {"turns": turns, "kicked": kick * turns}
+        return numbers
 
     def poses(self) -> list[np.ndarray]:
         """Return where the futures of each block ended, after a call: x, y [m], psi [rad] (cases, ships, 3)."""
@@ -123,30 +142,3 @@ class FutureLanes:
             shape = len(block.cases), block.ships
             ends.append(Outcomes(contact[lanes].reshape(shape), codes[lanes, 1].reshape(shape)))
         return ends
-
-
-# Where a ship may go: places of the members time after time, to be drawn and not to be warned by.
-# Between the places of a track [s].
-EVERY = 10.0
-TIMES = tuple(np.arange(EVERY, AFTER + EVERY / 2, EVERY).tolist())
-# Whose tracks are drawn.
-FAN_MEMBERS = 32
-AS_IT_IS = tuple(Case(f"{AS_IS} for {t:g} s", NEVER, t) for t in TIMES)
-WITH_PILOT = tuple(Case(f"pilot for {t:g} s", 0.0, t) for t in TIMES)
-# A lane for every place of a track: it ends there.
-BLOCKS = FutureBlock(AS_IT_IS, FAN_MEMBERS), FutureBlock(AS_IT_IS, 1), FutureBlock(WITH_PILOT, 1)
-
-
-class PredictedFan(NamedTuple):
-    """Tracks, each pose of them along the waterway and off its line [m] and the heading to it [rad]."""
-
-    times: np.ndarray  # (times,) From now on [s]
-    members: np.ndarray  # (members, times, 3) Samples, the rudder as it is; after contact a sample stays
-    likely: np.ndarray  # (times, 3) Of the most likely one
-    pilot: np.ndarray  # (times, 3) Of the same with a pilot who takes over now
-
-
-def fan_of(poses: list[np.ndarray]) -> PredictedFan:
-    """Return the tracks of lanes laid out by ``BLOCKS``, from poses (times, ships, 3)."""
-    members, likely, pilot = poses
-    return PredictedFan(np.array(TIMES), members.swapaxes(0, 1), likely[:, 0], pilot[:, 0])

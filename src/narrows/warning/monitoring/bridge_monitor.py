@@ -2,9 +2,11 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from narrows.errors import InputError
 from narrows.estimation.estimate import Estimate
@@ -35,7 +37,7 @@ from narrows.warning.alerts.alert import (
 from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
-from narrows.warning.forecasting.future_lanes import PredictedFan
+from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import GROUND_LOG, BridgeReadings, Messages, Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
@@ -62,8 +64,8 @@ class BridgeMonitor:
     def __post_init__(self) -> None:
         self.bridge = BridgeReadings(self.waterway, self.model.configuration.ship.draft)
         self.estimator = Estimator(self.model, bridge_sensors(self.antenna), waterway=self.waterway)
-        self._foreteller = Forecaster(self.estimator, self.line, members=self.members)
-        self.forecaster: Callable[[Estimate, Mapping[str, float]], BankForecast] = self._foreteller
+        self.forecaster: Callable[..., BankForecast] = Forecaster(self.estimator, self.line, members=self.members)
+        self.helmsman = Helmsmen(1, self.model.configuration.ship.length)
         log = self.publisher.log
         self.desk = AlertDesk(log.alerts if log else ())
         known = {side: self.desk[bank] for side, bank in BANKS.items()}
@@ -82,13 +84,15 @@ class BridgeMonitor:
         still = {"gyro": 0.0, "log": u, "rudder": 0.0}
         for t in range(3):
             estimate = self.estimator.update(float(t), {**still, "gnss": (half, self.line)})
-        self.forecaster(estimate, {"rudder": 0.0})
+        self.forecaster(estimate, {"rudder": 0.0}, self.helmsman)
         self.estimator.forget()
 
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
         heard = self.bridge.heard(tick)
         self._began = tick.t if self._began is None else self._began
         estimate = self._estimated(heard)
+        if estimate.ready:
+            self._observe_helm(estimate)
         forecast, why = self._forecast(heard, estimate)
         conditions = self._conditions(heard, estimate, forecast, why)
         changed = [*self._commanded(tick, since_1970), *self.desk.update(tick.t, conditions)]
@@ -99,9 +103,6 @@ class BridgeMonitor:
         return BridgeStatus(
             tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why, limits
         )
-
-    def fan(self, status: BridgeStatus) -> PredictedFan:
-        return self._foreteller.fan(status.estimate, self._positions)
 
     def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:
         changed = []
@@ -123,6 +124,12 @@ class BridgeMonitor:
         self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
         return self.estimator.update(heard.t, known)
 
+    def _observe_helm(self, estimate: Estimate) -> None:
+        now = {name: np.array([value]) for name, value in estimate.values.items()}
+        bend = self.waterway.line.curvature(min(max(estimate["x"], 0.0), self.waterway.line.length))
+        rudder = np.array([self._positions.get("rudder", 0.0)])
+        self.helmsman.update(now["y"], now["psi"], now["r"] - float(bend) * now["u"], now["u"], rudder)
+
     def _forecast(self, heard: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
         """What will happen, or why that cannot be told."""
         if not estimate.ready:
@@ -133,7 +140,7 @@ class BridgeMonitor:
             return None, f"The ship is not on {self.waterway.name}."
         start = time.monotonic()
         try:
-            forecast = self.forecaster(estimate, self._positions)
+            forecast = self.forecaster(estimate, self._positions, self.helmsman)
         except InputError as error:
             return None, str(error)
         late = time.monotonic() - start

@@ -1,6 +1,7 @@
 """What a monitor knows at a time: the ship, what will happen, the alerts; and what it does not know."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -16,11 +17,21 @@ NOT_AVAILABLE, CLEAR, WATCH = "not available", "clear", "watch"
 DOUBTS = tuple(one.identifier for one in (*ANY_SENSOR, SHIP_OR_WATER, LOG_LATE))
 
 
-class Clearances(NamedTuple):
-    """Of the corners of the hull to the banks, infinite where they are not known."""
+class HullEnd(NamedTuple):
+    """Water beside the bow or the stern, as far as the keel has room."""
 
-    port: float = math.inf  # To which [m]
-    starboard: float = math.inf  # To which [m]
+    port: float  # [m]
+    starboard: float  # [m]
+    speed: float  # Across the waterway, to starboard [m/s]
+
+
+class Clearances(NamedTuple):
+    """Water between the hull's corners and the banks [m], infinite where it is not known."""
+
+    port: float = math.inf
+    starboard: float = math.inf
+    bow: HullEnd | None = None
+    stern: HullEnd | None = None
 
 
 @dataclass(frozen=True)
@@ -38,7 +49,7 @@ class BridgeStatus:
     @property
     def clearance(self) -> float:
         """Of the hull to the nearer bank [m]."""
-        return min(self.clearances)
+        return min(self.clearances.port, self.clearances.starboard)
 
     @property
     def level(self) -> Priority:
@@ -47,13 +58,12 @@ class BridgeStatus:
 
     @property
     def word(self) -> str:
-        """In a word: never ``clear`` where nothing can be foretold, or while a last chance or a contact comes."""
+        """In a word: never ``clear`` where nothing can be forecast, or while a last chance counts down."""
         if self.forecast is None:
             return NOT_AVAILABLE
         if self.level:
             return self.level.words
-        likely = self.forecast.likely
-        return WATCH if math.isfinite(min(likely.last_chance, likely.contact)) else CLEAR
+        return WATCH if math.isfinite(self.forecast.last_chance) else CLEAR
 
     @property
     def headline(self) -> str:
@@ -74,17 +84,18 @@ class BridgeStatus:
             parts.append(f"x {now['x']:6.0f} m  y {now['y']:+6.1f} m  heading {math.degrees(now['psi']):+5.1f} deg")
             parts.append(f"clearance {self.clearance:5.1f} m")
         if told := self.forecast:
-            run = told.likely
-            chance = "gone" if run.gone else f"{run.last_chance:.0f} s" if math.isfinite(run.last_chance) else "> 60 s"
-            parts.append(f"pilot now {100 * told.pilot_now.probability:3.0f} %  last chance {chance}")
-            needed = math.degrees(told.rudder_needed)
-            parts.append(f"held by rudder {needed:+.0f} deg" if math.isfinite(needed) else "held by no rudder")
+            parts.append(f"last chance {told.chance()}  helm {100 * told.unattended:3.0f} % unattended")
         return "  ".join(parts)
 
     def to_dict(self) -> dict[str, Any]:
         forecast = self.forecast.to_dict() if self.forecast else None
         said = {"status": self.word, "headline": self.headline, "caveats": list(self.caveats)}
-        known = {"clearances": self.clearances._asdict(), "state": self.estimate.values, "forecast": forecast}
+        ends = {name: end._asdict() if end else None for name, end in zip(ENDS, self.clearances[2:], strict=True)}
+        known = {
+            "clearances": {**self.clearances._asdict(), **ends},
+            "state": self.estimate.values,
+            "forecast": forecast,
+        }
         alerts = [told(one) for one in self.alerts]
         return {"t": self.t, **said, **known, "alerts": alerts, "faults": dict(self.faults)}
 
@@ -94,6 +105,9 @@ def told(alert: Alert) -> dict[str, Any]:
     return {**vars(alert), **words}
 
 
+ENDS = ("bow", "stern")
+
+
 def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances:
     """Return the water beside a hull, the banks as they are beside midship."""
     if not estimate.ready:
@@ -101,4 +115,13 @@ def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances
     now = estimate.values
     here = waterway.room(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
     off, room = now["y"] - float(here.middle), float(here.width) / 2 - float(half_swept(ship, now["psi"]))
-    return Clearances(room + off, room - off)
+    ends = [_hull_end(ship, waterway, now, place * ship.length / 2) for place in (1, -1)]
+    return Clearances(room + off, room - off, *ends)
+
+
+def _hull_end(ship: Ship, waterway: Waterway, now: Mapping[str, float], forward: float) -> HullEnd:
+    along, across = math.cos(now["psi"]), math.sin(now["psi"])
+    here = waterway.room(min(max(now["x"] + forward * along, 0.0), waterway.line.length), ship.draft)
+    room, off = float(here.width) / 2 - ship.beam / 2 * along, now["y"] + forward * across - float(here.middle)
+    speed = now["u"] * across + (now["v"] + now["r"] * forward) * along
+    return HullEnd(room + off, room - off, speed)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 DECISION_SUPPORT = "This is decision support, and no type-approved equipment; the watch is kept by people."
 COLUMNS = (
-    "t", "x", "y", "psi", "u", "clearance", "pilot_now", "soon", "contact", "last_chance", "rudder", "rudder_needed",
+    "t", "x", "y", "psi", "u", "clearance", "nobody", "unattended", "contact", "last_chance", "rudder", "rudder_needed",
     "rudder_margin", "level",
 )  # fmt: skip
 
@@ -34,8 +34,8 @@ class AlertText:
 class WatchedTransit(Shown):
     ship: Ship  # Its hull
     waterway: Waterway  # Where it was
-    # (seconds,) By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact and last_chance
-    # of the most likely run, infinite where there is none, a last chance of 0 where it is gone too
+    # (seconds,) By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact of the most likely
+    # run and last chance of the 95 % ship, infinite where there is none, 0 where it is gone
     columns: dict[str, np.ndarray]
     alerts: tuple[AlertText, ...]  # Each time that one changed
     faults: dict[str, int]  # Messages that were left out, by what is wrong with them
@@ -50,7 +50,7 @@ class WatchedTransit(Shown):
 
     @property
     def known(self) -> np.ndarray:
-        return np.asarray(np.isfinite(self.columns["pilot_now"]))
+        return np.asarray(np.isfinite(self.columns["nobody"]))
 
     @property
     def located(self) -> np.ndarray:
@@ -131,8 +131,6 @@ def _row(t: float, status: BridgeStatus) -> tuple[float, ...]:
     clearance = status.clearance if status.estimate.ready else math.nan
     if forecast is None:
         return (t, *state, clearance, *(math.nan,) * 7, float(status.level))
-    run = forecast.likely
-    chance = 0.0 if run.gone else run.last_chance
     rudder = forecast.rudder, forecast.rudder_needed, forecast.rudder_margin
-    chances = forecast.pilot_now.probability, forecast.as_it_is.soon
-    return (t, *state, clearance, *chances, run.contact, chance, *rudder, float(status.level))
+    times = forecast.likely.contact, max(forecast.last_chance, 0.0)
+    return (t, *state, clearance, forecast.nobody, forecast.unattended, *times, *rudder, float(status.level))

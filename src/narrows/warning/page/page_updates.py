@@ -2,15 +2,13 @@
 
 import json
 from collections.abc import Mapping
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError
 from narrows.results import plain
 from narrows.warning.alerts.alert import Command
-from narrows.warning.forecasting.future_lanes import PredictedFan
+from narrows.warning.forecasting.forecast import Tracks
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
 from narrows.waterway.waterway import Waterway
@@ -58,7 +56,7 @@ def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | No
         return None
     way, ship, now = monitored.waterway, monitored.model.configuration.ship, status.estimate.values
     pose, along = np.array([now["x"], now["y"], now["psi"]]), min(max(now["x"], 0.0), way.line.length)
-    fan, middle = _foretold(monitored, status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
+    fan, middle = _drawable(status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
     own = {"pose": pose[None], "middle": middle[None]}
     lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
     drawn = _on_map(way, lines)
@@ -70,14 +68,12 @@ def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | No
     }
 
 
-def _foretold(monitored: BridgeMonitor, status: BridgeStatus) -> PredictedFan | None:
-    """Of what can be drawn: a ship that diverges has no place."""
-    fan = None
-    with suppress(InputError):  # A picture is no reason to stop watching.
-        fan = monitored.fan(status) if status.forecast else None
-    if fan is None or not np.isfinite([fan.likely, fan.pilot]).all():
+def _drawable(status: BridgeStatus) -> Tracks | None:
+    """Tracks of what can be drawn: a ship that diverges has no place."""
+    tracks = status.forecast.tracks if status.forecast else None
+    if tracks is None or not np.isfinite([tracks.as_is, tracks.escape]).all():
         return None
-    return fan._replace(members=fan.members[np.isfinite(fan.members).all(axis=(1, 2))])
+    return tracks._replace(fan=tracks.fan[np.isfinite(tracks.fan).all(axis=(1, 2))])
 
 
 def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.ndarray]:
@@ -88,9 +84,9 @@ def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.nda
     return {f"{name} {side}": np.stack([s, off[side], np.zeros_like(s)], axis=1) for side in SIDES}
 
 
-def _tracks(pose: np.ndarray, fan: PredictedFan) -> dict[str, np.ndarray]:
-    members = np.insert(fan.members, 0, pose, axis=1)
-    return {"members": members.reshape(-1, 3), "likely": fan.likely, "pilot": fan.pilot}
+def _tracks(pose: np.ndarray, tracks: Tracks) -> dict[str, np.ndarray]:
+    members = np.insert(tracks.fan, 0, pose, axis=1)
+    return {"members": members.reshape(-1, 3), "likely": tracks.as_is, "escape": tracks.escape}
 
 
 def _on_map(way: Waterway, lines: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -101,12 +97,12 @@ def _on_map(way: Waterway, lines: Mapping[str, np.ndarray]) -> dict[str, np.ndar
     return dict(zip(lines, np.split(drawn, stops), strict=True))
 
 
-def _fan(drawn: Mapping[str, np.ndarray], fan: PredictedFan) -> dict[str, Any]:
-    members = drawn["members"].reshape(len(fan.members), -1, 3)
+def _fan(drawn: Mapping[str, np.ndarray], tracks: Tracks) -> dict[str, Any]:
+    members = drawn["members"].reshape(len(tracks.fan), -1, 3)
     return {
-        "times": fan.times.tolist(),
+        "times": tracks.times.tolist(),
         "members": [_told(member, POINT) for member in members],
-        **{name: _told(drawn[name], POSE) for name in ("likely", "pilot")},
+        **{name: _told(drawn[name], POSE) for name in ("likely", "escape")},
     }
 
 

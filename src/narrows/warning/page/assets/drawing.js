@@ -5,7 +5,7 @@ import { canalColours, canalView } from "./canal.js";
 const DOWN = 0.76; // Of the height, where midship is.
 const [FORETOLD, HULL_AHEAD, LEAST_AHEAD] = [120, 0.8, 2.2]; // Seconds of way, and lengths, ahead of midship.
 const [ROOM, EVEN] = [1.25, 100]; // Widths of the canal across; and metres by which the scale changes, not more often.
-const HULLS_EVERY = 3; // Of the times of a track.
+const HULLS_EVERY = 6; // Of the times of a track.
 
 export function drawing(canvas) {
   const colours = {};
@@ -56,7 +56,7 @@ function widest([port, starboard]) {
 function foretold(view, { ship, fan }, forecast) {
   const contact = forecast.likely.contact ?? Infinity;
   view.fan(fan.members, { stroke: "fan", width: 4, opacity: 0.13 });
-  view.track([place(ship.pose), ...fan.pilot.map(place)], { stroke: "track", width: 2.5, dash: [2, 7] });
+  view.track([place(ship.pose), ...fan.escape.map(place)], { stroke: "track", width: 2.5, dash: [2, 7] });
   view.track([place(ship.pose), ...fan.likely.map(place)], { stroke: "fan", width: 2.5 });
   fan.likely.forEach((at, number) => {
     const met = contact <= fan.times[number];

@@ -1,6 +1,6 @@
 // The numbers of an update, each into its place.
 
-import { UNKNOWN, capital, clock, knots, metres, percent, rate, seconds, sided } from "./words.js";
+import { UNKNOWN, capital, clock, closing, knots, metres, percent, rate, seconds, sided } from "./words.js";
 
 const RAIL = 100; // From midships to either end of the rudder's scale.
 const ICONS = {
@@ -18,7 +18,7 @@ export function readout(find) {
     status(find, write, update);
     clearances(find, write, update);
     contact(write, update.forecast);
-    chance(find, write, update.forecast?.likely);
+    chance(find, write, update.forecast, update.status);
     rudder(find, write, update.forecast);
     write("speed", knots(update.state.u));
     write("turn", rate(update.state.r));
@@ -41,8 +41,12 @@ function status(find, write, { status: level, headline, caveats, alerts }) {
 
 function clearances(find, write, { clearances: room, scene }) {
   find("nowhere").hidden = scene !== null;
-  write("port", metres(room.port));
-  write("starboard", metres(room.starboard));
+  for (const end of ["bow", "stern"]) {
+    for (const side of ["port", "starboard"]) {
+      write(`${end}-${side}`, metres(room[end]?.[side]));
+      write(`${end}-${side}-speed`, closing(room[end]?.speed, side));
+    }
+  }
 }
 
 function contact(write, forecast) {
@@ -51,38 +55,27 @@ function contact(write, forecast) {
   const met = run && run.contact !== null;
   write("contact", met ? seconds(run.contact) : none);
   write("contact-side", met ? `to ${run.side}` : "");
-  const [asItIs, pilot] = [forecast?.cases["as it is"], forecast?.cases["pilot now"]];
-  write("soon", percent(asItIs?.soon));
-  write("pilot", percent(pilot?.probability));
-  write("pilot-side", pilot?.side ? `to ${pilot.side}` : "");
+  write("unattended", percent(forecast?.unattended));
 }
 
-function chance(find, write, run) {
-  const left = run && !run.gone ? (run.last_chance ?? Infinity) : 0;
-  const words = left === Infinity ? "> 60 s" : seconds(left);
-  write("chance", run ? (run.gone ? "gone" : words) : UNKNOWN);
-  find("chance").dataset.urgency = urgency(run, left);
-  find("chance-bar").value = Math.min(left, 60);
-}
-
-function urgency(run, left) {
-  if (!run) return "unknown";
-  return left <= 20 ? "alarm" : left <= 40 ? "warning" : "";
+function chance(find, write, forecast, level) {
+  const left = forecast ? (forecast.last_chance ?? Infinity) : null;
+  write("chance", left === null ? UNKNOWN : left < 0 ? "none" : left === Infinity ? "> 120 s" : seconds(left));
+  find("chance").dataset.urgency = forecast ? level : "unknown";
+  find("chance-bar").value = Math.max(0, Math.min(left ?? 0, 120));
 }
 
 function rudder(find, write, forecast) {
   const limit = forecast?.rudder_limit ?? null;
   const place = (angle) => RAIL * Math.max(-1, Math.min(1, (angle ?? 0) / (limit ?? 1)));
-  const needed = forecast?.rudder_needed ?? null;
-  const most = sided(limit).replace("S ", "");
-  write("needed", !forecast ? UNKNOWN : needed === null ? `more than ${most}` : `${sided(needed)} of ${most}`);
-  find("needed").dataset.urgency = forecast && needed === null ? "alarm" : "";
+  const danger = forecast && forecast.last_chance !== null;
+  write("escape", danger ? forecast.escape.words : forecast ? "nothing" : UNKNOWN);
+  write("leaves", danger ? `leaves ${metres(forecast.escape.clearance)}` : "");
   write("rudder", sided(forecast?.rudder));
   write("limit-port", sided(limit === null ? null : -limit));
   write("limit-starboard", sided(limit));
-  find("needed-mark").setAttribute("transform", `translate(${place(needed)})`);
+  find("order-mark").setAttribute("transform", `translate(${place(forecast?.escape.order)})`);
   find("rudder-mark").setAttribute("transform", `translate(${place(forecast?.rudder)})`);
-  find("span").setAttribute("d", `M0 0H${place(needed)}`);
-  find("needed-mark").toggleAttribute("hidden", needed === null);
+  find("order-mark").toggleAttribute("hidden", !danger);
   find("rudder-mark").toggleAttribute("hidden", !forecast);
 }

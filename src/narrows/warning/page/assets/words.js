@@ -22,6 +22,14 @@ export function percent(share) {
   return `${(100 * share).toFixed(0)} %`;
 }
 
+/** How fast a part of the hull comes nearer to a side, or goes away from it. */
+export function closing(speed, side) {
+  if (!known(speed)) return "";
+  const nearer = side === "starboard" ? speed : -speed;
+  const words = Math.abs(nearer).toFixed(1);
+  return words === "0.0" ? "steady" : `${nearer > 0 ? "▼" : "▲"} ${words} m/s`;
+}
+
 /** An angle by its side: P to port, S to starboard. */
 export function sided(angle) {
   if (!known(angle)) return UNKNOWN;
