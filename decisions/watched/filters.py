@@ -5,11 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.recursion import gate
-from narrows.estimation.settings import GROSS_ERROR_NIS
+from narrows.estimation.settings import GROSS_ERROR_NIS, START_READINGS
+from narrows.estimation.ship_filter import Start
 from narrows.estimation.ship_lanes import ShipLanes
-from narrows.estimation.states import Columns
-from narrows.estimation.unscented import Gaussian
+from narrows.estimation.unscented import Gaussian, sigma_point_weights
 
 REFUSED, TINY = 1e12, 1e-12
 TURN = 2 * np.pi
@@ -29,27 +28,28 @@ class FiltersAbreast:
     def __init__(self, estimator: Estimator, count: int) -> None:
         self.filter, self.count = estimator.filter, count
         recursion = self.filter.recursion
-        self.spread, self.size = recursion.moving, len(self.filter.states)
+        self.size = len(self.filter.states)
         self.whole = self.size + self.filter.estimated
+        self.spread = sigma_point_weights(self.whole)
         self.lanes = ShipLanes(self.filter.ship, self.filter.states, count * (1 + 2 * self.whole), self.filter.waterway)
-        self.noise = recursion._walk.T @ recursion._walk
-        points = Columns(np.eye(self.whole), self.filter.states)
-        sensors = self.filter.sensors.values()
-        self.seen = np.array([column for sensor in sensors for column in sensor.measured(points)])
-        self.sigma = np.concatenate([sensor.sigma for sensor in sensors])
-        self.angles = np.concatenate([sensor.angles for sensor in sensors]).astype(bool)
-        ends = np.cumsum([len(sensor.fields) for sensor in sensors])
-        self.parts = [slice(end - len(sensor.fields), end) for end, sensor in zip(ends, sensors, strict=True)]
+        self.left, noise = recursion.process.over(1.0)
+        self.noise = noise.T @ noise
+        layout = recursion._layout(tuple(self.filter.sensors))
+        assert layout.seen is not None
+        self.seen, self.sigma, self.parts, self.gates = layout.seen, layout.sigma, layout.parts, layout.gates
+        self.angles = layout.angles
         self.mean, self.covariance = np.zeros((count, self.whole)), np.zeros((count, self.whole, self.whole))
 
     def begin(self, readings: np.ndarray, ships: np.ndarray) -> None:
         """Begin anew, from readings (count, numbers), with the ships of these places."""
         for ship in ships:
-            start = self.filter.start()
-            start.readings |= {
+            start = Start(self.filter)
+            told = {
                 name: tuple(readings[ship, part]) for name, part in zip(self.filter.sensors, self.parts, strict=True)
             }
-            first = self.filter.begin(start)
+            for _ in range(START_READINGS):
+                start.add(0.0, told)
+            first = start.state(0.0)
             self.mean[ship], self.covariance[ship] = first.mean, first.covariance
 
     @property
@@ -91,8 +91,9 @@ class FiltersAbreast:
         start, end = (np.repeat(angle, each)[:, None] for angle in (before, after))
         states = self.lanes.advance(points[:, :size], 1.0, start, end, columns)
         lost = self.lanes.aground.reshape(self.count, each)[:, 0]
-        kept = np.exp(-1.0 / recursion.memory) * points[:, size:]
-        return np.concatenate([states, kept], axis=1), lost.copy()
+        moved = np.concatenate([states, points[:, size:]], axis=1)
+        moved[:, recursion.process.places] *= self.left
+        return moved, lost.copy()
 
     def _corrected(self, readings: np.ndarray) -> None:
         innovation = readings - self.mean @ self.seen.T
@@ -101,8 +102,7 @@ class FiltersAbreast:
         expected = self.seen @ shared + np.diag(self.sigma**2)
         noise = np.tile(self.sigma**2, (self.count, 1))
         squares = np.stack([_square(innovation[:, part], expected[:, part, part]) for part in self.parts])
-        gates = [gate(self.filter.refusing, part.stop - part.start) for part in self.parts]
-        odd = ~(squares <= np.array(gates)[:, None])
+        odd = ~(squares <= np.array(self.gates)[:, None])
         gross = (odd & ~(squares <= GROSS_ERROR_NIS)).any(axis=0)
         refused = odd & ((odd.sum(axis=0) < 2) | gross)  # All sensors of this filter are of different kinds.
         for part, without in zip(self.parts, refused, strict=True):
@@ -123,10 +123,24 @@ def _square(off: np.ndarray, block: np.ndarray) -> np.ndarray:
     return np.einsum("bi,bi->b", off, np.linalg.solve(block, off[:, :, None])[:, :, 0])
 
 
-def readings_of(estimator: Estimator, states: Mapping[str, np.ndarray], random: np.random.Generator) -> np.ndarray:
-    """What sensors tell of true states, (count, numbers)."""
-    names = estimator.filter.states
-    rows = np.stack([states.get(name, np.zeros_like(states["x"])) for name in names.names], axis=1)
-    at, sensors = Columns(rows, names), estimator.filter.sensors.values()
-    true = np.stack([column for sensor in sensors for column in sensor.measured(at)], axis=1)
-    return true + np.concatenate([sensor.sigma for sensor in sensors]) * random.standard_normal(true.shape)
+class SensorErrors:
+    """Errors of the sensors of many ships: white ones, and those that wander as their sensors declare."""
+
+    def __init__(self, filters: FiltersAbreast, seed: int) -> None:
+        self.filters, self.random = filters, np.random.default_rng(seed)
+        self.known = filters.filter.errors
+        self.states = {name: std * self._normal() for name, (_, std, _) in self.known.items()}
+
+    def _normal(self) -> np.ndarray:
+        return self.random.standard_normal(self.filters.count)
+
+    def readings(self, true: Mapping[str, np.ndarray]) -> np.ndarray:
+        """What the sensors tell of true states a second later, (count, numbers)."""
+        for name, (_, std, time) in self.known.items():
+            left = np.exp(-1.0 / time)
+            self.states[name] = left * self.states[name] + np.sqrt(1.0 - left * left) * std * self._normal()
+        at = {**true, **self.states}
+        names = self.filters.filter.states.names
+        rows = np.stack([at.get(name, np.zeros(self.filters.count)) for name in names], axis=1)
+        told = rows @ self.filters.seen[:, : len(names)].T
+        return told + self.filters.sigma * self.random.standard_normal(told.shape)

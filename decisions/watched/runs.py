@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.estimation import Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.warning.forecasting.escapes import escape_numbers
-from watched.filters import FiltersAbreast, readings_of
+from watched.filters import FiltersAbreast, SensorErrors
 from watched.forecasts import COLUMNS, ForecastsAbreast
 from watched.truths import DURATION, LENGTH, Hands, Physics, Ships, departing, modelled, waterway
 
@@ -22,13 +22,13 @@ Run = dict[str, np.ndarray]
 def watched(physics: Physics, seed: int, count: int = ABREAST, members: int = MEMBERS) -> Run:
     """Transits of ships, and what is forecast of them, (times, ships)."""
     estimator = Estimator(modelled(), SENSORS, waterway=waterway())
-    random, ships = np.random.default_rng(seed + 1), departing(physics, count, seed)
-    hands, filters = Hands(ships), FiltersAbreast(estimator, count)
+    ships, filters = departing(physics, count, seed).fresh(seed + 1), FiltersAbreast(estimator, count)
+    hands, sensors = Hands(ships), SensorErrors(filters, seed + 1)
     forecasts, before, told = ForecastsAbreast(estimator, count, members), ships.indicated, []
     seen = np.zeros((DURATION, 5, count), np.float32)
     states = np.zeros((DURATION, len(STATE), count), np.float32)
     for t in range(DURATION):
-        readings, now = readings_of(estimator, {**ships.state, "psi": ships.psi}, random), ships.indicated
+        readings, now = sensors.readings({**ships.state, "psi": ships.psi}), ships.indicated
         if t:
             filters.update(readings, before, now)
         else:

@@ -43,6 +43,8 @@ STRENGTH, CURRENT, BIAS = 0.15, 0.3, np.radians(0.5)
 HANDS = {"steady": (0, 10, 1.0), "late": (4, 12, 1.0), "over-steering": (3, 8, 1.7), "change-over": (0, 10, 1.0)}
 """Hands: from what is seen to the order, between two orders [s], and times the regulator's move."""
 OTHER_HANDS = {"slow": (5, 20, 0.7), "nervous": (2, 5, 2.0)}
+NEAR = 20.0
+"""Clearance of a near miss [m]."""
 LAPSES = ("forgotten", "wrong order", "strong bank")
 
 
@@ -231,6 +233,10 @@ class Ships:
         """The same ships (several times, perhaps) in states at times."""
         return Ships(self.model, {name: column[ships] for name, column in self.own.items()}, state, t, seed)
 
+    def fresh(self, seed: int) -> "Ships":
+        """The same ships once more from the start."""
+        return self.taken(np.arange(self.count), self.state, self.t, seed)
+
 
 @cache
 def _bend_table() -> tuple[np.ndarray, np.ndarray]:
@@ -243,12 +249,45 @@ def bend_at(x: np.ndarray) -> np.ndarray:
     return np.interp(x, *_bend_table())
 
 
+CREW_CLEARANCE = 30.0
+"""A crew that comes nearer to a bank than this in a calm hour does not sail this ship: the hand cannot hold it [m]."""
+DRAWN = 4
+"""Ships drawn for each that is watched with a lapse: most lapses end well, and those that do not are wanted."""
+
+
+@cache
 def departing(physics: Physics, count: int, seed: int) -> Ships:
-    """Ships at the beginning of the hour, an even number: those of even numbers have a lapse at the helm."""
+    """Ships at the beginning of the hour: the first half have a lapse at the helm, which ends in a contact or near it.
+
+    Ships that their hands cannot hold in a calm hour are left out, and so are most lapses that end well.
+    """
+    half = count // 2
+    drawn = _drawn(physics, DRAWN * half + half + half // 2, DRAWN * half, seed)
+    calm = dict.fromkeys(("gusts", "passing", "bank grows", "away"), 0.0) | {"when": np.inf}
+    held = _sailed(drawn, {name: np.full_like(drawn.own[name], value) for name, value in calm.items()})
+    went = _sailed(drawn, {})
+    held_lapses = np.flatnonzero((held >= CREW_CLEARANCE) & drawn.own["lapse"])
+    lapses = held_lapses[np.argsort(went[held_lapses] > NEAR, kind="stable")][:half]
+    others = np.flatnonzero((held >= CREW_CLEARANCE) & ~drawn.own["lapse"])[:half]
+    which = np.concatenate([lapses, others])
+    return drawn.taken(which, {name: column[which] for name, column in drawn.state.items()}, drawn.t[which], seed + 1)
+
+
+def _sailed(ships: Ships, changes: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Least clearance of ships in the hour, some things of their own changed [m]."""
+    one = Ships(ships.model, {**ships.own, **changes}, ships.state, ships.t, 0)
+    hands = Hands(one)
+    for t in range(DURATION):
+        hands.steer(t)
+        one.step()
+    return np.where(one.alive, one.least, 0.0)
+
+
+def _drawn(physics: Physics, count: int, lapses: int, seed: int) -> Ships:
     model, draw, n = true_model(physics), np.random.default_rng(seed), count
     lines = draw.choice(LINES, (n, DURATION // EPOCH + 1))
     held = [_held_lines()[y] for y in lines[:, 0].tolist()]
-    lapse, kind = np.arange(n) % 2 == 0, draw.choice(len(LAPSES), n, p=(0.5, 0.25, 0.25))
+    lapse, kind = np.arange(n) < lapses, draw.choice(len(LAPSES), n, p=(0.5, 0.25, 0.25))
     push = float(nw.wind_force(1.0, AREA))
     surge = lapse & ((kind == 2) | (draw.random(n) < 0.5))
     hands = np.array([*(OTHER_HANDS if physics.other_hands else HANDS).values()])

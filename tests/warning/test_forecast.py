@@ -77,26 +77,26 @@ def test_the_tracks_are_where_voyages_go() -> None:
 @pytest.mark.parametrize("coefficients", ["considered", "estimated"])
 def test_every_lane_is_a_voyage(coefficients: str) -> None:
     """Of some samples, in every kind of future: one after the other by the plain engine."""
-    now, one, met = estimate(100.0, 0.16, coefficients=coefficients), forecaster(coefficients), 0
-    one(now, {"rudder": 0.02}, nobody_yet())
+    now, one, met, clear = estimate(40.0, 0.28, coefficients=coefficients), forecaster(coefficients), 0, 0
+    indicated = np.array([0.3])
     drawn, law = one.escaping.drawn(now.joint.mean[None], now.joint.root[None]), nobody_yet().law(np.array([SPEED]))
-    ships = one.samples(drawn, np.array([0.02]), law, one.escaping.count)
-    likely = one.samples(one.members.likely(now.joint.mean[None]), np.array([0.02]), law, 1)
-    members = one.samples(one.members.drawn(now.joint.mean[None], now.joint.root[None]), np.array([0.02]), law, 40)
+    ships = one.samples(drawn, indicated, law, one.escaping.count)
+    likely = one.samples(one.members.likely(now.joint.mean[None]), indicated, law, 1)
+    members = one.samples(one.members.drawn(now.joint.mean[None], now.joint.root[None]), indicated, law, 40)
     _, ends, _ = one._lanes([members, ships, likely], now.values["current"])
     cases = one._lanes.blocks[1].cases
     for k in range(4):
         state = dict(zip(now.states.names, drawn.states[k], strict=True))
         model = by_bank(state["bank"], dict(zip(ship().terms.names, drawn.coefficients[k], strict=True)))
         for number, case in list(enumerate(cases))[::3]:
-            rudder = 0.02 + state["rudder_bias"]
+            rudder = indicated[0] + state["rudder_bias"]
             outcome = sailed(state, model, case, rudder, now.values["current"], case.duration).outcome
             hit = outcome.kind in ("grounded", "left validity")
             assert np.isfinite(ends.contact[number, k]) == hit, (k, case)
             if outcome.kind == "grounded":
                 assert ends.contact[number, k] == pytest.approx(outcome.time, abs=2.5)  # a step
-            met += hit
-    assert met > 4
+            met, clear = met + hit, clear + (not hit)
+    assert min(met, clear) > 1
 
 
 @pytest.mark.parametrize("coefficients", ["considered", "estimated", "certain"])
@@ -153,7 +153,7 @@ def test_a_last_chance_is_where_rising_shares_cross() -> None:
 def test_a_gear_that_is_slower_leaves_less_time() -> None:
     """The gear as it is: at a quarter of its rate the last chance comes earlier."""
     gear = replace(ship().configuration.gear, rate_deg=0.6)
-    slow = replace(ship(), configuration=replace(ship().configuration, gear=gear))
+    slow = replace(ship(), configuration=ship().configuration.with_parts([gear]))
     one = Forecaster(Estimator(slow, SENSORS, waterway=canal()), members=40, escaping=40)
     now = estimate(40.0, 0.2)
     assert one(now, {"rudder": 0.5}, nobody_yet()).last_chance < forecast(40.0, 0.2, 0.5).last_chance - 5.0
@@ -183,7 +183,7 @@ def steered(seconds: int, lapse: int | None, gain: float = 1.2) -> Helmsmen:
 def test_a_hand_at_work_is_seen_and_so_is_a_rudder_that_is_forgotten() -> None:
     assert steered(600, None).unattended[0] < 0.05
     assert steered(600, 540).unattended[0] > 0.5
-    assert steered(600, 540).law(np.array([SPEED]))["by_psi"][0] == pytest.approx(1.2, rel=0.4)
+    assert steered(600, None).law(np.array([SPEED]))["by_psi"][0] == pytest.approx(1.2, rel=0.2)
 
 
 def test_what_cannot_be_forecast_is_said() -> None:

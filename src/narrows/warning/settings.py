@@ -36,7 +36,6 @@ HELM_MEMORY = 300.0  # [s] of what is learned
 ORDER_INTERVAL = 10.0  # [s] between two orders, before it is learned
 RUDDER_MOVES = 0.02  # [rad] in a second: more than the noise of an indicator
 LEAST_HELM_SCATTER = 0.035  # [rad] of a rudder about the law of its helmsman
-UNATTENDED_SCATTER = 0.35  # [rad] of a rudder that nobody turns, about the same law
 LEAST_HELM_LIMIT = 0.17  # [rad] angles that every helmsman uses
 LAPSE_INTERVAL = 3600.0  # [s] mean time between two lapses at the helm
 TRACK_STEP = 2.0  # [s] between points of a track without a model

@@ -107,7 +107,12 @@ class Forecaster:
         return self._forecast(estimate, positions, seen, tracks, float(helmsman.unattended[0]))
 
     def _forecast(
-        self, estimate: Estimate, positions: Mapping[str, float], seen: "Judged", tracks: Tracks, unattended: float
+        self,
+        estimate: Estimate,
+        positions: Mapping[str, float],
+        seen: "JudgedFutures",
+        tracks: Tracks,
+        unattended: float,
     ) -> BankForecast:
         now, gear, best = estimate.values, self.filter.model.configuration.gear, int(seen.best[0])
         rudder = positions.get(RUDDER, 0.0) + now.get("rudder_bias", 0.0)
@@ -179,7 +184,7 @@ class Forecaster:
         return Ships(columns, true, coefficients, {name: np.repeat(value, members) for name, value in law.items()})
 
 
-class Judged(NamedTuple):
+class JudgedFutures(NamedTuple):
     """What becomes of ships abreast, (ships,...)."""
 
     contact: np.ndarray  # Of the most likely one as the rudder is; infinite where there is none [s]
@@ -194,7 +199,7 @@ class Judged(NamedTuple):
     helmsman: np.ndarray  # The same where the helmsman steers on [1]
 
 
-def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndarray) -> Judged:
+def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndarray) -> JudgedFutures:
     members, escaping, likely = outcomes
     as_is, helmsman = members.contact.reshape(2, ships, -1)
     failing = np.isfinite(escaping.contact).reshape(count, len(TAKEOVERS), ships, -1).mean(axis=-1)
@@ -206,7 +211,7 @@ def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndar
     weights = -np.diff(np.exp(-np.array([0.0, *(TAKEOVERS[1:] + TAKEOVERS[:-1]) / 2, np.inf]) / settings.RETURN_TIME))
     steered = np.isfinite(helmsman).mean(axis=1)
     nobody = unattended * (best_share * weights).sum(axis=1) + (1.0 - unattended) * steered
-    return Judged(
+    return JudgedFutures(
         likely.contact[0], np.where(np.isfinite(likely.contact[0]), likely.side[0], side),
         crossing(CHANCES, single.min(axis=1), 0.5),
         crossing(TAKEOVERS, best_share, settings.FAILING_SHARE), failing, failing[:, :, :2].sum(axis=2).argmin(axis=1),

@@ -1,8 +1,8 @@
 """How the rudder is being used: the helmsman's law, learned as the ship sails, and the chance that nobody steers.
 
 The law is linear in offset, heading and yaw rate, with a delay; a Kalman filter for each of some delays learns its
-gains. The helm is attended or not: a hidden Markov model of two states, by how far the rudder is from that law and by
-how often it moves.
+gains. The helm is attended or not: a hidden Markov model of two states, by how long the rudder stays still for a hand
+that moves it as often, and by how far it is from that law meanwhile.
 
 References
 ----------
@@ -25,7 +25,6 @@ from narrows.warning.settings import (
     ORDER_INTERVAL,
     RETURN_TIME,
     RUDDER_MOVES,
-    UNATTENDED_SCATTER,
 )
 
 
@@ -78,13 +77,11 @@ class Helmsmen:
     def _judge(self, scatter: np.ndarray, moved: np.ndarray) -> None:
         """One step of the filter of the hidden state."""
         before = self.unattended + (1.0 - self.unattended) / LAPSE_INTERVAL - self.unattended / RETURN_TIME
-        # The rudder is off the law for as long as an order stands, so a second is a part of one piece of evidence.
-        ratio = (self.off / scatter) ** 2 / 2 - (self.off / UNATTENDED_SCATTER) ** 2 / 2
-        by_angle = (ratio + np.log(scatter / UNATTENDED_SCATTER)) / ORDER_INTERVAL
-        rate = np.clip(self._moves, 0.02, 0.5)
-        by_moves = np.where(moved, np.log(0.02 / rate), -np.log1p(-rate / 2))
-        odds = np.log(before / (1.0 - before)) + np.clip(by_angle + by_moves, -2.0, 2.0)
-        self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), 1e-4, 0.999)
+        # A hand moves the rudder at its usual rate, and sooner the farther the rudder is from its law.
+        rate = np.clip(self._moves * (1.0 + (self.off / scatter) ** 2), 0.02, 0.5)
+        by_moves = np.where(moved, np.log(0.02 / rate), -np.log1p(-rate))
+        odds = np.log(before / (1.0 - before)) + np.clip(by_moves, -3.0, 3.0)
+        self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), 2e-3, 0.999)
         self._moves += (1.0 - self.unattended) * (moved - self._moves) / HELM_MEMORY
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
