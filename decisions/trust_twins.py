@@ -1,9 +1,10 @@
 """How often a verdict misleads and an interval misses, on twins that break assumptions: a table of the docs.
 
-    python decisions/trust_twins.py [--write] [kind ...]
+    python decisions/trust_twins.py [--write] [--twins 20] [kind ...]
 
-Each cell of a strength has a hundred twins: the share in which a coefficient of the bank is called identified while its
-interval misses the truth, how often b_bank is called identified, and how often its interval holds the truth.
+Each cell is of so many twins: the share in which a coefficient of the bank is called identified while its interval
+misses the truth, how often it is identified, and how often its interval holds the truth. Honest kinds, whose errors
+are those of runs alone, also have the half width over that of an oracle, which knows the errors' covariance.
 """
 
 import sys
@@ -12,47 +13,60 @@ from functools import partial
 
 import numpy as np
 from pages import markdown, publish
-from trust_kinds import KINDS, Kind
+from trust_kinds import HULL, KINDS, Kind
+from trust_oracle import HONEST, oracle
 
 import narrows as nw
 
-TWINS, FIRST = 100, 5000
+TWINS, FIRST = 20, 5000
+MAIN = ("b_vdot", "b_v", "b_r", "c_rdot", "c_v", "c_r")
+NAMES = ("b_bank", "c_bank", *MAIN)
 HEADER = (
-    "kind",
-    "strength",
-    "identified and missed",
-    "b_bank identified",
-    "b_bank held",
-    "c_bank identified",
-    "c_bank held",
-)
+    "kind", "strength", "identified and missed", "b_bank identified", "b_bank held", "c_bank identified",
+    "c_bank held", "hull held", "half width of b_bank; all eight, over an oracle's",
+)  # fmt: skip
 
 
-def judged(kind: Kind, strength: float, seed: int) -> list[tuple[bool, bool]]:
-    """Of b_bank and c_bank of a twin: whether it is called identified, and whether its interval holds the truth."""
+def judged(kind: Kind, strength: float, seed: int) -> list[tuple[bool, bool, float]]:
+    """Of each coefficient of a twin: whether it is identified, whether its interval holds the truth, the half width."""
     tests, truth = kind(np.random.default_rng(seed), strength)
+    truth = {**HULL, **truth}
     fit = nw.identify(tests, "paper+keel_gap" if kind.__name__ == "hull_by_depth" else "paper")
     ends = fit.intervals
     return [
-        (fit.verdicts[n].status == "identified", ends[n][0] <= truth[n] <= ends[n][1]) for n in ("b_bank", "c_bank")
+        (fit.verdicts[n].status == "identified", ends[n][0] <= truth[n] <= ends[n][1], (ends[n][1] - ends[n][0]) / 2)
+        for n in NAMES
     ]
 
 
-def row(kind: Kind, strength: float, twins: int = TWINS) -> tuple[str, ...]:
+def row(kind: Kind, strength: float, twins: int) -> tuple[str, ...]:
     """One strength of a kind."""
     with ProcessPoolExecutor() as pool:
-        seen = np.array(list(pool.map(partial(judged, kind, strength), range(FIRST, FIRST + twins))))
-    missed = (seen[:, :, 0] & ~seen[:, :, 1]).any(axis=1).mean()
-    shares = (missed, *(seen[:, i, j].mean() for i in (0, 1) for j in (0, 1)))
+        seen = np.array(list(pool.map(partial(judged, kind, strength), range(FIRST, FIRST + twins))), float)
+    found, held, half = np.moveaxis(seen, 2, 0)
+    missed = (found * (1 - held))[:, :2].any(axis=1).mean()
+    shares = (missed, found[:, 0].mean(), held[:, 0].mean(), found[:, 1].mean(), held[:, 1].mean())
+    hull, ratio = "", ""
+    if kind.__name__ in HONEST:
+        best = oracle(kind.__name__, strength)
+        over = half.mean(axis=0) / (1.96 * np.array([best[name] for name in NAMES]))
+        hull, ratio = f"{held[:, 2:].mean():.0%}", f"{over[0]:.2g}; {np.median(over):.2g}"
     word = (kind.__doc__ or "").strip().rstrip(".")
-    return (f"`{kind.__name__}`: {word}", f"{strength:g}", *(f"{share:.0%}" for share in shares))
+    return (f"`{kind.__name__}`: {word}", f"{strength:g}", *(f"{share:.0%}" for share in shares), hull, ratio)
 
 
 def text(twins: int = TWINS, kinds: tuple[str, ...] = ()) -> str:
     """Count, and write a row for each strength of each kind."""
     chosen = {kind: strengths for kind, strengths in KINDS.items() if not kinds or kind.__name__ in kinds}
-    return markdown(HEADER, [row(kind, s, twins) for kind, strengths in chosen.items() for s in strengths])
+    rows = []
+    for kind, strengths in chosen.items():
+        for strength in strengths:
+            rows.append(row(kind, strength, twins))
+            print(rows[-1][0][:40], *rows[-1][1:], file=sys.stderr, flush=True)
+    return markdown(HEADER, rows)
 
 
 if __name__ == "__main__":
-    publish(__file__, "uncertainty.md", text(kinds=tuple(own for own in sys.argv[1:] if own != "--write")))
+    given = [word for word in sys.argv[1:] if word != "--write"]
+    count = int(given.pop(given.index("--twins") + 1)) if "--twins" in given else TWINS
+    publish(__file__, "uncertainty.md", text(count, tuple(word for word in given if not word.startswith("--"))))

@@ -53,7 +53,6 @@ def test_tables_are_compared_by_what_was_left_out(found: nw.Explanation) -> None
     for (name, force), row in rows.items():
         fit = nw.identify(found.fit.tests, found.comparison.fits[name].terms)
         assert row["rmse_left_out"] == fit.left_out[force].rmse
-        assert row["rmse"] <= row["rmse_left_out"]
     assert found.comparison.best("Y") == "paper"  # the truth's own terms
 
 
@@ -66,7 +65,7 @@ def test_a_speed_left_out_is_that_of_a_refit(found: nw.Explanation) -> None:
         refit = nw.identify(fit.tests.where([not own for own in inside]))
         out = fit.tests.where(inside)
         motion = nw.Motion(**{name: out.columns[name] for name in nw.Motion().values()})
-        left = out.columns["N"] - refit.model.forces(motion)["N"]
+        left = out.columns["N"] - refit.model.with_coefficients(**refit.least_squares).forces(motion)["N"]
         error += [np.mean(part**2) for part in np.split(left, out.starts[1:-1])]
     assert fit.left_out_speeds["N"].rmse == pytest.approx(np.sqrt(np.mean(error)), rel=1e-5)
 
@@ -102,7 +101,6 @@ def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
     assert code == 0
     assert not told["fitted_on_this_table"]
     assert set(told["tables"][0]) >= {"table", "force", "rmse_left_out", "rmse_other_speeds", "bank"}
-    assert set(told["profiles"]["b_bank"]) == {"value", "deviance"}
     # Harmonic runs of a hull that does not change with speed or period tell the bank.
     assert told["these_tests"]["coefficients"]["b_bank"]["verdict"] == "identified"
     assert {"tradeoffs", "influence"} <= set(told["these_tests"])

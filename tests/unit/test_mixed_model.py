@@ -147,7 +147,7 @@ def test_a_bank_is_identified_and_none_is_not() -> None:
             assert low <= truth[name] <= high
             assert high - low < 0.15 * truth[name]
             assert found.verdicts[name].status == "identified"
-            assert found.verdicts[name].tipping
+            assert found.verdicts[name].limits
         tests, _ = zero_of_a_day(np.random.default_rng(seed), 2.0)
         found = nw.identify(tests)
         assert all(found.verdicts[name].status != "identified" for name in ("b_bank", "c_bank"))
@@ -163,8 +163,8 @@ def test_a_cable_is_not_larger_than_its_tipping_point() -> None:
         tests = measured(np.random.default_rng(seed), DOZEN, law(NONE), Tank(gain=0.01, spoil=cable))
         found = nw.identify(tests)
         if found.verdicts["b_bank"].status == "identified":
-            tipping = {effect.name: needed * effect.usual for effect, needed in found.estimates.tipping["b_bank"]}
-            assert tipping["force that goes with y in Y"] < 3.0 * found.motions.reach.max() / 1.7
+            told = {effect.name: size for effect, size in found.estimates.limits["b_bank"]}
+            assert told["force that goes with y in Y"] < 3.0 * found.motions.reach.max() / 1.7
 
 
 def test_tests_of_the_kcs_are_predicted_by_the_others(kcs_fits: dict[int, nw.Fit]) -> None:

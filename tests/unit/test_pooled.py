@@ -68,7 +68,7 @@ def test_a_model_of_several_depths_is_kept_in_a_file(kcs: nw.Fit, tmp_path) -> N
 def test_hulls_are_those_of_each_depth_and_the_bank_is_better_known(kcs: nw.Fit) -> None:
     alone = {label: nw.identify(tests) for label, tests in nw.measured_tests("kcs").by_condition().items()}
     for fit, depth in zip(alone.values(), (0.41, 0.3075, 0.246), strict=True):
-        assert kcs.coefficients[f"c_rdot@{depth:g}"] == pytest.approx(fit.coefficients["c_rdot"], rel=0.01)
+        assert kcs.coefficients[f"c_rdot@{depth:g}"] == pytest.approx(fit.coefficients["c_rdot"], rel=0.04)
         assert kcs.std["b_bank"] < fit.std["b_bank"]
     assert len(kcs.motions) == 36
 

@@ -69,7 +69,7 @@ class Answer:
             return f"They cannot be trusted, as something is wrong with the tests: {self.fit.implausible[0]}"
         if self.settled:
             return (
-                f"They are identified as far as these terms hold: {'; '.join(self._tipping())}. No test tells a gain "
+                f"They are identified as far as these terms hold: {'; '.join(self._limits())}. No test shows a gain "
                 "that all runs share."
             )
         if not bank_names(self.fit):
@@ -77,11 +77,11 @@ class Answer:
             return f"{known} of {len(self.fit.terms.names)} coefficients are identified."
         return f"They are not all identified: {'; '.join(self._doubts())}."
 
-    def _tipping(self) -> list[str]:
-        """What would overturn each coefficient of the bank."""
-        told = [(name, self.fit.verdicts[name].tipping) for name in bank_names(self.fit)]
-        parts = [f"{name} would be overturned by {' or '.join(tipping)}" for name, tipping in told if tipping]
-        return parts or ["no usual error of a campaign overturns them"]
+    def _limits(self) -> list[str]:
+        """Which error of a campaign would put each coefficient of the bank outside its interval."""
+        told = [(name, self.fit.verdicts[name].limits) for name in bank_names(self.fit)]
+        parts = [f"{name} would be off by more with {' or '.join(limits[:2])}" for name, limits in told if limits]
+        return parts or ["no usual error of a campaign puts them outside their intervals"]
 
     def _doubts(self) -> list[str]:
         doubts = []

@@ -1,7 +1,7 @@
 """Estimate, standard error and interval of every coefficient: the posterior of the mixed model, within the bounds."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,8 @@ from narrows.ship.particulars import Configuration
 
 # Standard errors beyond a bound at which the data reject it: the coefficient is held there.
 CERTAIN = 2.0
+# Half widths from a bound within which a truth may lie on it.
+NEAR = 1.5
 # Draws from the posterior; fewer than LEAST within the bounds are too few to rest on.
 DRAWS, LEAST, SEED = 8000, 200, 26
 # Clusters that Student's t counts: intervals hold the uncertainty of the scales already.
@@ -53,7 +55,7 @@ class CoefficientEstimates:
     values: np.ndarray  # (n,)
     std: np.ndarray  # (n,)
     covariance: np.ndarray  # (n, n), zero where a coefficient is held at a bound
-    free_values: np.ndarray  # (n,) where the bounds are let go, but for those that the data reject
+    free_values: np.ndarray  # (n,) where the bound is let go, the others that the data reject being held
     free_half: np.ndarray  # (n,) half width of the 95 % interval without bounds
     ends: np.ndarray  # (n, 2) 95 % interval within the bounds
     held: np.ndarray  # (n,) held at a bound that the data reject
@@ -63,32 +65,32 @@ class CoefficientEstimates:
         """Standard errors that make the free intervals, (n,)."""
         return self.free_half / HALF
 
-    def containing(self, values: Mapping[str, float]) -> "CoefficientEstimates":
-        """The same with intervals that reach to other estimates: where these differ, the terms do not fit well."""
-        other = np.array([values[name] for name in self.problem.terms.names])
-        low, high = np.minimum(self.ends[:, 0], other), np.maximum(self.ends[:, 1], other)
-        return replace(self, values=other, ends=np.stack([low, high], axis=1))
-
     @cached_property
     def tipping(self) -> dict[str, list[tuple[Effect, float]]]:
-        """How large each shared error must be to bring a coefficient's interval to 0, the least unusual first."""
-        names = self.problem.terms.names
-        result: dict[str, list[tuple[Effect, float]]] = {name: [] for name in names}
+        """Size of each shared error that brings a coefficient's interval to 0, the least unusual first."""
+        away = np.maximum(self.ends[:, 0], -self.ends[:, 1])
+        return self._sizes(np.where((away > 0) & ~self.held, away, np.inf))
+
+    @cached_property
+    def limits(self) -> dict[str, list[tuple[Effect, float]]]:
+        """Size of each shared error that moves a coefficient by its half width, the least unusual first."""
+        half = 0.5 * np.diff(self.ends, axis=1)[:, 0]
+        return self._sizes(np.where(half > 0, half, np.inf))
+
+    def _sizes(self, distance: np.ndarray) -> dict[str, list[tuple[Effect, float]]]:
+        """Size of each shared error that moves each coefficient by a distance (n,)."""
+        result: dict[str, list[tuple[Effect, float]]] = {name: [] for name in self.problem.terms.names}
         for part in self.forces:
-            shifts = part.posterior.shifts * part.unit[:, None]
-            for i, name in enumerate(names):
+            shifts = np.abs(part.posterior.shifts * part.unit[:, None])
+            for i, name in enumerate(result):
                 slot = self.problem.slot[name]
-                low, high = self.ends[i]
-                if slot in part.slots and (low > 0 or high < 0) and not self.held[i]:
-                    near = low if low > 0 else -high
-                    result[name] = _tipping(part.effects, shifts[part.slots.index(slot)], near)
+                if slot in part.slots and np.isfinite(distance[i]):
+                    needed = distance[i] / np.maximum(shifts[part.slots.index(slot)], 1e-300)
+                    sizes = [(e, float(n * e.usual)) for e, n in zip(part.effects, needed, strict=True) if e.told]
+                    result[name] = sorted(
+                        ((e, size) for e, size in sizes if size < e.most), key=lambda one: one[1] / one[0].usual
+                    )
         return result
-
-
-def _tipping(effects: list[Effect], shifts: np.ndarray, distance: float) -> list[tuple[Effect, float]]:
-    needed = distance / np.maximum(np.abs(shifts), 1e-300)
-    order = [i for i in np.argsort(needed) if effects[i].told and needed[i] < 1e4]
-    return [(effects[i], float(needed[i])) for i in order]
 
 
 @one_thread
@@ -152,7 +154,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     means = part.posterior.means * unit
     spreads = part.posterior.covariances * np.outer(unit, unit)
     weights = part.posterior.weights
-    held = np.zeros(len(unit), bool)
+    held, beyond_bound = np.zeros(len(unit), bool), np.full(len(unit), np.nan)
     for _ in range(len(unit)):
         mean = weights @ means
         std = np.sqrt(weights @ (np.diagonal(spreads, axis1=1, axis2=2) + (means - mean) ** 2))
@@ -162,21 +164,23 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
             break
         worst = int(beyond.argmax())
         edge = bounds[worst, 0] if mean[worst] < bounds[worst, 0] else bounds[worst, 1]
+        held[worst], beyond_bound[worst] = True, mean[worst]
         means, spreads = _conditioned(means, spreads, worst, edge)
-        held[worst] = True
     draws = _draws(means, spreads, weights)
     inside = draws[((draws >= bounds[:, 0]) & (draws <= bounds[:, 1]) | held).all(axis=1)]
     inside = inside if len(inside) >= LEAST else np.clip(draws, bounds[:, 0], bounds[:, 1])
-    free = weights @ means
+    free = np.where(held, beyond_bound, weights @ means)
     free_half = 0.5 * np.diff(np.quantile(draws, [0.025, 0.975], axis=0), axis=0)[0]
     low, high = np.quantile(inside, [0.025, 0.975], axis=0)
     ends = np.stack([low, high], axis=1)
-    for i in np.flatnonzero(np.isfinite(bounds).any(axis=1) & ~held):
+    away = np.minimum(np.abs(free - bounds[:, 0]), np.abs(bounds[:, 1] - free))
+    for i in np.flatnonzero((away < NEAR * free_half) & ~held):
         # Near a bound the unified interval holds a truth that lies on it; a truncated quantile never does.
         ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]), MANY)
     covariance_free = np.atleast_2d(np.cov(draws.T))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
     values = _nearest(weights @ means, covariance_free, bounds)
+    ends[held] = values[held, None]
     ends = np.stack([np.minimum(ends[:, 0], values), np.maximum(ends[:, 1], values)], axis=1)
     return free, free_half, values, np.sqrt(np.diag(covariance)), ends, held, covariance
 

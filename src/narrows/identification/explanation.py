@@ -123,11 +123,6 @@ class Explanation(Shown):
             "distance": dict(self.distance),
             "shapley": self.shares,
             "these_tests": self.fit.to_dict(),
-            "profiles": {
-                name: {"value": profile.values.tolist(), "deviance": profile.deviance.tolist()}
-                for name in self.fit.terms.names
-                if (profile := self.fit.profile(name))
-            },
             "tables": self.comparison.rows(),
             "tables_left_out": dict(self.comparison.left_out),
         }

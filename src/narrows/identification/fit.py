@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.errors import InputError, did_you_mean
 from narrows.identification import shapley
 from narrows.identification.acceleration_noise import noise_bias, noise_sentence
 from narrows.identification.bootstrap import Bootstrap, resampled
@@ -23,14 +22,14 @@ from narrows.identification.left_out import LeftOutMotion, Predictiveness, left_
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.plausibility import Judged, implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
-from narrows.identification.profile import Profile, profile
 from narrows.identification.regression.design_matrix import design_rows
 from narrows.identification.regression.normal_equations import ONE, NormalEquations, count
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.scores import Score, score
-from narrows.identification.regression.solve import Solution, solve_many
+from narrows.identification.regression.solve import Solution
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.shapley import Kind as ShareKind
+from narrows.identification.systematic_effects import Effect
 from narrows.identification.verdict import IDENTIFIED, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
@@ -98,13 +97,19 @@ class Fit(Prediction):
 
     @cached_property
     def coefficients(self) -> dict[str, float]:
-        """The optimum of the paper's constrained problem, each in its term's SI unit: the model's values."""
+        """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
+        return dict(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
+
+    @property
+    def least_squares(self) -> dict[str, float]:
+        """The optimum of the paper's constrained problem, by rows alone, each in its term's SI unit."""
         return self.problem.named(self.solution.z)
 
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Coefficients at a bound."""
-        return tuple(name for name in self.terms.names if self.solution.at_bound[self.problem.slot[name]])
+        bounds, values = self.terms.terms, self.coefficients
+        return tuple(term.name for term in bounds if values[term.name] in term.bound)
 
     @property
     def model(self) -> Model:
@@ -128,7 +133,7 @@ class Fit(Prediction):
     def estimates(self) -> CoefficientEstimates:
         """The posterior of the mixed model: estimates, intervals, tipping points, and how large each error is."""
         known = (self.normal_equations, self.motions, self.problem, self.errors)
-        return estimates(*known, self.tests.configuration).containing(self.coefficients)
+        return estimates(*known, self.tests.configuration)
 
     @property
     def error_scales(self) -> dict[str, dict[str, float]]:
@@ -163,10 +168,7 @@ class Fit(Prediction):
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 % interval of each coefficient within its bounds; the bounds where it is not determined.
-
-        That of the posterior, extended to the value of the fit where this lies outside.
-        """
+        """95 % interval of each coefficient within its bounds; the bounds where it is not determined."""
         ends = zip(self.terms.terms, self.estimates.ends.tolist(), strict=True)
         return {
             term.name: (low, high) if self.diagnostics.determined(term.name) else term.bound
@@ -181,7 +183,7 @@ class Fit(Prediction):
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """How far each coefficient can be trusted."""
-        return verdicts(self.diagnostics, self.estimates, self._past_bounds)
+        return verdicts(self.diagnostics, self.estimates)
 
     @cached_property
     def implausible(self) -> tuple[str, ...]:
@@ -229,25 +231,6 @@ class Fit(Prediction):
             Where the kind is unknown, or there are fewer than 2 resamples.
         """
         return resampled(self.problem, self.motions, self.estimates, resamples, kind, seed)
-
-    def profile(self, name: str) -> Profile | None:
-        """Profile the likelihood of a coefficient under the constraints; None where it is not determined.
-
-        Parameters
-        ----------
-        name : str
-            The coefficient.
-
-        Raises
-        ------
-        InputError
-            Where there is no such coefficient.
-        """
-        if name not in self.terms.names:
-            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
-        if not self.diagnostics.determined(name):
-            return None
-        return profile(self.problem, self.normal_equations.total, self.estimates, name)
 
     def shapley(
         self, kind: ShareKind = "mse", coefficients: Mapping[str, float] | None = None
@@ -347,24 +330,9 @@ class Fit(Prediction):
             "verdict": verdict.status,
             "not_separable_from": list(verdict.partners),
             "reasons": list(verdict.reasons),
-            "tipping_points": [
-                {"error": effect.name, "size": needed * effect.usual, "unit": effect.unit, "usual": effect.usual}
-                for effect, needed in self.estimates.tipping[name]
-            ],
+            "tipping_points": _errors(self.estimates.tipping[name]),
+            "limits": _errors(self.estimates.limits[name]),
         }
-
-    @cached_property
-    def _past_bounds(self) -> dict[str, float]:
-        """Where each coefficient at a bound would be were that bound let go and the others kept."""
-        h, g = self.problem.normal(self.normal_equations.total)
-        past = {}
-        for name in self.at_bound:
-            slot = self.problem.slot[name]
-            free = np.arange(len(g)) == slot
-            lower, upper = np.where(free, -np.inf, self.problem.lower), np.where(free, np.inf, self.problem.upper)
-            z = solve_many(h[None], g[None], lower, upper)[0]
-            past[name] = float(z[slot] / self.problem.scale[slot])
-        return past
 
     @property
     def _size(self) -> str:
@@ -379,6 +347,10 @@ class Fit(Prediction):
         mean = total[: one + 1, one] / rows
         sums = sum(np.abs(d - mean[:, None]).sum(axis=1) for _, d in design_rows(self.tests, self.terms))
         return {name: float(np.asarray(sums)[self.normal_equations.columns[name]] / rows) for name in self.terms.names}
+
+
+def _errors(sizes: list[tuple[Effect, float]]) -> list[dict[str, Any]]:
+    return [{"error": e.name, "size": size, "unit": e.unit, "usual": e.usual} for e, size in sizes]
 
 
 def _scores(fitted: Score, left_out: Score) -> dict[str, float]:

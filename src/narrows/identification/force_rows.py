@@ -120,10 +120,14 @@ class ForceRows:
                 total += self.of(f, inertia * self.frequency**2 * self.raw(velocity))
         return total
 
+    def weights(self) -> np.ndarray:
+        """Weight of each row by which each motion counts alike, over the force's level; 0 of repeats."""
+        level, mean = np.repeat(self.blocks.level, self.each), self.all(self.blocks.is_mean[self.blocks.block])
+        return np.asarray(mean / (level * self.all(self.length)))
+
     def _first_fit(self) -> np.ndarray:
         """Ridge regression in which each motion counts alike."""
-        level, mean = np.repeat(self.blocks.level, self.each), self.all(self.blocks.is_mean[self.blocks.block])
-        weight = mean / (level * self.all(self.length))
+        weight = self.weights()
         x, y = self.x * weight[:, None], self.y * weight
         count = self.blocks.is_mean.sum()
         size = np.sqrt((x**2).sum(axis=0) / count)

@@ -25,6 +25,7 @@ POINTS, SEED = 64, 26
 TAIL = 8.0  # degrees of freedom of the draws of log scales
 LEAST_CURVATURE = 0.3  # of the log density: a scale that the data do not determine is drawn within a factor of exp(1.8)
 APART, LESS_LIKELY = 1.0, 8.0  # log scales and log densities by which two modes are two and both count
+LARGE = 4.0  # log scale at which the search for a rival explanation begins
 RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so weak that it only keeps all finite
 
 
@@ -54,6 +55,9 @@ class MixedModel:
     # (scales,) of each half-t prior: gain, form, the bank's form, scatter, zeros, groups of effects; 0 leaves one out
     prior: np.ndarray
     freedom: np.ndarray  # (scales,) degrees of freedom of each prior; many make it half-normal
+    rivals: tuple[int, ...] = ()  # scales of effects that may explain by themselves what a coefficient does
+    # (p, q) what a coefficient of the best-fitting terms takes of each effect that is part of the truth
+    taken: np.ndarray | None = None
 
     @cached_property
     def _joined(self) -> np.ndarray:
@@ -174,7 +178,7 @@ class MixedModel:
         return np.asarray(np.flatnonzero(self.prior > 0))
 
     def modes(self) -> list[np.ndarray]:
-        """Log scales of the largest posterior density, from effects that are small and from effects that are large."""
+        """Log scales of the largest posterior density, from small effects and from each rival explanation."""
         from scipy import optimize
 
         minimize: Any = optimize.minimize
@@ -184,13 +188,17 @@ class MixedModel:
             return -at.log_density, -at.gradient
 
         bounds = [(LOWEST, HIGHEST) if prior > 0 else (0.0, 0.0) for prior in self.prior]
-        of_effects = np.isin(np.arange(len(self.prior)), self.group)
-        starts = [np.where(self.prior > 0, start, 0.0) for start in (-1.0, np.where(of_effects, 1.5, -1.5))]
-        options = {"maxiter": 100, "ftol": 1e-9}
+        small = np.where(self.prior > 0, -1.0, 0.0)
+        starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in self.rivals)]
+        options = {"maxiter": 100, "ftol": 1e-8}
         found = [minimize(descend, at, jac=True, method="L-BFGS-B", bounds=bounds, options=options) for at in starts]
         found.sort(key=lambda one: float(one.fun))
-        apart = np.abs(found[0].x - found[1].x).max() > APART and found[1].fun - found[0].fun < LESS_LIKELY
-        return [np.asarray(one.x) for one in found[: 1 + apart]]
+        modes: list[np.ndarray] = []
+        for one in found:
+            near = any(np.abs(one.x - mode).max() < APART for mode in modes)
+            if not near and one.fun - found[0].fun < LESS_LIKELY:
+                modes.append(np.asarray(one.x))
+        return modes
 
     def posterior(self, points: int = POINTS) -> "ScaleMixture":
         """Average over the scales: weighted draws about each mode, from Student's t with mirror images."""
@@ -273,15 +281,20 @@ class ScaleMixture:
     parts: list[Conditional]
 
     @cached_property
+    def _combined(self) -> np.ndarray:
+        """Coefficients of the best-fitting terms by coefficients and effects, (p, p + q)."""
+        p, taken = self.model.fixed, self.model.taken
+        return np.hstack([np.eye(p), np.zeros((p, len(self.model.group))) if taken is None else taken])
+
+    @cached_property
     def means(self) -> np.ndarray:
         """Coefficients of each draw, (draws, p)."""
-        return np.stack([part.mean[: self.model.fixed] for part in self.parts])
+        return np.asarray(np.stack([part.mean for part in self.parts]) @ self._combined.T)
 
     @cached_property
     def covariances(self) -> np.ndarray:
         """Covariance of each draw, (draws, p, p)."""
-        p = self.model.fixed
-        return np.stack([part.covariance[:p, :p] for part in self.parts])
+        return np.stack([self._combined @ part.covariance @ self._combined.T for part in self.parts])
 
     @cached_property
     def mean(self) -> np.ndarray:
@@ -301,5 +314,5 @@ class ScaleMixture:
         shift = np.zeros((p, len(self.model.group)))
         for weight, draw, part in zip(self.weights, self.log_scales, self.parts, strict=True):
             scale = self.model.scales(draw)
-            shift -= weight * part.covariance[:p, p:] / scale[self.model.group] ** 2
+            shift -= weight * (self._combined @ part.covariance[:, p:]) / scale[self.model.group] ** 2
         return shift

@@ -12,27 +12,32 @@ from narrows.ship.particulars import Configuration
 
 DEGREE = np.pi / 180
 # Groups of effects; those of a group share one learned scale, so that rival explanations count alike.
-DAMPING, INERTIA, HULL, BANK = "damping", "inertia", "hull form", "bank form"
+DAMPING, INERTIA, HULL, BANK, SHAPE = "damping", "inertia", "hull form", "bank form", "bank shape"
+WITH_OFFSET = "with offset"
 TYPES, STRAIGHT, CAMPAIGN, CLOCK = "types of run", "straight runs", "campaign", "clock"
 SETTLING, CROSSTALK = "settling", "crosstalk"
 # Effects whose columns hold measured forces: learning their scale would explain the forces by themselves.
 FIXED = "fixed"
+OF_A_CAMPAIGN = (TYPES, STRAIGHT, CAMPAIGN, WITH_OFFSET, CLOCK, SETTLING, CROSSTALK, FIXED)
 # Usual sizes, by which the scales' priors are stated: shares of a term or of a force's level, or the effect's unit.
 SIZES = {
     "damping by speed": 0.3, "damping by period": 0.05, "damping by depth": 0.3,  # power, per octave, power
     "inertia by speed": 0.04, "inertia by period": 0.05, "inertia by depth": 0.2,
-    "damping in straight runs": 0.03, "other hull terms": 0.02, "walls": 0.01,
-    "bank form": 0.01, "type of run": 0.008, "bank lag": 0.05, "straight zero": 0.01, "straight offset": 0.008,
-    "heading": 0.03, "rail": 0.003, "clock": 0.02, "crosstalk": 0.003, "common zero": 0.005, "side force": 0.005,
-    "settling": 0.02, "curvature": 0.002, "mount": 0.005,
-    "force with y": 0.002, "heading with y": 0.02, "rudder with y": 0.1, "crossflow with y": 0.1,
+    "damping in straight runs": 0.02, "other hull terms": 0.01, "walls": 0.005,
+    "bank form": 0.004, "type of run": 0.004, "bank lag": 0.05, "straight zero": 0.01, "straight offset": 0.004,
+    "heading": 0.03, "rail": 0.003, "clock": 0.02, "crosstalk": 0.001, "common zero": 0.005, "side force": 0.005,
+    "settling": 0.01, "curvature": 0.001, "mount": 0.0025,
+    "force with y": 0.0003, "heading with y": 0.004, "rudder with y": 0.02, "crossflow with y": 0.01,
 }  # fmt: skip
 # Degrees of freedom of the half-t priors: errors of one type of runs may be large, added masses hardly change.
 FREEDOM = {
-    TYPES: 1.0,
+    TYPES: 1.5,
+    HULL: 2.0,
     BANK: 2.0,
-    SETTLING: 1.0,
-    CROSSTALK: 1.0,
+    SHAPE: 2.0,
+    WITH_OFFSET: 5.0,
+    SETTLING: 2.0,
+    CROSSTALK: 2.0,
     f"{INERTIA} by speed": 10.0,
     f"{INERTIA} by period": 10.0,
 }
@@ -44,6 +49,10 @@ ONE_LEVEL = 0.05
 RUDDER = 0.5 / 48 * 2.45 * 1.3 * DEGREE
 # Root mean square of a sine over its amplitude's half: offsets at which other forms of the bank are as large as it.
 TYPICAL = 1.5
+# Singular value of columns of unit size, over the largest, below which they are one column.
+COLLINEAR = 1e-3
+# Sizes that no laboratory overlooks, by unit; of a force or a zero, the share of the force's level.
+MOST, MOST_FORCE = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}, 0.3
 
 
 @dataclass(frozen=True)
@@ -54,6 +63,7 @@ class Effect:
     unit: str
     usual: float  # size in that unit
     group: str
+    most: float = np.inf  # size that no laboratory overlooks
 
     @property
     def learned(self) -> bool:
@@ -63,7 +73,7 @@ class Effect:
     @property
     def told(self) -> bool:
         """Whether it has a size that a laboratory knows, so that it is a tipping point."""
-        return self.group in (TYPES, STRAIGHT, CAMPAIGN, CLOCK, SETTLING, CROSSTALK, FIXED) and bool(self.unit)
+        return self.group in OF_A_CAMPAIGN and bool(self.unit)
 
 
 class Effects:
@@ -73,7 +83,8 @@ class Effects:
         self.rows, self.configuration = rows, configuration
         self.effects: list[Effect] = []
         self.columns: list[np.ndarray] = []
-        self.share = {HULL: errors.hull, DAMPING: errors.hull, INERTIA: errors.hull, BANK: errors.bank}
+        self.share = dict.fromkeys((HULL, DAMPING, INERTIA), errors.hull)
+        self.share |= {BANK: errors.bank, SHAPE: errors.bank}
         self.campaign = errors.campaign
         if not errors.none:
             self._hull()
@@ -83,11 +94,14 @@ class Effects:
             self._motion()
             self._gauges()
 
-    def add(self, name: str, column: np.ndarray, usual: float, group: str, unit: str = "") -> None:
+    def add(
+        self, name: str, column: np.ndarray, usual: float, group: str, unit: str = "", most: float | None = None
+    ) -> None:
         """Add an effect by the column of one unit of it; one without force is left out."""
+        most = MOST.get(unit.split(" ")[0], np.inf) if most is None else most
         usual *= self.share.get(group.split(" by ")[0], self.campaign)
         if usual > 0 and np.abs(column).max(initial=0.0) > 0:
-            self.effects.append(Effect(name, unit, usual, group))
+            self.effects.append(Effect(name, unit, usual, group, most))
             self.columns.append(column * usual)
 
     def _hull(self) -> None:
@@ -142,19 +156,17 @@ class Effects:
             # All are zero at the centreline and in straight runs: there the coefficient is what it is called.
             forms = {
                 "as y2": rows.raw(f"near of {term.name}") / typical**2,
+                "as y6": rows.raw(f"wall of {term.name}") / typical**6,
                 "as the root of y": rows.raw(f"far of {term.name}") / np.sqrt(typical),
                 "by side": rows.raw(f"side of {term.name}"),
                 "with depth": own * rows.depths * (np.ptp(rows.depths) > ONE_LEVEL),
                 "with speed": own * rows.speeds * (np.ptp(rows.speeds) > ONE_LEVEL),
             }
-            types = {
-                "in harmonic runs": (own * (1 - rows.steady), TYPES),
-                "with period": (own * rows.octaves, TYPES),
-            }
             for name, column in forms.items():
-                self.add(f"{term.name} {name}", rows.of(f, column * size), SIZES["bank form"], BANK)
-            for name, (column, group) in types.items():
-                self.add(f"{term.name} {name}", rows.of(f, column * size), SIZES["type of run"], group)
+                group = SHAPE if name.startswith("as") else BANK
+                self.add(f"{term.name} {name}", rows.of(f, column * size), SIZES["bank form"], group)
+            harmonic = rows.of(f, own * (1 - rows.steady) * size) / 100
+            self.add(f"{term.name} in harmonic runs", harmonic, 100 * SIZES["type of run"], TYPES, "%")
             lag = rows.of(f, rows.raw(f"time of {term.name}") * size)
             self.add(f"lag of {term.name}", lag, SIZES["bank lag"], STRAIGHT, "s")
 
@@ -173,14 +185,16 @@ class Effects:
             unit = f"{'N m' if force == 'N' else 'N'} {place}"
             for name, (words, scale) in powers.items():
                 column = rows.of(f, rows.raw(f"column {name}") / (scale * rows.reach))
-                self.add(f"{words} in {force}", column, SIZES["force with y"] * rows.blocks.level[f], CAMPAIGN, unit)
-        turned = (rows.shift("heading with y") + self._unexcited_sway("column y u2")) / rows.reach
-        self.add("heading that goes with y", turned * DEGREE, SIZES["heading with y"], CAMPAIGN, f"deg {place}")
+                level = rows.blocks.level[f]
+                usual = SIZES["force with y"] * level
+                self.add(f"{words} in {force}", column, usual, WITH_OFFSET, unit, MOST_FORCE * level)
+        turned = (rows.shift("heading with y") + self._unexcited_sway(rows.raw("column y u2"))) / rows.reach
+        self.add("heading that goes with y", turned * DEGREE, SIZES["heading with y"], WITH_OFFSET, f"deg {place}")
         across = turned / rows.all(rows.speed) * 0.01
-        self.add("crossflow that goes with y", across, SIZES["crossflow with y"], CAMPAIGN, f"cm/s {place}")
+        self.add("crossflow that goes with y", across, SIZES["crossflow with y"], WITH_OFFSET, f"cm/s {place}")
         self._rudder(rows.raw("column y u2") / rows.reach, f"deg {place}")
 
-    def _unexcited_sway(self, column: str) -> np.ndarray:
+    def _unexcited_sway(self, column: np.ndarray) -> np.ndarray:
         """Force of a heading of one radian on a usual hull, where no test has sway that would show this one's."""
         # Clarke, Gedling, Hine (1983): Y'v about pi T/L + 1.4 CB B/L. N'v is 0.14 to 0.41 in tests of KCS and DTC.
         rows, ship = self.rows, self.configuration.ship
@@ -189,9 +203,7 @@ class Effects:
         sway = np.pi * ship.draft / ship.length + 1.4 * ship.block_coefficient * ship.beam / ship.length
         slopes = {"Y": sway, "N": 0.35 * ship.length}
         size = 0.5 * self.configuration.water.density * ship.length * ship.draft
-        parts = [
-            rows.of(f, slopes.get(force, 0.0) * size * rows.raw(column)) for f, force in enumerate(rows.blocks.forces)
-        ]
+        parts = [rows.of(f, slopes.get(force, 0.0) * size * column) for f, force in enumerate(rows.blocks.forces)]
         return np.asarray(sum(parts))
 
     def _rudder(self, along: np.ndarray, unit: str) -> None:
@@ -199,12 +211,12 @@ class Effects:
         force = RUDDER * self.configuration.water.density * ship.length * ship.draft * along
         levers = {"Y": 1.0, "N": -ship.length / 2}
         column = sum(rows.of(f, levers.get(name, 0.0) * force) for f, name in enumerate(rows.blocks.forces))
-        self.add("rudder angle that goes with y", np.asarray(column), SIZES["rudder with y"], CAMPAIGN, unit)
+        self.add("rudder angle that goes with y", np.asarray(column), SIZES["rudder with y"], WITH_OFFSET, unit)
 
     def _motion(self) -> None:
         """Errors of the motion: heading, rail, clock, mount."""
         rows = self.rows
-        turned = (rows.shift("heading") + self._unexcited_sway("column u2")) * DEGREE
+        turned = (rows.shift("heading") + self._unexcited_sway(rows.raw("column u2"))) * DEGREE
         moved = rows.shift("rail")
         still, side = rows.all(rows.steady) * rows.mixed, rows.all(rows.steady * rows.side)
         self.add("heading", turned, SIZES["heading"], CAMPAIGN, "deg")
@@ -213,7 +225,8 @@ class Effects:
         self.add("offset of the rail", moved, SIZES["rail"], CAMPAIGN, "m")
         self.add("offset of straight runs by side", moved * side, SIZES["straight offset"], TYPES, "m")
         self.add("delay between clocks", rows.rate(), SIZES["clock"], CLOCK, "s")
-        self.add("compliance of the mount", rows.shift("mount") * DEGREE / 20, SIZES["mount"], FIXED, "deg per 20 N m")
+        given = (rows.shift("mount") + self._unexcited_sway(rows.raw("N") * rows.speed**2)) * DEGREE / 20
+        self.add("compliance of the mount", given, SIZES["mount"], FIXED, "deg per 20 N m")
 
     def _gauges(self) -> None:
         """Errors of the gauges that all runs share, and a side force of the hull."""
@@ -221,11 +234,13 @@ class Effects:
         fitted, early = rows.fitted(rows.blocks.columns), rows.fitted(rows.blocks.early)
         for f, (force, level) in enumerate(zip(rows.blocks.forces, rows.blocks.level, strict=True)):
             one, unit = rows.of(f, rows.raw(ONE)), "N m" if force == "N" else "N"
-            self.add(f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit)
+            most = MOST_FORCE * level
+            self.add(f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit, most)
             if rows.mixed:
                 still = rows.all(rows.steady)
                 straight = one * still
-                self.add(f"zero of {force} in straight runs", straight, SIZES["straight zero"] * level, STRAIGHT, unit)
+                usual = SIZES["straight zero"] * level
+                self.add(f"zero of {force} in straight runs", straight, usual, STRAIGHT, unit, most)
                 gain = rows.of(f, fitted[f]) * still / 100
                 self.add(f"gain of {force} in straight runs", gain, 100 * SIZES["type of run"], TYPES, "%")
             self.add(f"settling of {force}", rows.of(f, early[f]), SIZES["settling"], SETTLING)
@@ -254,7 +269,27 @@ def assemble(
     group = np.array([places[effect.group] for effect in found.effects], int)
     prior = np.array([*runs, *[1.0] * len(groups)])
     freedom = np.array([USUAL_FREEDOM] * len(runs) + [FREEDOM.get(name, USUAL_FREEDOM) for name in groups])
-    return MixedModel(x, rows.y, len(rows.slots), group, _block_errors(rows), prior, freedom), found.effects, unit
+    rivals = tuple(places[name] for name in (SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING) if name in places)
+    taken = _taken(rows, x, found.effects)
+    model = MixedModel(x, rows.y, len(rows.slots), group, _block_errors(rows), prior, freedom, rivals, taken)
+    return model, found.effects, unit
+
+
+def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
+    """Least squares of what hull terms are not on the hull terms, each motion alike: (coefficients, effects).
+
+    A hull coefficient is that of the terms which fit the hull's forces best; a bank's is the slope at the centreline.
+    """
+    p = len(rows.slots)
+    hull = np.array(sorted({rows.place(term) for _, term in rows.terms if not term.from_bank}), int)
+    changes = np.array([effect.group.split(" by ")[0] in (DAMPING, INERTIA, HULL) for effect in effects], bool)
+    taken = np.zeros((p, len(effects)))
+    scaled = x * rows.weights()[:, None]
+    a = scaled[:, hull]
+    size = np.sqrt((a**2).sum(axis=0))
+    size = np.where(size > COLLINEAR * size.max(initial=0.0), size, np.inf)
+    taken[np.ix_(hull, changes)] = np.linalg.pinv(a / size, rcond=COLLINEAR) @ scaled[:, p:][:, changes] / size[:, None]
+    return taken
 
 
 def _block_errors(rows: ForceRows) -> BlockErrors:

@@ -1,6 +1,5 @@
 """How well each coefficient is known: one word from the posterior, one plain sentence, and its tipping points."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from narrows.identification.diagnosis import INVOLVED, Diagnosis
 from narrows.identification.diagnostics import Diagnostics
 from narrows.identification.estimates import HALF, CoefficientEstimates
+from narrows.identification.systematic_effects import Effect
 from narrows.terms.term import Term, TermTable
 
 IDENTIFIED, IMPRECISE, NOT_SEPARABLE, ZERO = "identified", "imprecise", "not separable", "zero"
@@ -18,10 +18,8 @@ PRECISE = 0.5
 NEGLIGIBLE = 0.02
 # Posterior correlation of two coefficients beyond which the tests do not separate them.
 INSEPARABLE = 0.9
-# Tipping points that are told with a verdict.
+# Errors of a campaign that are named with a verdict.
 MOST_TOLD = 3
-# Sizes beyond which an error is none that a laboratory could overlook.
-MOST_SAID = {"%": 50.0, "m": 0.5, "s": 5.0, "deg": 10.0}
 
 
 @dataclass(frozen=True)
@@ -38,13 +36,16 @@ class Verdict:
     partners : tuple of str
         Coefficients from which the tests do not separate it.
     tipping : tuple of str
-        The least unusual errors of a campaign that would bring the interval to 0, each with its size.
+        Errors of a campaign that would bring the interval to 0, the least unusual first, each with its size.
+    limits : tuple of str
+        Errors of a campaign that would move the estimate by more than the half width of its interval.
     """
 
     status: str
     reasons: tuple[str, ...] = ()
     partners: tuple[str, ...] = ()
     tipping: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
 
     @property
     def determined(self) -> bool:
@@ -59,14 +60,13 @@ class Verdict:
 
     def sentence(self, name: str) -> str:
         """Say it of a coefficient."""
+        limited = (f"off by more with {' or '.join(self.limits)}",) * bool(self.limits)
         tipped = (f"overturned by {' or '.join(self.tipping)}",) * bool(self.tipping)
-        clauses = "; ".join((*self.reasons, *tipped))
+        clauses = "; ".join((*self.reasons, *limited, *tipped))
         return f"{name} is {self.words}" + (f": {clauses}." if clauses else ".")
 
 
-def verdicts(
-    diagnostics: Diagnostics, found: CoefficientEstimates, at_bound: Mapping[str, float]
-) -> dict[str, Verdict]:
+def verdicts(diagnostics: Diagnostics, found: CoefficientEstimates) -> dict[str, Verdict]:
     """Judge every coefficient of a fit."""
     terms = diagnostics.terms
     judged = {}
@@ -74,7 +74,7 @@ def verdicts(
         for term in part:
             index, known = terms.names.index(term.name), diagnostics.determined(term.name)
             verdict = _without_data(term, diagnostics.overall[force], known)
-            judged[term.name] = verdict or _judged(term, index, terms, found, at_bound)
+            judged[term.name] = verdict or _judged(term, index, terms, found)
     return judged
 
 
@@ -97,17 +97,15 @@ def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
     return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"
 
 
-def _judged(
-    term: Term, index: int, terms: TermTable, found: CoefficientEstimates, at_bound: Mapping[str, float]
-) -> Verdict:
+def _judged(term: Term, index: int, terms: TermTable, found: CoefficientEstimates) -> Verdict:
     value, (low, high) = float(found.values[index]), found.ends[index].tolist()
     half = (high - low) / 2
     if found.held[index]:
-        beyond = at_bound.get(term.name, float(found.free_values[index]))
-        return Verdict(AT_BOUND, (f"the data alone would put it beyond, at {beyond:.3g}",))
+        return Verdict(AT_BOUND, (f"the data alone would put it beyond, at {found.free_values[index]:.3g}",))
     known = f"{value:.3g} +- {half:.2g}"
     if (low > 0 or high < 0) and half < PRECISE * abs(value):
-        return Verdict(IDENTIFIED, (f"{known}, {half / abs(value):.0%}",), (), _tipping(term.name, found))
+        tipping, limits = (_named(errors[term.name]) for errors in (found.tipping, found.limits))
+        return Verdict(IDENTIFIED, (f"{known}, {half / abs(value):.0%}",), (), tipping, limits)
     if max(abs(low), abs(high)) < NEGLIGIBLE * _usual(term.name, found):
         return Verdict(ZERO, (f"{low:.2g} to {high:.2g} makes less than {NEGLIGIBLE:.0%} of the force",))
     partner = _partner(index, terms, found)
@@ -122,13 +120,11 @@ def _usual(name: str, found: CoefficientEstimates) -> float:
     return next(float(part.unit[part.slots.index(slot)]) for part in found.forces if slot in part.slots)
 
 
-def _tipping(name: str, found: CoefficientEstimates) -> tuple[str, ...]:
-    """The least unusual errors that would bring the interval to 0, one of each kind."""
+def _named(errors: list[tuple[Effect, float]]) -> tuple[str, ...]:
+    """The least unusual errors, one of each kind."""
     by_kind: dict[str, str] = {}
-    for effect, needed in found.tipping[name]:
-        size = needed * effect.usual
-        if size < MOST_SAID.get(effect.unit, np.inf):
-            by_kind.setdefault(effect.name.split(" ")[0], f"{size:.2g} {effect.unit} of {effect.name}")
+    for effect, size in errors:
+        by_kind.setdefault(effect.name.split(" ")[0], f"{size:.2g} {effect.unit} of {effect.name}")
     return tuple(by_kind.values())[:MOST_TOLD]
 
 

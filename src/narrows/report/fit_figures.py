@@ -4,13 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Comparison, Fit
 from narrows.identification.cross_validation import left_out_coefficients
 from narrows.identification.diagnosis import Diagnosis
-from narrows.identification.estimates import HALF
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
@@ -223,37 +222,9 @@ def _finite(value: float) -> float:
     return value if np.isfinite(value) else np.nan
 
 
-# Pictures of how far coefficients can be trusted: profiles of the likelihood, and which test tells of which.
-PANELS_A_ROW, ROW_HEIGHT = 4, 1.45
-
 MOST_TESTS = 60
 # Variance inflation at which a column has a tenth, and a thirtieth, of its own information left.
 VIF_LIMIT, HIGH_VIF = 10.0, 30.0
-
-
-def profiles_figure(fit: Fit) -> Figure | None:
-    """Draw the profile likelihood of each coefficient; None where none is identifiable."""
-    profiles = [profiles for name in fit.terms.names if (profiles := fit.profile(name))]
-    if not profiles:
-        return None
-    rows = -(-len(profiles) // PANELS_A_ROW)
-    figure, axes = panels(
-        rows, PANELS_A_ROW, ROW_HEIGHT * rows + 0.4, Margins(bottom=0.3, top=0.3, across=0.35, down=0.5)
-    )
-    for panel in axes.flat[len(profiles) :]:
-        panel.set_visible(False)
-    for panel, curve in zip(axes.flat, profiles, strict=False):
-        limit = HALF**2
-        panel.plot(curve.values, curve.deviance, color=BLUE, linewidth=1.2)
-        panel.axhline(limit, color=GREY, linestyle=":", linewidth=0.9)
-        panel.axvline(fit.coefficients[curve.name], color=ORANGE, linestyle="--", linewidth=0.9)
-        panel.set_ylim(0, max(3 * limit, 1.0))
-        panel.set_title(f"{curve.name} [{fit.terms[curve.name].dimension.unit}]", fontsize=8, y=1.0)
-        panel.tick_params(labelsize=6)
-        panel.xaxis.set_major_locator(MaxNLocator(2))
-        panel.yaxis.set_major_locator(MaxNLocator(3))
-    figure.supylabel("deviance [1]", fontsize=8)
-    return figure
 
 
 def influence_figure(fit: Fit) -> Figure:

@@ -26,7 +26,6 @@ from narrows.report.fit_figures import (
     intervals_figure,
     left_out_figure,
     motions_figure,
-    profiles_figure,
     shapley_figure,
 )
 from narrows.report.fit_table import best_known_first, heading, kkt_sentence
@@ -185,9 +184,6 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
         figure(shapley_figure(fit), "Shapley shares of the terms under three value functions."),
         *_of_delta(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
     ]  # fmt: skip
-    if profiles := profiles_figure(fit):
-        caption = "Profile likelihood under the constraints; dashed: the estimate, dotted: the limit of 95 %."
-        pictures.insert(1, figure(profiles, caption))
     tests = fit.tests
     if isinstance(tests, CaptiveTests):
         measured = figure(forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")

@@ -81,6 +81,7 @@ class EffectDesign(DesignMatrix):
         if term.from_bank:
             self._add(f"rail of {term.name}", ("rail", own), _derivative(term, lambda q: {"y": np.ones_like(q["y"])}))
             self._add(f"near of {term.name}", ("near", own), lambda q: _column(term, q) * q["y"] ** 2)
+            self._add(f"wall of {term.name}", ("wall", own), lambda q: _column(term, q) * q["y"] ** 6)
             self._add(f"far of {term.name}", ("far", own), lambda q: _column(term, q) * np.sqrt(np.abs(q["y"])))
             self._add(f"side of {term.name}", ("side", own), lambda q: _column(term, q) * np.sign(q["y"]))
         self._add(f"time of {term.name}", ("time", own), _derivative(term, _rates))
