@@ -21,7 +21,7 @@ LOWEST, HIGHEST = -5.0, 5.0  # of log scales over their priors
 # Of a coefficient's own information, added where rounding leaves columns that depend on each other.
 JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
 SHAPES = 3  # of errors that all rows of a block share
-POINTS, SEED = 64, 26
+POINTS, SEED = 128, 26
 TAIL = 8.0  # degrees of freedom of the draws of log scales
 LEAST_CURVATURE = 0.3  # of the log density: a scale that the data do not determine is drawn within a factor of exp(1.8)
 APART, LESS_LIKELY = 1.0, 8.0  # log scales and log densities by which two modes are two and both count

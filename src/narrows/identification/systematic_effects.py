@@ -29,7 +29,7 @@ SIZES = {
     "settling": 0.01, "curvature": 0.001, "mount": 0.0025,
     "force with y": 0.0003, "heading with y": 0.004, "rudder with y": 0.02, "crossflow with y": 0.01,
 }  # fmt: skip
-# Degrees of freedom of the half-t priors: errors of one type of runs may be large, added masses hardly change.
+# Degrees of freedom of the half-t priors where they are not the usual ones: few where an error may be large.
 FREEDOM = {
     TYPES: 1.5,
     HULL: 2.0,
@@ -38,8 +38,6 @@ FREEDOM = {
     WITH_OFFSET: 5.0,
     SETTLING: 2.0,
     CROSSTALK: 2.0,
-    f"{INERTIA} by speed": 10.0,
-    f"{INERTIA} by period": 10.0,
 }
 USUAL_FREEDOM = 3.0
 # Trends of less than this, in logarithms or octaves, are not told from one level.
