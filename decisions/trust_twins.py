@@ -1,6 +1,6 @@
 """How often a verdict misleads and an interval misses, on twins that break assumptions: a table of the docs.
 
-    python decisions/trust_twins.py [--write] [--twins 20] [kind ...]
+    python decisions/trust_twins.py [--write] [--twins 20] [--processes 2] [kind ...]
 
 Each cell is of so many twins: the share in which a coefficient of the bank is called identified while its interval
 misses the truth, how often it is identified, and how often its interval holds the truth. Honest kinds, whose errors
@@ -39,9 +39,9 @@ def judged(kind: Kind, strength: float, seed: int) -> list[tuple[bool, bool, flo
     ]
 
 
-def row(kind: Kind, strength: float, twins: int) -> tuple[str, ...]:
+def row(kind: Kind, strength: float, twins: int = TWINS, processes: int = 1) -> tuple[str, ...]:
     """One strength of a kind."""
-    with ProcessPoolExecutor() as pool:
+    with ProcessPoolExecutor(processes) as pool:
         seen = np.array(list(pool.map(partial(judged, kind, strength), range(FIRST, FIRST + twins))), float)
     found, held, half = np.moveaxis(seen, 2, 0)
     missed = (found * (1 - held))[:, :2].any(axis=1).mean()
@@ -55,18 +55,22 @@ def row(kind: Kind, strength: float, twins: int) -> tuple[str, ...]:
     return (f"`{kind.__name__}`: {word}", f"{strength:g}", *(f"{share:.0%}" for share in shares), hull, ratio)
 
 
-def text(twins: int = TWINS, kinds: tuple[str, ...] = ()) -> str:
+def text(twins: int, processes: int, kinds: tuple[str, ...]) -> str:
     """Count, and write a row for each strength of each kind."""
     chosen = {kind: strengths for kind, strengths in KINDS.items() if not kinds or kind.__name__ in kinds}
     rows = []
     for kind, strengths in chosen.items():
         for strength in strengths:
-            rows.append(row(kind, strength, twins))
+            rows.append(row(kind, strength, twins, processes))
             print(rows[-1][0][:40], *rows[-1][1:], file=sys.stderr, flush=True)
     return markdown(HEADER, rows)
 
 
 if __name__ == "__main__":
     given = [word for word in sys.argv[1:] if word != "--write"]
-    count = int(given.pop(given.index("--twins") + 1)) if "--twins" in given else TWINS
-    publish(__file__, "uncertainty.md", text(count, tuple(word for word in given if not word.startswith("--"))))
+    twins, processes = (
+        int(given.pop(given.index(name) + 1)) if name in given else usual
+        for name, usual in (("--twins", TWINS), ("--processes", 1))
+    )
+    kinds = tuple(word for word in given if not word.startswith("--"))
+    publish(__file__, "uncertainty.md", text(twins, processes, kinds))

@@ -190,7 +190,7 @@ class MixedModel:
         bounds = [(LOWEST, HIGHEST) if prior > 0 else (0.0, 0.0) for prior in self.prior]
         small = np.where(self.prior > 0, -1.0, 0.0)
         starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in self.rivals)]
-        options = {"maxiter": 100, "ftol": 1e-8}
+        options = {"maxiter": 100, "ftol": 1e-5}
         found = [minimize(descend, at, jac=True, method="L-BFGS-B", bounds=bounds, options=options) for at in starts]
         found.sort(key=lambda one: float(one.fun))
         modes: list[np.ndarray] = []
