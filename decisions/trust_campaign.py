@@ -1,6 +1,6 @@
 """Errors that a whole campaign shares and that no test shows: how often a verdict misleads without naming them.
 
-    python decisions/trust_campaign.py [--write] [--twins 20]
+    python decisions/trust_campaign.py [--write] [--twins 10]
 
 Each row is of so many twins and of the coefficient that is misled most often: the share in which it is identified
 while its interval misses the truth, and the share in which this happens and no limit of it names the error with a size
@@ -18,7 +18,7 @@ from trust_tank import BANK, CONFIGURATION, FULL, HULL, NONE, Columns, Tank, for
 
 import narrows as nw
 
-TWINS, FIRST, REACH, RUDDER = 20, 7000, 1.3, 0.75  # [m] where an error has its size; [N] per degree at 1 m/s
+TWINS, FIRST, REACH, RUDDER = 10, 7000, 1.3, 0.75  # [m] where an error has its size; [N] per degree at 1 m/s
 MAIN = ("b_vdot", "b_v", "b_r", "c_rdot", "c_v", "c_r")
 HEADER = ("error, runs", "size", "identified and missed", "and not named by a limit")
 Law = Callable[[Columns], Columns]

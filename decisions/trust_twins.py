@@ -1,6 +1,6 @@
 """How often a verdict misleads and an interval misses, on twins that break assumptions: a table of the docs.
 
-    python decisions/trust_twins.py [--write] [--twins 20] [--processes 2] [kind ...]
+    python decisions/trust_twins.py [--write] [--twins 10] [--processes 2] [kind ...]
 
 Each cell is of so many twins: the share in which a coefficient of the bank is called identified while its interval
 misses the truth, how often it is identified, and how often its interval holds the truth. Honest kinds, whose errors
@@ -18,7 +18,7 @@ from trust_oracle import HONEST, oracle
 
 import narrows as nw
 
-TWINS, FIRST = 20, 5000
+TWINS, FIRST = 10, 5000
 MAIN = ("b_vdot", "b_v", "b_r", "c_rdot", "c_v", "c_r")
 NAMES = ("b_bank", "c_bank", *MAIN)
 HEADER = (

@@ -33,7 +33,7 @@ def test_a_tenth_of_noise_biases_neither_mass_nor_bank(dtc: nw.Model, velocities
     for seed in range(10):
         for choice, values in found.items():
             fit = nw.identify(noisy_twin(0.1, seed, velocities), accelerations=choice)
-            values.append([fit.coefficients[name] for name in ("b_vdot", "c_rdot", "b_bank")])
+            values.append([fit.least_squares[name] for name in ("b_vdot", "c_rdot", "b_bank")])
     truth = np.array([dtc.coefficients[name] for name in ("b_vdot", "c_rdot", "b_bank")])
     checked, measured = (np.array(found[choice]) / truth for choice in ("checked", "measured"))
     off, error = checked.mean(axis=0) - 1, checked.std(axis=0, ddof=1) / np.sqrt(len(checked))
@@ -97,9 +97,9 @@ def test_the_bias_of_noise_is_what_noise_does() -> None:
     clean = nw.twin(runs=RUNS, rate=8.0)
     fit = nw.identify(clean)
     told = noise_bias(fit.problem, fit.solution, fit.normal_equations, 0.1)
-    seen = [nw.identify(noisy_twin(0.1, seed), accelerations="measured").coefficients for seed in range(10)]
+    seen = [nw.identify(noisy_twin(0.1, seed), accelerations="measured").least_squares for seed in range(10)]
     for name in ("b_vdot", "c_rdot"):
-        assert np.mean([own[name] for own in seen]) - fit.coefficients[name] == pytest.approx(told[name], rel=0.15)
+        assert np.mean([own[name] for own in seen]) - fit.least_squares[name] == pytest.approx(told[name], rel=0.15)
 
 
 def test_without_time_the_bound_is_said(kcs_fits: dict[int, nw.Fit], twin_fit: nw.Fit) -> None:

@@ -18,7 +18,9 @@ SEPARATING = (
       for p in (14.0, 23.0)),
     *(nw.StraightRun(f"straight{y}{u}", y, u, 20.0) for y in (-2.0, -1.0, 1.0, 1.5, 2.0) for u in (0.7, 1.0)),
 )  # fmt: skip
-NOTE = "What the banks do is not settled by the tests: b_bank is not separable from b_r, c_bank is imprecise."
+NOTE = (
+    "What the banks do is not settled by the tests: b_bank is not separable from b_r, c_bank is not separable from c_r."
+)
 
 
 @pytest.fixture(scope="module")

@@ -61,9 +61,9 @@ def test_added_mass_grows_with_shallow_water_as_measured() -> None:
 
 
 def test_kcs_row_is_what_its_tests_give() -> None:
-    """The rows of the KCS and of its banks are those of the identification, at one depth."""
+    """The rows of the KCS and of its banks are those of least squares, at one depth."""
     tests = nw.measured_tests("kcs").by_condition()["C0101A01"]
-    found = nw.identify(tests, terms=nw.CROSSFLOW).coefficients
+    found = nw.identify(tests, terms=nw.CROSSFLOW).least_squares
     ship = nw.published("estimated_kcs").configuration.ship
     assert ship.length / ship.beam == pytest.approx(KCS.hull.length_to_beam, rel=1e-3)
     scale = 0.5 * 1000 * 4.3671 * 0.2051

@@ -35,7 +35,7 @@ def page(kcs_fits: dict[int, nw.Fit], tmp_path_factory: pytest.TempPathFactory) 
 def test_page_needs_nothing_else(page: str) -> None:
     assert not re.findall(r"(?:src|href)=\"(?!#)", page.replace("xlink:href", "").replace('href="#', ""))
     assert "<script" not in page
-    assert page.count("<figure") == 22
+    assert page.count("<figure") == 20
     assert len(page) < 4_000_000
 
 
@@ -73,7 +73,7 @@ def test_terminal_fits_eighty_columns(kcs_fits: dict[int, nw.Fit]) -> None:
         shown = console.export_text()
     assert max(map(len, shown.splitlines())) <= 80
     rows = [line for line in shown.splitlines() if line.startswith("b_vdot ")]
-    assert "730" in rows[0]
+    assert f"{kcs_fits[100].coefficients['b_vdot']:.0f}" in rows[0]
     assert kcs_fits[100].verdicts["b_vdot"].status in rows[0]
 
 
@@ -82,7 +82,7 @@ def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_f
 
     fit = nw.identify(nw.stream_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file))
     write_report({"": fit}, tmp_path / "r.html")
-    assert (tmp_path / "r.html").read_text().count("<figure") == 8
+    assert (tmp_path / "r.html").read_text().count("<figure") == 7
 
 
 def test_a_random_split_has_a_report(short: nw.CaptiveTests, tmp_path: Path) -> None:

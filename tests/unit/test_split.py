@@ -56,9 +56,9 @@ def test_fit_and_check_are_on_their_own_rows(short: nw.CaptiveTests) -> None:
     )  # fmt: skip
     again = nw.identify(drawn, balance="rows")
     for name in nw.PAPER.names:
-        assert fit.coefficients[name] == pytest.approx(again.coefficients[name], rel=1e-9, abs=1e-12)
+        assert fit.least_squares[name] == pytest.approx(again.least_squares[name], rel=1e-9, abs=1e-12)
     motion = nw.Motion(**{name: short.columns[name][~keep] for name in nw.Motion().values()})
-    for force, estimated in again.model.forces(motion).items():
+    for force, estimated in again.model.with_coefficients(**again.least_squares).forces(motion).items():
         error = short.columns[force][~keep] - estimated
         assert fit.left_out[force].rmse == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
         r2 = 1 - np.mean(error**2) / short.columns[force][~keep].var()

@@ -57,8 +57,8 @@ def test_own_term_may_ask_for_particulars_and_depth(dtc: nw.Model, short: nw.Cap
         nw.Model(dtc.configuration, table, dtc.coefficients).forces(nw.Motion(v=1.0))
     deep = nw.Configuration(dtc.configuration.ship, nw.Canal(7.0, 0.652))
     known = nw.CaptiveTests(short.columns, short.names, short.starts, deep)
-    assert nw.identify(known, table).coefficients["b_v"] == pytest.approx(
-        2 * nw.identify(short).coefficients["b_v"], rel=1e-7
+    assert nw.identify(known, table).least_squares["b_v"] == pytest.approx(
+        2 * nw.identify(short).least_squares["b_v"], rel=1e-7
     )
 
 
@@ -71,8 +71,8 @@ def test_a_constant_and_a_lone_force_are_terms_too(short: nw.CaptiveTests) -> No
     table = nw.TermTable("mean", (nw.Term("a_0", "a_0", one, nw.Dimension(1, 1, -2)),), (), ())
     fit = nw.identify(short, table)
     means = [short.test(name)["X"].mean() for name in short.names]
-    assert fit.coefficients["a_0"] == pytest.approx(np.mean(means), rel=1e-12)
-    assert fit.scores["X"].r2 == pytest.approx(0.0, abs=1e-12)
+    assert fit.least_squares["a_0"] == pytest.approx(np.mean(means), rel=1e-12)
+    assert fit.scores["X"].r2 == pytest.approx(0.0, abs=1e-6)  # of the mixed model's mean
 
 
 @pytest.mark.parametrize(

@@ -174,7 +174,14 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     low, high = np.quantile(inside, [0.025, 0.975], axis=0)
     ends = np.stack([low, high], axis=1)
     away = np.minimum(np.abs(free - bounds[:, 0]), np.abs(bounds[:, 1] - free))
-    for i in np.flatnonzero((away < NEAR * free_half) & ~held):
+    near = np.flatnonzero((away < NEAR * free_half) & ~held)
+    for i in near:
+        # The truth of this one may lie on its bound: the others are then what they are given that.
+        edge = bounds[i, 0] if abs(free[i] - bounds[i, 0]) < abs(bounds[i, 1] - free[i]) else bounds[i, 1]
+        given = np.quantile(_draws(*_conditioned(means, spreads, int(i), edge), weights), [0.025, 0.975], axis=0)
+        given = np.clip(given, bounds[:, 0], bounds[:, 1])
+        ends = np.stack([np.minimum(ends[:, 0], given[0]), np.maximum(ends[:, 1], given[1])], axis=1)
+    for i in near:
         # Near a bound the unified interval holds a truth that lies on it; a truncated quantile never does.
         ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]), MANY)
     covariance_free = np.atleast_2d(np.cov(draws.T))

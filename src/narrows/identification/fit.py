@@ -98,7 +98,13 @@ class Fit(Prediction):
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
-        return dict(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
+        values = zip(self.terms.names, self.estimates.values.tolist(), strict=True)
+        return {name: _at_a_bound(value, self._edges(name)) for name, value in values}
+
+    def _edges(self, name: str) -> list[float]:
+        """Bounds of a coefficient and of those that are tied to it."""
+        slot = self.problem.slot
+        return [edge for term in self.terms.terms if slot[term.name] == slot[name] for edge in term.bound]
 
     @property
     def least_squares(self) -> dict[str, float]:
@@ -108,8 +114,7 @@ class Fit(Prediction):
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Coefficients at a bound."""
-        bounds, values = self.terms.terms, self.coefficients
-        return tuple(term.name for term in bounds if values[term.name] in term.bound)
+        return tuple(name for name, value in self.coefficients.items() if value in self._edges(name))
 
     @property
     def model(self) -> Model:
@@ -347,6 +352,11 @@ class Fit(Prediction):
         mean = total[: one + 1, one] / rows
         sums = sum(np.abs(d - mean[:, None]).sum(axis=1) for _, d in design_rows(self.tests, self.terms))
         return {name: float(np.asarray(sums)[self.normal_equations.columns[name]] / rows) for name in self.terms.names}
+
+
+def _at_a_bound(value: float, edges: list[float]) -> float:
+    """The bound itself where a value differs from it by rounding."""
+    return next((edge for edge in edges if np.isclose(value, edge, rtol=1e-9, atol=0.0)), value)
 
 
 def _errors(sizes: list[tuple[Effect, float]]) -> list[dict[str, Any]]:

@@ -105,13 +105,13 @@ def _without_each(part: ForcePosterior, draws: int = MOST_DRAWS) -> Iterator[tup
         own, mean = np.flatnonzero(of_motion == motion), np.flatnonzero((of_motion == motion) & is_mean)
         chosen = np.searchsorted(own, mean)
         predicted = [
-            (float(w), *_without(part, posterior.parts[i], precision, posterior.log_scales[i], own, chosen))
+            (float(w), *without_rows(part, posterior.parts[i], precision, posterior.log_scales[i], own, chosen))
             for i, w, precision in zip(best, weights, precisions, strict=True)
         ]
         yield int(motion), mean, predicted
 
 
-def _without(
+def without_rows(
     part: ForcePosterior, conditional: Conditional, precision: np.ndarray, log_scale: np.ndarray, own: np.ndarray,
     chosen: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:  # fmt: skip

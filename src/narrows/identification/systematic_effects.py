@@ -223,8 +223,9 @@ class Effects:
         self.add("offset of the rail", moved, SIZES["rail"], CAMPAIGN, "m")
         self.add("offset of straight runs by side", moved * side, SIZES["straight offset"], TYPES, "m")
         self.add("delay between clocks", rows.rate(), SIZES["clock"], CLOCK, "s")
-        given = (rows.shift("mount") + self._unexcited_sway(rows.raw("N") * rows.speed**2)) * DEGREE / 20
-        self.add("compliance of the mount", given, SIZES["mount"], FIXED, "deg per 20 N m")
+        if "N" in rows.names:
+            given = (rows.shift("mount") + self._unexcited_sway(rows.raw("N") * rows.speed**2)) * DEGREE / 20
+            self.add("compliance of the mount", given, SIZES["mount"], FIXED, "deg per 20 N m")
 
     def _gauges(self) -> None:
         """Errors of the gauges that all runs share, and a side force of the hull."""
