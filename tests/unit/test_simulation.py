@@ -1,7 +1,9 @@
 """Voyages against DOP853, against their mirror, against the order of the method; and how they end."""
 
+import json
 import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -266,3 +268,20 @@ def test_output_times_do_not_change_a_voyage(dtc: nw.Model) -> None:
     fine = integrated(dtc, 7.777, y=0.3)
     assert told.y[3] == pytest.approx(fine.y[-1], abs=1e-7)
     assert nw.simulate(dtc, y=0.0, at=[1.0, 2.0]).outcome.time == 2.0
+
+
+def test_every_door_takes_the_same_defaults_for_a_full_size_ship(tmp_path: Path, cli) -> None:
+    """350 m beside a bank: command line, one voyage and a fleet sail at one speed, for one time, to one end."""
+    full = nw.scale_model(nw.published("mikkelsen2025_dtc"), 350.0, 1025.0).model
+    nw.save_model(full, tmp_path / "full.toml")
+    code, out, _ = cli("simulate", str(tmp_path / "full.toml"), "--y", "40", "--json")
+    told, voyage = json.loads(out), nw.simulate(full, 40.0)
+    fleet = nw.ensemble(full, y=[40.0]).isel(y=0)
+    assert code == 0
+    assert told["outcome"] == voyage.outcome.kind
+    assert told["time"] == pytest.approx(voyage.duration, rel=1e-12)
+    assert float(fleet["time"]) == pytest.approx(voyage.duration, rel=1e-9)
+    assert float(fleet["u_end"]) == voyage.u[0]
+    straight = nw.simulate(full)
+    assert straight.outcome.lengths == pytest.approx(15.0, rel=0.05)
+    assert f"{straight.outcome.lengths:.1f} ship lengths" in straight.summary()

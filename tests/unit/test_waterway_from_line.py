@@ -51,7 +51,7 @@ def test_swapped_banks_and_swapped_axes_are_told_from_a_bank_that_crosses(mirror
         ((), "--line axis.geojson --width 300 --depth 16"),
         (("--line", "line.geojson", "--width", "300"), "--depth 16"),
         (("--line", "line.geojson", "--width", "-3", "--depth", "16"), "give metres over 0"),
-        (("canal.geojson", "--width", "300"), "leave them out"),
+        (("canal.geojson", "--width", "300"), "leave it out"),
     ],
 )
 def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tmp_path, cli, monkeypatch) -> None:

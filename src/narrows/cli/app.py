@@ -74,7 +74,8 @@ def _complete(context: click.Context, _: click.Parameter, shell: str | None) -> 
     cls=Verbs,
     invoke_without_command=True,
     context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
-    epilog="narrows VERB --help shows options and an example; --debug, anywhere, shows the traceback of an error.",
+    epilog="narrows VERB --help shows options and an example; anywhere, --verbose prints all rows and notes, and --debug "
+    "the traceback of an error.",
 )
 @click.version_option(package_name="narrows", message="narrows %(version)s")
 @click.option(
@@ -91,7 +92,7 @@ def app(context: click.Context) -> None:
 def main() -> NoReturn:
     """Run the command line: bad input is one line on stderr and exit code 2."""
     debug = "--debug" in sys.argv
-    arguments = [word for word in sys.argv[1:] if word != "--debug"]
+    arguments = [word for word in sys.argv[1:] if word not in ("--debug", "--verbose")]
     try:
         code = _run(arguments)
         sys.stdout.flush()  # What cannot be written is said here, and not by Python when it ends.

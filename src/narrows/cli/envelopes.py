@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from narrows.cli.declarations import Option
-from narrows.cli.options import DatasetDelivery, ModelFile, numbers, speeds, verb
+from narrows.cli.declarations import Argument, Option
+from narrows.cli.options import DatasetDelivery, numbers, speeds, verb
 from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError
 
@@ -110,9 +110,12 @@ class CaseOptions:
     seed: Annotated[int, Option(help="Of the samples.")] = 0
 
 
+# With a rudder and banks, of which nothing was tested: what the chart says of it is said so.
+DEMO_SHIP = "estimated_kcs"
+
+
 @verb("narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc")
 def envelope(
-    model: ModelFile,
     grid: GridOptions,
     section: SectionOptions,
     weather: WeatherOptions,
@@ -126,6 +129,10 @@ def envelope(
     rudder_of: Annotated[
         str | None, Option(help="Model whose rudder this one borrows, where it has none of its own.")
     ] = None,
+    demo: Annotated[
+        bool, Option("--demo", help="Of a ship that is ready: estimated_kcs, 230 m, in a canal of 300 x 16.2 m.")
+    ] = False,
+    model: Annotated[str | None, Argument(help="Model file, or the name of a ship; none with --demo.")] = None,
 ) -> None:
     """Find how fast and how far off the middle of its canal a ship is still in hand, as a table and a chart.
 
@@ -137,7 +144,11 @@ def envelope(
     from narrows.safety import safe_envelope
 
     section.check()
-    disturbance, ship = weather.disturbance(), model_named(model)
+    if (model is None) != demo:
+        raise InputError(
+            "give a model file or the name of a ship (narrows ships lists them), or --demo for one of ours"
+        )
+    disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     ship, walls, where = section.placed(ship)
     result = safe_envelope(

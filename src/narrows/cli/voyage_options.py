@@ -102,10 +102,6 @@ class TimeOptions:
     ] = None
     dt: Annotated[float | None, Option(help="Time step [s]; a 200th of the time of a ship length unless given.")] = None
 
-    def values(self, usual: "VoyageDefaults") -> dict[str, Any]:
-        duration = usual.duration if self.duration is None else self.duration
-        return {"duration": duration, "dt": usual.dt if self.dt is None else self.dt}
-
 
 @dataclass(frozen=True)
 class PhysicsOptions:

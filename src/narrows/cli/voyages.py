@@ -47,9 +47,8 @@ def simulate(
     from narrows.simulation.voyage import simulate as run
 
     chosen, waterway = model_named(model), water.read()
-    usual = voyage_defaults(chosen, start.u)
-    u = usual.speed if start.u is None else start.u
-    options: dict[str, Any] = start.values() | push.values() | time.values(usual) | vars(physics)
+    u = voyage_defaults(chosen).speed if start.u is None else start.u
+    options: dict[str, Any] = start.values() | push.values() | vars(time) | vars(physics)
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = run(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options)
     delivery.write(voyage.save, voyage.plot)
@@ -78,11 +77,11 @@ def map_(
     from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()
-    usual = voyage_defaults(chosen, None if varied.u is None else float(abs(varied.u).min()))
+    usual = voyage_defaults(chosen, varied.u)
     vary, choices = varied.values(usual, OFFSETS), dict[str, Any](contact=contact)
     voyages = ensemble(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
-        progress=sys.stderr.isatty() and not delivery.json, **time.values(usual), **choices, **vary,
+        progress=sys.stderr.isatty() and not delivery.json, **vars(time), **choices, **vary,
     )  # fmt: skip
     delivery.write(
         lambda path: save_dataset(voyages, path),

@@ -34,7 +34,10 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
         raise InputError("the model has a rudder of its own; leave the other out")
     names = dict(zip(_helm(model.terms), _helm(lender.terms), strict=True))
     if not set(names.values()) <= set(lender.terms.names):
-        raise InputError(f"the lender has no {', '.join(names.values())}; identify it with the terms steered")
+        raise InputError(
+            f"the lender has no {', '.join(names.values())}; give a model identified with the terms steered, or "
+            "take a ship with a rudder and banks that is ready, such as estimated_kcs (narrows ships)"
+        )
     terms = with_helm(model.terms)
     ship = replace(model.configuration.ship, flow_straightening=lender.configuration.ship.flow_straightening)
     return replace(

@@ -209,6 +209,6 @@ def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship"
     notes = (*doubts, *chosen.outside(configuration, speed))
     sinkage, mean = chosen.sinkage(configuration, speed), SQUAT["continuity"].sinkage(configuration, speed)
     if formula is None and mean > sinkage:
-        less = f"{name} gives {sinkage:.3g} m, less than the mean of this canal"
+        less = f"{name} gives less than the mean sinkage of this canal, which is taken"
         return Squat(mean, "continuity", gives, critical, (less,))
     return Squat(sinkage, name, gives, critical, notes)

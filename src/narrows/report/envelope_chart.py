@@ -29,7 +29,7 @@ from narrows.report.style import (
     panels,
     titled,
 )
-from narrows.report.terminal import console_of, print_notes, table_of
+from narrows.report.terminal import console_of, everything, print_notes, table_of, thinned
 from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
 from narrows.safety.channel_rules import READ, REMEMBERED
 
@@ -258,10 +258,13 @@ def print_envelope(envelope: SafeEnvelope) -> None:
     console.print(envelope.summary())
     console.print(f"{envelope.description}; {envelope.weather}; {envelope.samples} cases tried at each place.")
     console.print(_by_offset(envelope))
-    console.print()
-    console.print(_by_speed(envelope))
-    console.print("\nRules from outside, for comparison (* not all of its numbers were read by us):")
-    console.print(table_of(RULE_HEADS, map(cells, envelope.rules.rows()), left=("rule",)))
+    if everything():
+        console.print()
+        console.print(_by_speed(envelope))
+        console.print("\nRules from outside, for comparison (* not all of its numbers were read by us):")
+        console.print(table_of(RULE_HEADS, map(cells, envelope.rules.rows()), left=("rule",)))
+    else:
+        console.print("Water under the keel by speed, and the rules of designers and canals beside it: add --verbose.")
     print_notes(console, (*envelope.notes, *envelope.rules.notes))
 
 
@@ -279,7 +282,7 @@ def _by_offset(envelope: SafeEnvelope) -> Table:
     ):
         table.add_column(head, justify="right")
     table.add_column("limited by", no_wrap=True)
-    for row in envelope.offset_rows():
+    for row in thinned(envelope.offset_rows()):
         table.add_row(
             f"{row['offset']:+.1f}", _cell(row["rudder"], "+.1f"), _cell(row["rudder_95"], ".1f"),
             f"{100 * row['held']:.0f} %", f"{100 * row['known']:.0f} %",

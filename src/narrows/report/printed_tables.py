@@ -1,6 +1,7 @@
 """Plans, scaled and estimated models, ships and waterways in the terminal."""
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from narrows.errors import InputError
 from narrows.experiment_design.plan import UNITS, Plan
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
-from narrows.report.terminal import WIDTH, console_of, table_of
+from narrows.report.terminal import WIDTH, console_of, print_notes, table_of
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ def print_ships(table: "pd.DataFrame") -> None:
 
 
 STATIONS, CROSSINGS_SHOWN = 2001, 11
+# Share of the centreline beside which a bank that is not drawn needs no word.
+NEGLIGIBLE = 0.002
 # Curvature [1/m] of no bend.
 STRAIGHT = 1e-9
 
@@ -114,7 +117,17 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         "sharpest": {"radius": float(1 / bend[sharp]), "at": float(s[sharp])} if bend[sharp] > STRAIGHT else None,
         "stations": _stations(waterway, draft),
     }
-    return {**summary, "summary": _sentence(summary), "notes": []}
+    return {**summary, "summary": _sentence(summary), "notes": list(_not_drawn(waterway))}
+
+
+def _not_drawn(waterway: Waterway) -> Iterator[str]:
+    for bank in (waterway.starboard, waterway.port):
+        first, last = (0.0, waterway.line.length) if bank.drawn is None else bank.drawn.corners[[0, -1]]
+        if first > NEGLIGIBLE * waterway.line.length or last < (1 - NEGLIGIBLE) * waterway.line.length:
+            yield (
+                f"The {bank.side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of "
+                f"{waterway.line.length:.0f} m; beyond, it is taken to stay as far off."
+            )
 
 
 def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
@@ -137,6 +150,7 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
     heads = ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]")
     console.print(table_of(heads, rows))
     console.print(summary["summary"])
+    print_notes(console, summary["notes"])
 
 
 def _sentence(summary: dict[str, Any]) -> str:

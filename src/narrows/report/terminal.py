@@ -1,13 +1,18 @@
 """Tables and results in the terminal."""
 
-from collections.abc import Iterable
-from typing import Any
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.table import Table
 
+Row = TypeVar("Row")
+
 # Characters: a narrower terminal wraps lines rather than losing digits.
 WIDTH = 110
+# Rows of a table and notes that are shown without --verbose.
+MOST_ROWS, MOST_NOTES = 9, 6
 
 
 def console_of(least: int = 0) -> Console:
@@ -41,5 +46,22 @@ def print_result(result: Any, *tables: Table | None) -> None:
 
 
 def print_notes(console: Console, notes: Iterable[str]) -> None:
-    for note in notes:
+    every = list(dict.fromkeys(notes))
+    shown = every if everything() else every[:MOST_NOTES]
+    for note in shown:
         console.print(f"- {note}", style="dim")
+    if len(shown) < len(every):
+        console.print(f"- {len(every) - len(shown)} more notes: add --verbose", style="dim")
+
+
+def everything() -> bool:
+    """Whether all rows and notes are asked for: ``--verbose``, anywhere on the command line."""
+    return "--verbose" in sys.argv
+
+
+def thinned(rows: Sequence[Row]) -> list[Row]:
+    """Return few rows, equally far apart, the first and the last among them where that can be; all with --verbose."""
+    if everything() or len(rows) <= MOST_ROWS:
+        return list(rows)
+    step = next(step for step in range(2, len(rows)) if (len(rows) - 1) // step < MOST_ROWS)
+    return list(rows[(len(rows) - 1) % step // 2 :: step])

@@ -131,14 +131,15 @@ class VoyageDefaults(NamedTuple):
     offset: float  # Farthest off the centreline where a map starts [m]
 
 
-def voyage_defaults(model: Model, speed: float | None = None) -> VoyageDefaults:
-    """Return what suits the ship of a model in its canal, each to two digits."""
+def voyage_defaults(model: Model, speeds: Any = None) -> VoyageDefaults:
+    """Return what suits the ship of a model in its canal, at speeds where they are given, each to two digits."""
     ship, canal = model.configuration.ship, model.configuration.canal
-    u = abs(speed or 0.0) or _default_speed(model)
-    passing = ship.length / u
+    given = np.abs(np.asarray([] if speeds is None else speeds, float))
+    given = given[(given > 0) & (given < math.inf)]
+    u = given if given.size else np.array([_default_speed(model)])
+    longest, step = DEFAULT_LENGTHS * ship.length / u.min(), ship.length / u.max() / DEFAULT_STEPS_A_LENGTH
     offset = max(canal.width - ship.beam, 0.0) / 2 * DEFAULT_OFFSET
-    values = (u, DEFAULT_LENGTHS * passing, passing / DEFAULT_STEPS_A_LENGTH, offset)
-    return VoyageDefaults(*(float(f"{value:.2g}") for value in values))
+    return VoyageDefaults(*(float(f"{value:.2g}") for value in (u.max(), longest, step, offset)))
 
 
 def _default_speed(model: Model) -> float:

@@ -14,7 +14,7 @@ from narrows.errors import InputError, check_choice, path_of
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.progress import bar
-from narrows.simulation.departure import check_irrelevant
+from narrows.simulation.departure import check_irrelevant, voyage_defaults
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.inputs import (
     Contact,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 def ensemble(
-    model: Model, *, duration: float = 60.0, dt: float = 0.02, samples: int = 0, seed: int = 0,
+    model: Model, *, duration: float | None = None, dt: float | None = None, samples: int = 0, seed: int = 0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: Contact | Points = "corners", precision: Precision = "float64", waterway: "Waterway | None" = None,
     controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
@@ -49,10 +49,10 @@ def ensemble(
     ----------
     model : Model
         Gives whatever does not vary.
-    duration : float [s]
-        Longest time of a voyage.
-    dt : float [s]
-        Step of the Runge-Kutta method.
+    duration : float [s], optional
+        Longest time of a voyage: that of 15 ship lengths at the lowest speed unless given.
+    dt : float [s], optional
+        Step of the Runge-Kutta method: a 200th of the time of a ship length at the highest speed unless given.
     samples : int
         Of the coefficients, from the fit's covariance: a dimension ``sample``.
     seed : int
@@ -96,13 +96,17 @@ def ensemble(
     InputError
         Where a name is unknown, a value does not fit, or a cluster has no store.
     """
-    duration, dt = check_steps(duration, dt, MOST_STEPS)
     check_workers(workers)
     check_waterway(waterway)
     check_choice("precision", precision, get_args(Precision))
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     steering = steering_of(controller, ship.actuators)
-    plain = grid_of(model, vary, samples, seed)
+    usual = voyage_defaults(model)
+    plain = grid_of(model, {"u": usual.speed, **vary}, samples, seed)
+    usual = voyage_defaults(model, plain.values["u"])
+    duration, dt = check_steps(
+        usual.duration if duration is None else duration, usual.dt if dt is None else dt, MOST_STEPS
+    )
     check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})
     check_vessels(grid.vessels, stored=store is not None)

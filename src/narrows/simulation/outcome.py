@@ -54,6 +54,8 @@ class Outcome:
     notes : tuple of str
         In what it left the ranges that the model's data covered (the voyage went on); by how much the track is off
         where the time step was too long for it.
+    lengths : float [1]
+        The distance in ship lengths.
     """
 
     kind: str
@@ -62,6 +64,7 @@ class Outcome:
     side: str | None = None
     state: dict[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    lengths: float = math.nan
 
     @property
     def impact_speed(self) -> float:
@@ -75,7 +78,7 @@ class Outcome:
         heading = math.degrees(self.state["psi"])
         return {
             GROUNDED: f"Grounded to {self.side} {where}, at {self.impact_speed:.2f} m/s, heading {heading:+.1f} deg.",
-            AFLOAT: f"Still afloat {where}.",
+            AFLOAT: f"Still afloat when the time was up, {where}, {self.lengths:.1f} ship lengths.",
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
             LEFT_WATERWAY: f"Left the waterway by its {self.side} {where}.",

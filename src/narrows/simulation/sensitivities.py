@@ -134,8 +134,8 @@ class Sensitivities(Shown):
 
 
 def sensitivities(
-    model: Model, by: Sequence[str] = (), y: float = 0.0, u: float = 1.0, duration: float | None = None,
-    dt: float = 0.02, **voyage: Any,
+    model: Model, by: Sequence[str] = (), y: float = 0.0, u: float | None = None,
+    duration: float | None = None, dt: float | None = None, **voyage: Any,
 ) -> Sensitivities:  # fmt: skip
     """Differentiate a voyage by its start, coefficients, particulars and inputs, exactly.
 
@@ -152,12 +152,12 @@ def sensitivities(
         waterway; coefficients; particulars; numbers of a control law. All the coefficients unless given.
     y : float [m]
         Start to starboard of the centreline.
-    u : float [m/s]
+    u : float [m/s], optional
         Surge velocity at the start.
     duration : float [s], optional
-        Longest time, 60 s unless given.
-    dt : float [s]
-        Step.
+        Longest time.
+    dt : float [s], optional
+        Step; all three as suits the ship unless given.
     **voyage : Any
         As for ``simulate``.
 
@@ -175,7 +175,7 @@ def sensitivities(
         raise InputError("sensitivities come at the steps of the voyage; leave `at` out, and interpolate")
     names = tuple(by) or model.terms.names
     sailed = simulate(model, y, u, duration, dt, **voyage)
-    march = TangentMarch.of(model, names, {"y": y, "u": u, **voyage})
+    march = TangentMarch.of(model, names, {"y": y, "u": float(sailed.u[0]), **voyage})
     return Sensitivities(sailed, names, march.slopes(sailed.t), march.values, model)
 
 

@@ -19,7 +19,7 @@ from narrows.ship.checks import check_ahead
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
-from narrows.simulation.departure import check_irrelevant, check_positions, departure
+from narrows.simulation.departure import check_irrelevant, check_positions, departure, voyage_defaults
 from narrows.simulation.inputs import (
     Contact,
     Schedule,
@@ -183,7 +183,7 @@ class Voyage(Tabulated):
 
 
 def simulate(
-    model: Model, y: float = 0.0, u: float = 1.0, duration: float | None = None, dt: float = 0.02, *,
+    model: Model, y: float = 0.0, u: float | None = None, duration: float | None = None, dt: float | None = None, *,
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
@@ -200,12 +200,12 @@ def simulate(
         The ship in its canal.
     y : float [m]
         Start to starboard of the centreline.
-    u : float [m/s]
-        Surge velocity at the start.
+    u : float [m/s], optional
+        Surge velocity at the start; unless given, one that suits the ship: of the tests, and below choking.
     duration : float [s], optional
-        Longest time: 60 s, or the last of ``at``, unless given.
-    dt : float [s]
-        Step, and the spacing of the output unless ``at`` is given.
+        Longest time: the last of ``at``, or that of 15 ship lengths, unless given.
+    dt : float [s], optional
+        Step, and the spacing of the output unless ``at`` is given: a 200th of the time of a ship length unless given.
     x : float [m]
         Start along the canal.
     psi : float [rad]
@@ -253,8 +253,10 @@ def simulate(
     """
     check_waterway(waterway)
     times = None if at is None else check_times(at, duration)
-    longest = times[-1] if times else 60.0
-    duration, dt = check_steps(longest if duration is None else duration, dt, MOST_ROWS)
+    usual = voyage_defaults(model, None if u is None else [finite_numbers(u=u)["u"]])
+    u = usual.speed if u is None else u
+    longest = times[-1] if times else usual.duration
+    duration, dt = check_steps(longest if duration is None else duration, usual.dt if dt is None else dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
     pushes = segments_of(X, Y, N, duration)
     check_positions(positions, ship)
@@ -311,7 +313,9 @@ class _Log:
         bank = () if self.ship.shape == OPEN else model.bank_notes
         notes = (*bank, *beyond_envelope(model.data_range, columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
-        return Outcome(kind, last["t"], last["x"] - float(columns["x"][0]), side, state, notes)
+        distance = last["x"] - float(columns["x"][0])
+        lengths = abs(distance) / model.configuration.ship.length
+        return Outcome(kind, last["t"], distance, side, state, notes, lengths)
 
     def _kind_and_side(self, state: tuple[float, ...]) -> tuple[str, str | None]:
         if self.fate == event.FINISHED:

@@ -9,8 +9,8 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.waterway.centreline import FARTHEST, Centreline
 
-# Share of the centreline at either end beside which a bank need not be drawn.
-SLACK = 0.01
+# Share of the centreline at either end beside which a bank need not be drawn: it stays as far off, and a note says so.
+SLACK = 0.06
 
 # Places between two corners at which distances are checked.
 BETWEEN = 8

@@ -1,5 +1,6 @@
 """A waterway out of a chart: what the normals of a centreline meet first on either side, and the depths along it."""
 
+import json
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from narrows.errors import InputError, needs
 from narrows.waterway.bank_line import Normals
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import Centreline
+from narrows.waterway.geojson import read_features
 from narrows.waterway.projection import origin_of, projected
 from narrows.waterway.waterway import Waterway
 
@@ -49,6 +51,21 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     starboard, port = (_bank(side, line, points, gaps, reach, chart.name) for side in ("starboard", "port"))
     depths = _depths([(_moved(area, origin), least) for area, least in chart.areas], line)
     return Waterway(line, starboard, port, depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
+
+
+def chart_of_area(path: Path, depth: float) -> Chart:
+    """Return a map of areas of water as a chart of one depth [m]: their edges are the banks."""
+    with needs("charts", "an area of water"):
+        import shapely
+    areas = [one.geometry for one in read_features(path) if "Polygon" in str(one.geometry.get("type"))]
+    try:
+        parts = [part for area in areas for part in shapely.get_parts(shapely.from_geojson(json.dumps(area)))]
+    except shapely.errors.GEOSException as error:
+        raise InputError(f"{path}: has an area that is none ({error}); mend it") from None
+    if not parts:
+        raise InputError(f"{path}: has no area of water; give a polygon, or three lines without --line")
+    rings = [np.array(ring.coords)[:, :2] for part in parts for ring in (part.exterior, *part.interiors)]
+    return Chart(tuple(rings), tuple((part, depth) for part in parts), path.stem)
 
 
 def _shores(banks: list[np.ndarray], line: Centreline, reach: float) -> tuple[np.ndarray, np.ndarray]:

@@ -2,8 +2,9 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,10 +13,9 @@ from narrows.files import form_of, reading, write_whole
 from narrows.ship.cross_section import Point
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline
+from narrows.waterway.map_lines import OTHERS, ROLES, Feature, in_degrees, middle_line, read_other, roles_by_place
 from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
-
-ROLES = ("centreline", "starboard", "port")
 
 # Between the bank of a bend and the line that is written for it [m].
 CHORD = 0.001
@@ -28,11 +28,13 @@ def read_waterway(path: str | Path) -> Waterway:
     as one sails along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points;
     or ``depths``: pairs [distance along it, depth], rising [m].
     A bank that is no wall has ``profile``: points [distance beyond its line, height above the bottom], outward [m].
+    Lines without roles are told by their place. Between two banks the centreline is found, sailed as the first is
+    drawn, or with the ``left`` one to port.
 
     Parameters
     ----------
     path : str or Path
-        GeoJSON, longitude before latitude.
+        GeoJSON, longitude before latitude or UTM; or KML, a shapefile, GeoPackage or GML with the extra ``charts``.
 
     Raises
     ------
@@ -40,11 +42,12 @@ def read_waterway(path: str | Path) -> Waterway:
         Where the file is no such collection, a role is missing, coordinates are not longitude and latitude, or the
         geometry is impossible: in one sentence with the place.
     """
-    features = _roles(read_features(Path(path)), str(path))
-    points = {role: coordinates(feature, f"{path}: the {role}") for role, feature in features.items()}
+    found = _lines(read_features(Path(path)), str(path))
+    points = [coordinates(one, f"{path}: the {one.role or 'line'}") for one in found]
     try:
-        origin = origin_of(points["centreline"])
-        metres = {role: projected(coordinates_of, origin) for role, coordinates_of in points.items()}
+        drawn = next((number for number, one in enumerate(found) if one.role == "centreline"), 0)
+        origin = origin_of(points[drawn])
+        features, metres = _roles(found, [projected(line, origin) for line in points])
         line = Centreline(metres["centreline"])
         _check_sides(line, metres["starboard"], metres["port"])
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
@@ -87,6 +90,15 @@ def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str
     starboard, port = (Bank(side, ends, half) for side in ROLES[1:])
     at = (float(origin[0]), float(origin[1]))
     return Waterway(line, starboard, port, (ends, np.full(2, depth)), name=name, origin=at)
+
+
+def with_depth(waterway: Waterway, depth: float) -> Waterway:
+    """Return a waterway of one depth [m] that has none of its own."""
+    if waterway.depths is not None:
+        raise InputError(f"{waterway.name} has depths of its own; leave --depth out")
+    if not 0 < depth < FARTHEST:
+        raise InputError(f"a depth of {depth:g} m is none of a waterway; give metres over 0")
+    return replace(waterway, depths=(np.array([0.0, waterway.line.length]), np.full(2, depth)))
 
 
 def write_waterway(waterway: Waterway, path: str | Path) -> None:
@@ -132,27 +144,42 @@ def _feature(role: str, points: np.ndarray, origin: np.ndarray, more: Mapping[st
     return {"type": "Feature", "properties": {"role": role, **more}, "geometry": geometry}
 
 
-class Feature(NamedTuple):
-    properties: Mapping[str, Any]  # As given
-    geometry: Mapping[str, Any]  # As given
-
-    @property
-    def role(self) -> str | None:
-        role = self.properties.get("role")
-        return role if isinstance(role, str) else None
-
-
-def _roles(features: list[Feature], file: str) -> dict[str, Feature]:
-    by_role: dict[str, Feature] = {}
-    for feature in features:
-        if feature.role in ROLES and feature.role in by_role:
-            raise InputError(f"{file}: there are two lines with the role {feature.role}; leave one")
-        if feature.role is not None:
-            by_role[feature.role] = feature
+def _lines(features: list[Feature], file: str) -> list[Feature]:
+    """The lines of a waterway: those with roles, or all."""
+    roles = [feature.role for feature in features if feature.role]
     for role in ROLES:
+        if roles.count(role) > 1:
+            raise InputError(f"{file}: there are two lines with the role {role}; leave one")
+    kinds = [str(feature.geometry.get("type")) for feature in features]
+    if not roles and any("Polygon" in kind for kind in kinds):
+        raise InputError(
+            f"{file}: has an area; draw a line through it and measure it: narrows waterway {Path(file).name} --line "
+            "axis.geojson --depth 16 -o canal.geojson"
+        )
+    if not roles and kinds.count("LineString") == 1:
+        raise InputError(
+            f"{file}: has one line; with a width and a depth it is a waterway: narrows waterway --line "
+            f"{Path(file).name} --width 300 --depth 16 -o canal.geojson"
+        )
+    if not features:
+        raise InputError(f"{file}: has no line; give three LineStrings, or two banks")
+    return [feature for feature in features if feature.role or not roles]
+
+
+def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
+    """Features and points [m] by role: as they say, or by their place; a centreline that is not drawn is the middle."""
+    roles = [feature.role for feature in features]
+    placed = roles_by_place(lines) if None in roles or not roles else roles
+    by_role = dict(zip(placed or (), features, strict=True)) if placed else {}
+    metres = dict(zip(placed or (), lines, strict=True)) if placed else {}
+    for role in ROLES[1:]:
         if role not in by_role:
-            raise InputError(f"{file}: no LineString has the property role = {role}; add it")
-    return {role: by_role[role] for role in ROLES}
+            raise InputError(
+                f"no LineString has the property role = {role}, and their places do not say which it is; add it"
+            )
+    if "centreline" not in by_role:
+        metres["centreline"], by_role["centreline"] = middle_line(metres["starboard"], metres["port"]), Feature({}, {})
+    return {role: by_role[role] for role in ROLES}, {role: metres[role] for role in ROLES}
 
 
 def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray] | None:
@@ -170,25 +197,23 @@ def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray]
 
 
 # What a GeoJSON file of a waterway has: its lines with their roles and properties, or one sentence why not.
-KNOWN_CRS = ("CRS84", "4326")
-
-
 def read_features(path: Path) -> list[Feature]:
+    if path.suffix.lower() in OTHERS:
+        return read_other(path)
     with reading(path, "JSON"):
         document = json.loads(path.read_text(encoding="utf-8"))
         crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
     document = _as_collection(document)
     if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
         raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
-    if crs and not any(known in crs for known in KNOWN_CRS):
-        raise InputError(f"{path}: its coordinates are in {crs[:80]}; convert them to WGS84 (CRS84)")
     features = document.get("features")
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
         raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
-    return [
+    found = [
         Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
         for number, feature in enumerate(features)
     ]
+    return [in_degrees(feature, crs, str(path)) for feature in found] if crs else found
 
 
 def _as_collection(document: Any) -> Any:

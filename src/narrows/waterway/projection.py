@@ -38,6 +38,12 @@ def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
         return np.stack([(origin[0] + np.degrees(turn) + 180) % 360 - 180, np.degrees(latitude)], axis=1)
 
 
+def from_utm(east: float, north: float, zone: int, south: bool) -> np.ndarray:
+    """Return longitude and latitude [deg] of a place in a zone of UTM [m]. Source: EPSG guidance note 7-2."""
+    latitude, turn = _inverse(np.array([(north - 1e7 * south) / 0.9996]), np.array([(east - 5e5) / 0.9996]))
+    return np.array([6.0 * zone - 183.0 + np.degrees(turn[0]), np.degrees(latitude[0])])
+
+
 # Transverse Mercator by Krueger's series to the sixth order of the third flattening n, after C. F. F. Karney,
 # Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85 (2011), eq. 7 to 26, 35 and 36.
 _N = FLATTENING / (2 - FLATTENING)

@@ -1,0 +1,148 @@
+"""Lines of a map as people have them: files of other programs, UTM, roles in other words, two banks alone."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from narrows.errors import InputError, needs
+from narrows.waterway.centreline import Centreline
+from narrows.waterway.projection import from_utm
+
+ROLES = ("centreline", "starboard", "port")
+# What a line is called, under any of these properties, without "bank" and "line".
+SAID_IN = ("role", "side", "bank", "name", "type", "title", "label")
+WORDS = {
+    "centreline": ("centre", "center", "axis", "middle", "fairway", "centreline", "centerline"),
+    "starboard": ("starboard", "right"), "port": ("port", "left"),
+}  # fmt: skip
+# Files that GDAL reads beside GeoJSON.
+OTHERS = (".kml", ".shp", ".gpkg", ".gml", ".fgb")
+# Coordinate systems in degrees that are WGS84 to less than a metre, and first codes of zones of UTM: WGS84 north and
+# south, ETRS89.
+IN_DEGREES = ("CRS84", "4326", "4258")
+UTM = {326: False, 327: True, 258: False}
+# Steps of a line between banks towards the middle, and its points over the length of the banks in widths [1].
+ROUNDS, POINTS_A_WIDTH = 20, 1.0
+
+
+class Feature(NamedTuple):
+    properties: Mapping[str, Any]  # As given
+    geometry: Mapping[str, Any]  # As given
+
+    @property
+    def role(self) -> str | None:
+        """Which line of a waterway it is, by whatever property says so."""
+        said = {str(key).lower(): value for key, value in self.properties.items() if isinstance(value, str)}
+        for key in SAID_IN:
+            words = re.sub(r"\b(bank|line)\b|[_-]", " ", said.get(key, "").lower()).split()
+            found = next((role for role, meant in WORDS.items() if " ".join(words) in meant), None)
+            if found:
+                return found
+        return None
+
+
+def read_other(path: Path) -> list[Feature]:
+    """Read the lines and areas of a file that GDAL knows, in degrees."""
+    with needs("charts", f"a {path.suffix} file"):
+        import pyogrio
+        import pyogrio.errors
+        import shapely
+    if not path.is_file():
+        raise InputError(f"{path}: cannot be read (no such file); check the path")
+    features = []
+    try:
+        for layer in pyogrio.list_layers(path)[:, 0]:
+            meta, _, shapes, columns = pyogrio.raw.read(path, layer=str(layer))
+            values = [dict(zip(meta["fields"], row, strict=True)) for row in zip(*columns, strict=True)]
+            parts, whose = shapely.get_parts(shapely.from_wkb(shapes), return_index=True)
+            for part, number in zip(parts, whose.tolist(), strict=True):
+                geometry = _in_degrees(shapely.geometry.mapping(part), str(meta["crs"] or "CRS84"), str(path))
+                features.append(Feature(values[number] if values else {}, geometry))
+    except pyogrio.errors.DataSourceError as error:
+        raise InputError(f"{path}: cannot be read as a map ({str(error).split(';')[0]}); save it as GeoJSON") from None
+    return features
+
+
+def in_degrees(feature: Feature, crs: str, path: str) -> Feature:
+    """Return a feature with longitude and latitude, from those or from UTM."""
+    return Feature(feature.properties, _in_degrees(feature.geometry, crs, path))
+
+
+def _in_degrees(geometry: Mapping[str, Any], crs: str, path: str) -> dict[str, Any]:
+    def lists(items: Any) -> Any:
+        if isinstance(items, list | tuple) and items and isinstance(items[0], int | float):
+            return turned(items)
+        return [lists(item) for item in items] if isinstance(items, list | tuple) else items
+
+    code = re.search(r"EPSG\D{0,4}(\d{4,5})", crs)
+    zone = divmod(int(code[1]), 100) if code else (0, 0)
+    if any(known in crs for known in IN_DEGREES):
+        turned = list
+    elif zone[0] in UTM and 1 <= zone[1] <= 60:
+
+        def turned(point: Any) -> list[float]:
+            return [float(value) for value in from_utm(point[0], point[1], zone[1], UTM[zone[0]])]
+
+    else:
+        raise InputError(f"{path}: its coordinates are in {crs[:80]}; convert them to WGS84 (EPSG:4326) or UTM")
+    return {**geometry, "coordinates": lists(geometry.get("coordinates"))}
+
+
+def roles_by_place(lines: Sequence[np.ndarray]) -> tuple[str, ...] | None:
+    """Return the roles of two or three lines [m] by where they lie, None where that does not say them.
+
+    Of three the one between the others is the centreline; one sails as it, or as the first of two banks, is drawn.
+    """
+    if len(lines) == 2:
+        # The other bank lies to one side of the first.
+        side = _side(lines[0], lines[1])
+        return None if not side else ("port", "starboard") if side > 0 else ("starboard", "port")
+    for middle in range(len(lines)) if len(lines) == 3 else ():
+        sides = {other: _side(lines[middle], lines[other]) for other in range(3) if other != middle}
+        if sorted(sides.values()) == [-1.0, 1.0]:
+            return tuple({0.0: "centreline", 1.0: "starboard", -1.0: "port"}[sides.get(n, 0.0)] for n in range(3))
+    return None
+
+
+def _side(line: np.ndarray, other: np.ndarray) -> float:
+    """1 where all of another line is to starboard, -1 to port, 0 on both sides."""
+    sides = np.sign(Centreline(line).locate(other)[1])
+    return float(sides[0]) if (sides == sides[0]).all() else 0.0
+
+
+def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
+    """Return points midway between two banks, as one sails with the one to starboard, (n, 2) [m]."""
+    if np.linalg.norm(starboard[0] - port[0]) > np.linalg.norm(starboard[0] - port[-1]):
+        port = port[::-1]
+    reach = min(_lengths(bank)[-1] for bank in (starboard, port))
+    width = float(np.median([np.linalg.norm(_nearest(port, point[None])[0] - point) for point in starboard]))
+    share = np.linspace(0, 1, max(2, int(POINTS_A_WIDTH * reach / max(width, 1e-9)) + 1))
+    points = (_along(starboard, share) + _along(port, share)) / 2
+    for _ in range(ROUNDS if len(points) > 2 else 0):
+        midway = (_nearest(starboard, points) + _nearest(port, points)) / 2
+        points = np.concatenate([points[:1], midway[1:-1], points[-1:]])
+        points = _along(points, share)
+    ahead, across = points[-1] - points[0], starboard.mean(axis=0) - port.mean(axis=0)
+    return points if ahead[1] * across[0] - ahead[0] * across[1] > 0 else points[::-1]
+
+
+def _lengths(points: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def _along(points: np.ndarray, share: np.ndarray) -> np.ndarray:
+    known = _lengths(points)
+    return np.stack([np.interp(share * known[-1], known, column) for column in points.T], axis=1)
+
+
+def _nearest(bank: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """The places of a polyline that are nearest to points, (n, 2)."""
+    start, way = bank[:-1], np.diff(bank, axis=0)
+    apart = points[:, None] - start
+    share = np.clip((apart * way).sum(axis=2) / np.maximum((way**2).sum(axis=1), 1e-300), 0, 1)
+    places = start + share[..., None] * way
+    best = np.linalg.norm(points[:, None] - places, axis=2).argmin(axis=1)
+    return np.asarray(places[np.arange(len(points)), best])

@@ -1,0 +1,117 @@
+"""Waterways as people have them, against the canal that they were drawn from."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyproj
+import pytest
+
+import narrows as nw
+from narrows.waterway import Centreline
+from narrows.waterway.projection import unprojected
+
+ORIGIN = np.array([7.6, 52.0])
+NORTH = np.linspace(0.0, 4000.0, 41)
+AXIS = Centreline(np.stack([400 * np.sin(NORTH / 1200), NORTH], axis=1))
+PLACES = np.linspace(0.0, AXIS.length, 81)
+STARBOARD, PORT = AXIS.at(PLACES, 80.0), AXIS.at(PLACES, -70.0)
+SHORT = AXIS.at(np.linspace(0.05, 0.95, 60) * AXIS.length, 80.0)
+UTM_32 = pyproj.Transformer.from_crs(4326, 32632, always_xy=True)
+
+Points = Callable[[np.ndarray], Any]
+
+
+def degrees(points: np.ndarray) -> Any:
+    return unprojected(points, ORIGIN).tolist()
+
+
+def utm(points: np.ndarray) -> Any:
+    return np.stack(UTM_32.transform(*unprojected(points, ORIGIN).T), axis=1).tolist()
+
+
+def feature(points: np.ndarray, written: Points = degrees, kind: str = "LineString", **properties: str) -> dict:
+    coordinates = [written(points)] if kind == "Polygon" else written(points)
+    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": coordinates}}
+
+
+def placemark(points: np.ndarray, name: str) -> str:
+    text = " ".join(f"{east},{north},0" for east, north in degrees(points))
+    return f"<Placemark><name>{name}</name><LineString><coordinates>{text}</coordinates></LineString></Placemark>"
+
+
+IN_UTM = {"crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}}}
+ROLES = {"centreline": AXIS.points, "starboard": STARBOARD, "port": PORT}
+MAPS = {
+    "left and right": [feature(PORT, name="left bank"), feature(STARBOARD, name="Right Bank")],
+    "right drawn backwards": [feature(STARBOARD[::-1], side="right"), feature(PORT, side="left")],
+    "two lines without a word": [feature(PORT), feature(STARBOARD)],
+    "three lines without a word": [feature(STARBOARD), feature(AXIS.points), feature(PORT)],
+    "a bank 5 % short at either end": [feature(AXIS.points, role="axis"), feature(SHORT, role="right"),
+                                       feature(PORT, role="left")],
+}  # fmt: skip
+
+
+def check(waterway: nw.Waterway) -> None:
+    """As wide as the canal, and bent as it is."""
+    middle = waterway.section(waterway.line.length / 2)
+    assert waterway.line.length == pytest.approx(AXIS.length, rel=0.01)
+    assert float(middle.width) == pytest.approx(150.0, abs=0.5)
+    assert float(middle.depth) == pytest.approx(16.0)
+    place, _ = waterway.to_map(waterway.line.length / 2, float(middle.middle), 0.0)
+    assert np.abs(AXIS.locate(_about(place, waterway))[1] - 5.0) < 1.0  # the middle is 5 m to starboard of that line
+    ahead = waterway.line.heading(waterway.line.length / 2)
+    assert float(ahead) == pytest.approx(float(AXIS.heading(AXIS.length / 2)), abs=0.02)
+
+
+def _about(place: np.ndarray, waterway: nw.Waterway) -> np.ndarray:
+    from narrows.waterway.projection import projected
+
+    return projected(unprojected(np.atleast_2d(place), np.array(waterway.origin)), ORIGIN)[0]
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_lines_are_told_by_word_and_by_place(name: str, tmp_path: Path, cli) -> None:
+    path, out = tmp_path / "map.geojson", tmp_path / "canal.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": MAPS[name]}))
+    code, text, err = cli("waterway", path, "--depth", "16", "-o", out)
+    assert (code, err) == (0, "")
+    check(nw.read_waterway(out))
+    assert ("beyond, it is taken to stay as far off" in " ".join(text.split())) == ("short" in name)
+
+
+def test_utm_is_read(tmp_path: Path, cli) -> None:
+    path, out = tmp_path / "utm.geojson", tmp_path / "canal.geojson"
+    features = [feature(points, utm, role=role) for role, points in ROLES.items()]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features, **IN_UTM}))
+    assert cli("waterway", path, "--depth", "16", "-o", out)[0] == 0
+    check(nw.read_waterway(out))
+
+
+def test_kml_is_read(tmp_path: Path, cli) -> None:
+    pytest.importorskip("pyogrio")
+    path, out = tmp_path / "banks.kml", tmp_path / "canal.geojson"
+    lines = placemark(PORT, "left") + placemark(STARBOARD, "right")
+    path.write_text(f'<kml xmlns="http://www.opengis.net/kml/2.2"><Document>{lines}</Document></kml>')
+    assert cli("waterway", path, "--depth", "16", "-o", out)[0] == 0
+    check(nw.read_waterway(out))
+
+
+def test_an_area_is_measured_along_a_line(tmp_path: Path, cli) -> None:
+    path, axis, out = (tmp_path / name for name in ("area.geojson", "axis.geojson", "canal.geojson"))
+    ring = np.concatenate([STARBOARD, PORT[::-1], STARBOARD[:1]])
+    for file, one in ((path, feature(ring, kind="Polygon")), (axis, feature(AXIS.at(PLACES[1:-1])))):
+        file.write_text(json.dumps({"type": "FeatureCollection", "features": [one]}))
+    code, _, err = cli("waterway", path)
+    assert (code, "--line axis.geojson --depth 16" in err) == (2, True)
+    assert cli("waterway", path, "--line", axis, "--depth", "16", "-o", out)[0] == 0
+    assert float(nw.read_waterway(out).section(2000.0).width) == pytest.approx(150.0, abs=0.5)
+
+
+def test_one_line_is_answered_with_the_command(tmp_path: Path, cli) -> None:
+    path = tmp_path / "axis.geojson"
+    path.write_text(json.dumps(feature(AXIS.points)))
+    code, _, err = cli("waterway", path)
+    assert (code, "--width 300 --depth 16" in err) == (2, True)
