@@ -74,7 +74,7 @@ def _complete(context: click.Context, _: click.Parameter, shell: str | None) -> 
     cls=Verbs,
     invoke_without_command=True,
     context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
-    epilog="narrows VERB --help shows options and an example; anywhere, --verbose prints all rows and notes, and --debug "
+    epilog="narrows VERB --help shows options and an example; anywhere, --verbose prints all rows and notes, --debug "
     "the traceback of an error.",
 )
 @click.version_option(package_name="narrows", message="narrows %(version)s")

@@ -72,22 +72,20 @@ def in_degrees(feature: Feature, crs: str, path: str) -> Feature:
 
 
 def _in_degrees(geometry: Mapping[str, Any], crs: str, path: str) -> dict[str, Any]:
+    code = re.search(r"EPSG\D{0,4}(\d{4,5})", crs)
+    zone = divmod(int(code[1]), 100) if code else (0, 0)
+    plain = any(known in crs for known in IN_DEGREES)
+    if not plain and not (zone[0] in UTM and 1 <= zone[1] <= 60):
+        raise InputError(f"{path}: its coordinates are in {crs[:80]}; convert them to WGS84 (EPSG:4326) or UTM")
+
+    def turned(point: Any) -> list[float]:
+        return list(point) if plain else from_utm(point[0], point[1], zone[1], UTM[zone[0]]).tolist()
+
     def lists(items: Any) -> Any:
         if isinstance(items, list | tuple) and items and isinstance(items[0], int | float):
             return turned(items)
         return [lists(item) for item in items] if isinstance(items, list | tuple) else items
 
-    code = re.search(r"EPSG\D{0,4}(\d{4,5})", crs)
-    zone = divmod(int(code[1]), 100) if code else (0, 0)
-    if any(known in crs for known in IN_DEGREES):
-        turned = list
-    elif zone[0] in UTM and 1 <= zone[1] <= 60:
-
-        def turned(point: Any) -> list[float]:
-            return [float(value) for value in from_utm(point[0], point[1], zone[1], UTM[zone[0]])]
-
-    else:
-        raise InputError(f"{path}: its coordinates are in {crs[:80]}; convert them to WGS84 (EPSG:4326) or UTM")
     return {**geometry, "coordinates": lists(geometry.get("coordinates"))}
 
 
@@ -130,7 +128,7 @@ def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
 
 
 def _lengths(points: np.ndarray) -> np.ndarray:
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    return np.asarray(np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
 
 
 def _along(points: np.ndarray, share: np.ndarray) -> np.ndarray:
