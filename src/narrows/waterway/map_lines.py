@@ -124,7 +124,7 @@ def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
         points = np.concatenate([points[:1], midway[1:-1], points[-1:]])
         points = _along(points, share)
     ahead, across = points[-1] - points[0], starboard.mean(axis=0) - port.mean(axis=0)
-    return points if ahead[1] * across[0] - ahead[0] * across[1] > 0 else points[::-1]
+    return np.asarray(points if ahead[1] * across[0] - ahead[0] * across[1] > 0 else points[::-1])
 
 
 def _lengths(points: np.ndarray) -> np.ndarray:
