@@ -37,6 +37,8 @@ def write(folder: Path) -> None:
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})
+    write_area(folder / "fairway.geojson", [*at(30.0, 100.0), *reversed(at(-45.0, 100.0)), at(30.0, 100.0)[0]])
+    write_kml(folder / "banks.kml", {"right": at(30.0), "left": at(-45.0)})
     write_chart(folder / "1W7RH001.000")
     write_laboratory(folder)
     shutil.copy(Path(__file__).parents[1] / "examples" / "waterway.geojson", folder / "bend.geojson")
@@ -97,6 +99,21 @@ def write_lines(path: Path, lines: dict[str, list[Point]], **properties: float) 
         for role, points in lines.items()
     ]
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}), encoding="utf-8")
+
+
+def write_area(path: Path, ring: list[Point]) -> None:
+    """A fairway as one area."""
+    path.write_text(json.dumps({"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [ring]}}))
+
+
+def write_kml(path: Path, lines: dict[str, list[Point]]) -> None:
+    """Lines with their names as an earth viewer saves them."""
+    marks = [
+        f"<Placemark><name>{name}</name><LineString><coordinates>"
+        f"{' '.join(f'{east},{north},0' for east, north in points)}</coordinates></LineString></Placemark>"
+        for name, points in lines.items()
+    ]
+    path.write_text(f'<kml xmlns="http://www.opengis.net/kml/2.2"><Document>{"".join(marks)}</Document></kml>')
 
 
 def write_chart(path: Path) -> None:
