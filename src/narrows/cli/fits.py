@@ -156,7 +156,8 @@ def _show(fits: dict[str, "Fit"], answers: dict[str, "Answer"], json: bool) -> N
     from narrows.report.fit_table import print_fit
 
     for label, fit in fits.items():
-        print_fit(fit, label, answer=answers[label])
+        print_fit(fit, label, answer=answers[label], table=len(fits) == 1)
+    click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
 
 
 @verb("narrows reproduce -o paper")

@@ -9,6 +9,7 @@ from narrows.identification.bank_answer import Answer, answer_of
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
 from narrows.report.style import interval, readable
+from narrows.report.terminal import everything, print_notes
 
 MOST_PAIRS = 5
 COLOURS = {
@@ -16,16 +17,22 @@ COLOURS = {
 }  # fmt: skip
 
 
-def print_fit(fit: Fit, label: str = "", console: Console | None = None, answer: Answer | None = None) -> None:
-    """Print a fit, its answer first."""
+def print_fit(
+    fit: Fit, label: str = "", console: Console | None = None, answer: Answer | None = None, table: bool = True
+) -> None:
+    """Print a fit, its answer first; with --verbose all that is known of it."""
     console = console or Console(highlight=False, markup=False, soft_wrap=False)
     console.print(f"\n{heading(fit, label)}", style="bold")
     for sentence in fit.implausible:
         console.print(sentence, style="bold red")
     for sentence in (answer or answer_of(fit)).sentences:
         console.print(sentence)
-    console.print()
-    console.print(_coefficients(fit))
+    if table or everything():
+        console.print()
+        console.print(_coefficients(fit))
+    if not everything():
+        print_notes(console, fit.notes if fit.solution.kkt.satisfied else (kkt_sentence(fit), *fit.notes))
+        return
     console.print("What these tests do not determine", style="bold")
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
