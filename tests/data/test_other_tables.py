@@ -131,7 +131,8 @@ def test_kcs_left_out_tests_are_still_explained(kcs_fits: dict[int, nw.Fit], cle
     fit = kcs_fits[clearance]
     assert len(fit.motions) == 12
     for force in "YN":
-        assert 0.8 < fit.left_out[force].r2 < fit.scores[force].r2
+        # The estimate is a posterior mean: by rows alone it may fit a little worse than the refits without a motion.
+        assert 0.8 < fit.left_out[force].r2 < fit.scores[force].r2 + 0.01
 
 
 def test_kcs_bank_goes_to_a_term_in_u_r(kcs_tests: dict[int, nw.CaptiveTests], kcs_fits: dict[int, nw.Fit]) -> None:

@@ -12,7 +12,8 @@ from cases import mmg, paper, steered, waterway_for
 import narrows as nw
 
 MADE = {
-    "CaptiveTests", "Comparison", "DepthCorrected", "EnvelopeChange", "Explanation", "Fit", "Foresight", "InputError",
+    "BankForce", "CaptiveTests", "Comparison", "DepthCorrected",
+    "EnvelopeChange", "Explanation", "Fit", "Foresight", "InputError",
     "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
     "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
 }  # fmt: skip

@@ -156,7 +156,7 @@ def test_the_package_of_npm(tmp_path: Path, curved: bool) -> None:
     nw.export.write_javascript(model_of("steered"), tmp_path / "tanker.tgz", waterway=way)
     nw.export.write_javascript(model_of("steered"), tmp_path / "tanker.mjs", waterway=way)
     with tarfile.open(tmp_path / "tanker.tgz") as packed:
-        packed.extractall(tmp_path / "node_modules", filter="data")
+        packed.extractall(tmp_path / "node_modules", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     folder = (tmp_path / "node_modules" / "package").rename(tmp_path / "node_modules" / "tanker")
     assert (folder / "index.mjs").read_bytes() == (tmp_path / "tanker.mjs").read_bytes()
     (tmp_path / "run.mjs").write_text('import * as s from "tanker"; console.log(JSON.stringify(Object.keys(s)));')

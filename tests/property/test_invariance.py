@@ -104,7 +104,12 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
     one, other = (nw.identify(short_twin(), t) for t in (untied, untied.with_terms("rescaled", **{place: [own]})))
     for coefficient in untied.names:
         unit = factor if coefficient == name else 1.0
-        assert other.coefficients[coefficient] * unit == pytest.approx(one.coefficients[coefficient], rel=1e-7)
+        assert other.least_squares[coefficient] * unit == pytest.approx(one.least_squares[coefficient], rel=1e-6)
+        # Bounds are integrated by draws, which follow the last bits.
+        little = 0.1 * np.nan_to_num(one.std[coefficient])
+        assert other.coefficients[coefficient] * unit == pytest.approx(
+            one.coefficients[coefficient], rel=0.02, abs=little
+        )
         assert other.std[coefficient] * unit == pytest.approx(one.std[coefficient], rel=0.01, nan_ok=True)
         assert other.verdicts[coefficient].status == one.verdicts[coefficient].status
     for kind in ("mse", "mean_abs", "lmg"):

@@ -267,7 +267,7 @@ SLANTING = np.stack([np.linspace(32.501, 32.499, 21), LINE[:, 1]], axis=1)
     [
         ("{", "is not JSON"),
         ({"type": "Topology"}, "FeatureCollection"),
-        ({"type": "Feature"}, "role = centreline"),
+        ({"type": "Feature"}, "make it a LineString"),
         (collection(port=feature("prt", LINE)), "role = port"),
         (collection(port=feature("centreline", LINE)), "two lines with the role centreline"),
         (collection(port=feature("port", LINE * [1, 4])), "no longitude and latitude"),

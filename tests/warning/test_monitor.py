@@ -117,7 +117,7 @@ def test_a_late_forecast_is_out_of_date(monkeypatch: pytest.MonkeyPatch) -> None
     now = iter(np.arange(0.0, 1e4, 1.5))
     monkeypatch.setattr(module.time, "monotonic", lambda: float(next(now)))
     assert monitored(ticks(3))[-1].word == NOT_AVAILABLE
-    assert monitored(ticks(3), monitor(live=False))[-1].word == "clear"  # A replay is as slow as the machine.
+    assert monitored(ticks(3), monitor(live=False))[-1].word != NOT_AVAILABLE  # A replay is as slow as the machine.
 
 
 def test_alerts_are_logged_sent_and_answered(tmp_path: Path) -> None:

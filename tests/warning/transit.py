@@ -17,8 +17,11 @@ SPEED = 4.5
 
 @cache
 def ship() -> nw.Model:
-    """The KCS at 50 % clearance as its tests tell, as if they had been in a canal as wide."""
-    model = bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm"))
+    """The KCS at 50 % clearance in a canal as wide as if it had been tested there, with a stated bank.
+
+    Its tests do not determine the bank.
+    """
+    model = bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm")).with_coefficients(b_bank=-0.1, c_bank=0.1)
     return replace(model, data_range=replace(model.data_range, width_to_beam=None))
 
 

@@ -157,8 +157,9 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     held, beyond_bound = np.zeros(len(unit), bool), np.full(len(unit), np.nan)
     for _ in range(len(unit)):
         mean = weights @ means
-        std = np.sqrt(weights @ (np.diagonal(spreads, axis1=1, axis2=2) + (means - mean) ** 2))
-        beyond = np.maximum(bounds[:, 0] - mean, mean - bounds[:, 1]) / np.maximum(std, 1e-300)
+        variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Conditioned to the last bit.
+        std = np.sqrt(weights @ (variances + (means - mean) ** 2))
+        beyond = np.maximum(bounds[:, 0] - mean, mean - bounds[:, 1]) / np.maximum(std, 1e-12 * np.abs(mean) + 1e-150)
         beyond[held] = -np.inf
         if beyond.max() < CERTAIN:
             break

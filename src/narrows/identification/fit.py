@@ -198,7 +198,7 @@ class Fit(Prediction):
         rejected = tuple(name for name, held in zip(names, self.estimates.held, strict=True) if held)
         alone = dict(zip(names, self.estimates.free_values.tolist(), strict=True))
         return implausible(
-            Judged(self.tests, self.normal_equations, self.problem, self.coefficients, alone, errors, rejected)
+            Judged(self.tests, self.normal_equations, self.problem, self.least_squares, alone, errors, rejected)
         )
 
     @cached_property
