@@ -265,7 +265,8 @@ class Table:
             "bank_force": Entry(
                 {"model": by_depth(), "y": 0.5, "psi": 0.0, "u": 1.0},
                 {"model": replace(by_depth(), covariance=4 * by_depth().covariance), "y": 0.7, "psi": 0.3, "u": 1.2,
-                 "starboard": 3.0, "port": 3.0, "depth": under(0.4, slope_starboard=0.5), "slope_starboard": under(1.0, depth=0.5),
+                 "starboard": 3.0, "port": 3.0, "depth": under(0.4, slope_starboard=0.5),
+                 "slope_starboard": under(1.0, depth=0.5),
                  "slope_port": under(1.0, depth=0.5)},
             ),
             "speed_limits": Entry(

@@ -113,7 +113,7 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
         assert other.std[coefficient] * unit == pytest.approx(one.std[coefficient], rel=0.01, nan_ok=True)
         assert other.verdicts[coefficient].status == one.verdicts[coefficient].status
     for kind in ("mse", "mean_abs", "lmg"):
-        assert other.shapley(kind)[force] == pytest.approx(one.shapley(kind)[force], rel=1e-6, abs=1e-12)
+        assert other.shapley(kind)[force] == pytest.approx(one.shapley(kind)[force], rel=0.02, abs=1e-12)
 
 
 @given(factor=st.sampled_from([1e-8, 1e-3, 1e5]))
