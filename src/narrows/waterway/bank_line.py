@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.waterway.centreline import FARTHEST, Centreline
+from narrows.waterway.centreline import FARTHEST, Centreline, chords
 
 # Share of the centreline at either end beside which a bank need not be drawn: it stays as far off, and a note says so.
 SLACK = 0.06
@@ -125,9 +125,8 @@ class BankLine:
         return corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
 
     def _check_side(self) -> None:
-        ends, gaps = self._distinct, np.hypot(*np.diff(self._distinct, axis=0).T)
-        along = np.linspace(0, 1, ALONG) * gaps.sum()
-        known = np.concatenate([[0.0], np.cumsum(gaps)])
+        ends, known = self._distinct, chords(self._distinct)
+        along = np.linspace(0, 1, ALONG) * known[-1]
         places = np.stack([np.interp(np.union1d(along, known), known, column) for column in ends.T], axis=1)
         s, n = self.line.locate(places)
         self._refuse_crossing(s, n * self._normals.sign, (s > 0) & (s < self.line.length))

@@ -70,7 +70,7 @@ class Centreline:
 
     @cached_property
     def _knots(self) -> np.ndarray:
-        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))])
+        return chords(self._points)
 
     @cached_property
     def _spline(self) -> PPoly:
@@ -256,6 +256,17 @@ class Centreline:
         speed = np.einsum("ij,ij->i", rate, rate)
         steep = speed - np.einsum("ij,ij->i", apart, bend)
         return np.asarray(np.einsum("ij,ij->i", apart, rate) / np.where(steep > 0, steep, speed))
+
+
+def chords(points: np.ndarray) -> np.ndarray:
+    """Return how far each point of a polyline is along it, (n,) [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def along_chords(points: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return places at shares of the length of a polyline, (m, 2) [m]."""
+    known = chords(points)
+    return np.stack([np.interp(share * known[-1], known, column) for column in points.T], axis=1)
 
 
 def _straight_on(spline: PPoly) -> PPoly:

@@ -14,6 +14,7 @@ from narrows.waterway.bank_line import Normals
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features
+from narrows.waterway.map_lines import gdal
 from narrows.waterway.projection import origin_of, projected
 from narrows.waterway.waterway import Waterway
 
@@ -149,9 +150,8 @@ BARE = {"Point", "Line", "Area"}
 
 def read_chart(path: str | Path) -> Chart:
     """Read the banks and depths of a cell of an electronic chart; updates beside it are applied."""
-    pyogrio, path = _library(), Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: cannot be read (no such file); check the path")
+    path = Path(path)
+    pyogrio = gdal(path, "an electronic chart")
     try:
         names = {str(name) for name in pyogrio.list_layers(path)[:, 0]}
         driver = pyogrio.read_info(path, layer=sorted(names)[0])["driver"]
@@ -163,14 +163,6 @@ def read_chart(path: str | Path) -> Chart:
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: is not a cell of an electronic chart ({str(error).split(';')[0]})") from None
     return Chart(tuple(banks), tuple(areas), path.stem)
-
-
-def _library() -> Any:
-    with needs("charts", "an electronic chart"):
-        import pyogrio
-        import pyogrio.errors
-        import shapely  # noqa: F401
-    return pyogrio
 
 
 def _check_metres(pyogrio: Any, path: Path) -> None:

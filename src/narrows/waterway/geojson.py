@@ -13,7 +13,7 @@ from narrows.files import form_of, reading, write_whole
 from narrows.ship.cross_section import Point
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline
-from narrows.waterway.map_lines import OTHERS, ROLES, Feature, in_degrees, middle_line, read_other, roles_by_place
+from narrows.waterway.map_lines import OTHERS, ROLES, Feature, into_degrees, middle_line, read_other, roles_by_place
 from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
 
@@ -169,9 +169,9 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
     """Features and points [m] by role: as they say, or by their place; a centreline that is not drawn is the middle."""
     roles = [feature.role for feature in features]
-    placed = roles_by_place(lines) if None in roles or not roles else roles
-    by_role = dict(zip(placed or (), features, strict=True)) if placed else {}
-    metres = dict(zip(placed or (), lines, strict=True)) if placed else {}
+    placed = roles_by_place(lines) if None in roles else roles
+    by_role = dict(zip(placed, features, strict=True)) if placed else {}
+    metres = dict(zip(placed, lines, strict=True)) if placed else {}
     for role in ROLES[1:]:
         if role not in by_role:
             raise InputError(
@@ -213,7 +213,10 @@ def read_features(path: Path) -> list[Feature]:
         Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
         for number, feature in enumerate(features)
     ]
-    return [in_degrees(feature, crs, str(path)) for feature in found] if crs else found
+    if not crs or not found:
+        return found
+    turned = into_degrees(crs, str(path))
+    return [Feature(one.properties, turned(one.geometry)) for one in found]
 
 
 def _as_collection(document: Any) -> Any:

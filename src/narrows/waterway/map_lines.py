@@ -1,14 +1,14 @@
 """Lines of a map as people have them: files of other programs, UTM, roles in other words, two banks alone."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError, needs
-from narrows.waterway.centreline import Centreline
+from narrows.waterway.centreline import Centreline, along_chords, chords
 from narrows.waterway.projection import from_utm
 
 ROLES = ("centreline", "starboard", "port")
@@ -44,34 +44,40 @@ class Feature(NamedTuple):
         return None
 
 
-def read_other(path: Path) -> list[Feature]:
-    """Read the lines and areas of a file that GDAL knows, in degrees."""
-    with needs("charts", f"a {path.suffix} file"):
+def gdal(path: Path, what: str) -> Any:
+    """Return the library that reads maps and charts, where it and the file are there."""
+    with needs("charts", what):
         import pyogrio
         import pyogrio.errors
-        import shapely
+        import shapely  # noqa: F401
     if not path.is_file():
         raise InputError(f"{path}: cannot be read (no such file); check the path")
-    features = []
+    return pyogrio
+
+
+def read_other(path: Path) -> list[Feature]:
+    """Read the lines and areas of a file that GDAL knows, in degrees."""
+    pyogrio, features = gdal(path, f"a {path.suffix} file"), []
+    import shapely
+
     try:
         for layer in pyogrio.list_layers(path)[:, 0]:
             meta, _, shapes, columns = pyogrio.raw.read(path, layer=str(layer))
             values = [dict(zip(meta["fields"], row, strict=True)) for row in zip(*columns, strict=True)]
             parts, whose = shapely.get_parts(shapely.from_wkb(shapes), return_index=True)
+            if not len(parts):
+                continue
+            turned = into_degrees(str(meta["crs"] or "CRS84"), str(path))
             for part, number in zip(parts, whose.tolist(), strict=True):
-                geometry = _in_degrees(shapely.geometry.mapping(part), str(meta["crs"] or "CRS84"), str(path))
+                geometry = turned(shapely.geometry.mapping(part))
                 features.append(Feature(values[number] if values else {}, geometry))
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: cannot be read as a map ({str(error).split(';')[0]}); save it as GeoJSON") from None
     return features
 
 
-def in_degrees(feature: Feature, crs: str, path: str) -> Feature:
-    """Return a feature with longitude and latitude, from those or from UTM."""
-    return Feature(feature.properties, _in_degrees(feature.geometry, crs, path))
-
-
-def _in_degrees(geometry: Mapping[str, Any], crs: str, path: str) -> dict[str, Any]:
+def into_degrees(crs: str, path: str) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
+    """Return what turns geometries into longitude and latitude, from those or from UTM."""
     code = re.search(r"EPSG\D{0,4}(\d{4,5})", crs)
     zone = divmod(int(code[1]), 100) if code else (0, 0)
     plain = any(known in crs for known in IN_DEGREES)
@@ -86,7 +92,7 @@ def _in_degrees(geometry: Mapping[str, Any], crs: str, path: str) -> dict[str, A
             return turned(items)
         return [lists(item) for item in items] if isinstance(items, list | tuple) else items
 
-    return {**geometry, "coordinates": lists(geometry.get("coordinates"))}
+    return lambda geometry: {**geometry, "coordinates": lists(geometry.get("coordinates"))}
 
 
 def roles_by_place(lines: Sequence[np.ndarray]) -> tuple[str, ...] | None:
@@ -115,25 +121,16 @@ def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
     """Return points midway between two banks, as one sails with the one to starboard, (n, 2) [m]."""
     if np.linalg.norm(starboard[0] - port[0]) > np.linalg.norm(starboard[0] - port[-1]):
         port = port[::-1]
-    reach = min(_lengths(bank)[-1] for bank in (starboard, port))
+    reach = min(chords(bank)[-1] for bank in (starboard, port))
     width = float(np.median([np.linalg.norm(_nearest(port, point[None])[0] - point) for point in starboard]))
     share = np.linspace(0, 1, max(2, int(POINTS_A_WIDTH * reach / max(width, 1e-9)) + 1))
-    points = (_along(starboard, share) + _along(port, share)) / 2
+    points = (along_chords(starboard, share) + along_chords(port, share)) / 2
     for _ in range(ROUNDS if len(points) > 2 else 0):
         midway = (_nearest(starboard, points) + _nearest(port, points)) / 2
         points = np.concatenate([points[:1], midway[1:-1], points[-1:]])
-        points = _along(points, share)
+        points = along_chords(points, share)
     ahead, across = points[-1] - points[0], starboard.mean(axis=0) - port.mean(axis=0)
     return np.asarray(points if ahead[1] * across[0] - ahead[0] * across[1] > 0 else points[::-1])
-
-
-def _lengths(points: np.ndarray) -> np.ndarray:
-    return np.asarray(np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-
-
-def _along(points: np.ndarray, share: np.ndarray) -> np.ndarray:
-    known = _lengths(points)
-    return np.stack([np.interp(share * known[-1], known, column) for column in points.T], axis=1)
 
 
 def _nearest(bank: np.ndarray, points: np.ndarray) -> np.ndarray:
