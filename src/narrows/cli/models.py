@@ -2,7 +2,7 @@
 
 from inspect import signature
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -12,6 +12,10 @@ from narrows.cli.output import print_json, say_written
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import InputError, check_choice
 from narrows.export.exporters import EXPORTERS
+
+if TYPE_CHECKING:
+    from narrows.model.model import Model
+    from narrows.waterway import Waterway
 
 *_FIRST, _LAST = map(repr, EXPORTERS)
 WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
@@ -69,6 +73,10 @@ def export(
     physics: PhysicsOptions,
     water: WaterOptions,
     fmi: Annotated[int, Option(help="Of an FMU, the version of the standard: 2 or 3.")] = 2,
+    hold: Annotated[float | None, Option(help="Offset [m] that a helm in the file holds.")] = None,
+    helm_speed: Annotated[
+        str | None, Option(help="Speed that the helm is made for: 4m/s, 8kn; as suits the ship unless given.")
+    ] = None,
     json: AsJson = False,
 ) -> None:
     """Write a model as a file of another language, printed from the lines that voyages are sailed by.
@@ -79,14 +87,16 @@ def export(
 
     check_choice("what to export", kind, EXPORTERS)
     exporter = EXPORTERS[kind]
-    options: dict[str, Any] = {"waterway": water.read(), "fmi": fmi, **vars(physics)}
+    ship, way = model_named(model), water.read()
+    options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics)}
+    options["controller"] = _helm(ship, hold, helm_speed, way)
     for name, why in exporter.refused.items():
         if options[name] is not None:
             raise InputError(why)
     known = signature(exporter.write).parameters
-    written = exporter.write(
-        model_named(model), output, **{name: value for name, value in options.items() if name in known}
-    )
+    if hold is not None and "controller" not in known:
+        raise InputError(f"a file of kind {kind} has no helm of its own to set; leave --hold out")
+    written = exporter.write(ship, output, **{name: value for name, value in options.items() if name in known})
     notes, platforms = list(exporter.notes(written)), written if exporter.platforms else ()
     if json:
         summary = f"wrote {output}"
@@ -95,3 +105,17 @@ def export(
     for note in notes:
         click.echo(note)
     say_written([output])
+
+
+def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway | None") -> Any:
+    """The regulator that goes into the file."""
+    if hold is None:
+        if speed is not None:
+            raise InputError("--helm-speed serves the helm that --hold asks for; add --hold, or leave it out")
+        return None
+    from narrows.cli.options import speed as read_speed
+    from narrows.control.regulator import regulator
+    from narrows.simulation.departure import voyage_defaults
+
+    u = voyage_defaults(model).speed if speed is None else read_speed("--helm-speed", speed)
+    return regulator(model, hold, float(u), waterway=way)

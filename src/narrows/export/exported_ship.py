@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sympy import Float
 
+from narrows.codegen.choices import TIME
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Expr
 from narrows.codegen.lines import Program, real
 from narrows.codegen.portable import ORDERED, Portable
@@ -21,7 +22,7 @@ from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
 from narrows.simulation.settings import NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import Steering
+from narrows.simulation.steering import MEMORY, PARAMETER, Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -32,7 +33,7 @@ FORCES_FROM_OUTSIDE = {
     INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
 }
 CURRENT = Quantity("m/s", "current along the line of the waterway")
-OF_LAW = Quantity("SI", "of the law that steers")
+OF_LAW = "{} of the controller, in SI units".format
 # Unit and meaning of what holds an actuator back, by what its name ends in.
 GEAR = {
     "limit": ("{}", "largest size"), "rate": ("{}/s", "fastest change"), "dead_time": ("s", "dead time"),
@@ -137,7 +138,8 @@ class ExportedShip:
         if name == "current" and self.waterway is not None:
             return ExportedNumber(name, float(self.waterway.current), *CURRENT)
         if self.steering and name in self.steering.parameters:
-            return ExportedNumber(name, float(self.steering.parameters[name]), *OF_LAW)
+            plain = name.removeprefix(PARAMETER(""))
+            return ExportedNumber(name, float(self.steering.parameters[name]) + 0.0, "1", OF_LAW(plain))
         for one in self.ship.model.terms.actuators:
             if name == ORDERED(one.name):
                 return ExportedNumber(f"{one.name}_order", 0.0, one.unit, f"ordered {one.meaning}")
@@ -152,8 +154,12 @@ class ExportedShip:
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
         for actuator in self.ship.actuators:
             known |= dict.fromkeys(actuator.stages, Quantity(known[actuator.name].unit, HEARD.format(actuator.name)))
-        kept = ((name, known.get(name, OF_LAW)) for name in self.portable.kept)
-        return tuple(ExportedNumber(name, float(name == "cos_psi"), *quantity) for name, quantity in kept)
+        start = {**dict.fromkeys(self.portable.kept, 0.0), "cos_psi": 1.0}
+        if self.steering:
+            start |= {name: float(value) for name, value in self.steering.memory(start).items()}
+            known |= {name: Quantity("1", OF_LAW(name.removeprefix(MEMORY("")))) for name in self.steering.law.memory}
+        known |= {TIME: Quantity("s", "time")}
+        return tuple(ExportedNumber(name, start[name], *known[name]) for name in self.portable.kept)
 
     @property
     def controls(self) -> tuple[str, ...]:

@@ -27,12 +27,21 @@ class Exporter:
     refused: Mapping[str, str] = field(default_factory=dict)  # Options that it must not be told, with why
 
 
-def ship_to_export(model: "Model", path: str | Path, waterway: "Waterway | None", *choices: Any) -> "ExportedShip":
-    """Return a ship under its choices, its names beginning with that of the file."""
+def ship_to_export(
+    model: "Model", path: str | Path, waterway: "Waterway | None", *choices: Any, controller: Any = None
+) -> "ExportedShip":
+    """Return a ship under its choices, with the law that steers it; its names begin with that of the file."""
     from narrows.export.exported_ship import ExportedShip, prefix_of
+    from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.ship import SimulatedShip
+    from narrows.simulation.steering import steering_of
 
-    return ExportedShip(SimulatedShip(model, *choices), waterway, prefix_of(path))
+    if controller is not None and not isinstance(controller, ControlLaw):
+        raise InputError(
+            f"a {type(controller).__name__} runs in Python alone; export a law in arithmetic, such as a regulator"
+        )
+    ship = SimulatedShip(model, *choices)
+    return ExportedShip(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators))
 
 
 def check_standard(fmi: int) -> None:

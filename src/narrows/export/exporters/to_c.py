@@ -9,6 +9,7 @@ from narrows.files import form_of, write_whole
 if TYPE_CHECKING:
     from narrows.codegen.free_motion import Surge
     from narrows.model.model import Model
+    from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.inputs import Contact
     from narrows.simulation.ship import Points
     from narrows.waterway.waterway import Waterway
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 def write_c(
     model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
+    controller: "ControlLaw | None" = None,
 ) -> None:  # fmt: skip
     """Write a model as one header of C99 and C++ without dependencies.
 
@@ -40,17 +42,20 @@ def write_c(
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
         ``none`` in open water.
+    controller : ControlLaw, optional
+        What steers in the file instead of its caller, such as ``nw.control.regulator(model, 0.0, u)``. Its numbers are
+        inputs, named ``law_`` and their own name; its memory goes with the state.
 
     Raises
     ------
     InputError
-        Where the model lacks what its equations need, the ship does not fit the waterway, or the file cannot be
-        written.
+        Where the model lacks what its equations need, the ship does not fit the waterway, the controller is
+        no law in arithmetic, or the file cannot be written.
     """
     from narrows.export.ship_files import c_text, cpp_text
 
     form_of(path, EXPORTER.suffixes)
-    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)
+    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact, controller=controller)
     write_whole(path, cpp_text(ship) if Path(path).suffix == ".hpp" else c_text(ship))
 
 

@@ -1,16 +1,18 @@
 """A model as an FMU."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from narrows.errors import InputError
-from narrows.export.exporter import Exporter, check_standard
+from narrows.export.exporter import Exporter, check_standard, ship_to_export
 from narrows.files import form_of, write_whole
 
 if TYPE_CHECKING:
     from narrows.codegen.free_motion import Surge
     from narrows.model.model import Model
+    from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.inputs import Contact
     from narrows.simulation.ship import Points
     from narrows.waterway.waterway import Waterway
@@ -20,6 +22,7 @@ def write_fmu(
     model: "Model", path: str | Path, *, fmi: int = 2, u: float | None = None, dt: float | None = None,
     waterway: "Waterway | None" = None, surge: "Surge" = "held", surge_inertia: float | None = None,
     coriolis: bool = False, contact: "Contact | Points" = "corners",
+    controller: "ControlLaw | None" = None,
 ) -> tuple[str, ...]:  # fmt: skip
     """Write a model as an FMU of FMI 2.0 or 3.0, co-simulation and model exchange.
 
@@ -29,7 +32,7 @@ def write_fmu(
 
     Parameters
     ----------
-    model, path, waterway, surge, surge_inertia, coriolis, contact
+    model, path, waterway, surge, surge_inertia, coriolis, contact, controller
         As for ``write_c``.
     fmi : int
         Version of the standard: 2 or 3.
@@ -48,22 +51,23 @@ def write_fmu(
     InputError
         As ``write_c``; where a compiler fails.
     """
-    from narrows.export.exported_ship import ExportedShip, prefix_of
+    from narrows.export.exported_ship import USUAL_PREFIX
     from narrows.export.fmu import fmu_bytes
     from narrows.export.native_build import builds_here
     from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.inputs import finite_numbers
-    from narrows.simulation.ship import SimulatedShip
 
     form_of(path, EXPORTER.suffixes)
     check_standard(fmi)
-    ship, usual = SimulatedShip(model, surge, surge_inertia, coriolis, contact), voyage_defaults(model, u)
+    usual = voyage_defaults(model, u)
     speed, step = usual.speed if u is None else u, usual.dt if dt is None else dt
     finite_numbers(u=speed, dt=step)
     if not step > 0:
         raise InputError(f"dt = {step:g} s is no step; give a time over 0")
+    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact, controller=controller)
     builds = builds_here(fmi)
-    write_whole(path, fmu_bytes(ExportedShip(ship, waterway), prefix_of(path), float(speed), float(step), builds, fmi))
+    inside = replace(ship, prefix=USUAL_PREFIX)
+    write_whole(path, fmu_bytes(inside, ship.prefix, float(speed), float(step), builds, fmi))
     return tuple(dict.fromkeys(build.folder for build in builds))
 
 

@@ -9,6 +9,7 @@ from narrows.files import form_of, write_whole
 if TYPE_CHECKING:
     from narrows.codegen.free_motion import Surge
     from narrows.model.model import Model
+    from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.inputs import Contact
     from narrows.simulation.ship import Points
     from narrows.waterway.waterway import Waterway
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 def write_javascript(
     model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
+    controller: "ControlLaw | None" = None,
 ) -> None:  # fmt: skip
     """Write a model as one ES module without dependencies, its types as JSDoc: what ``write_c`` writes.
 
@@ -26,7 +28,7 @@ def write_javascript(
     from narrows.export.ship_files import javascript_text, npm_bytes
 
     form_of(path, EXPORTER.suffixes)
-    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)
+    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact, controller=controller)
     write_whole(path, npm_bytes(ship) if Path(path).suffix == ".tgz" else javascript_text(ship))
 
 

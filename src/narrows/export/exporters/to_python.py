@@ -9,6 +9,7 @@ from narrows.files import form_of, write_whole
 if TYPE_CHECKING:
     from narrows.codegen.free_motion import Surge
     from narrows.model.model import Model
+    from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.inputs import Contact
     from narrows.simulation.ship import Points
     from narrows.waterway.waterway import Waterway
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 def write_python(
     model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
+    controller: "ControlLaw | None" = None,
 ) -> None:  # fmt: skip
     """Write a model as one Python file that needs NumPy alone: what ``write_c`` writes, for columns of ships too.
 
@@ -25,7 +27,8 @@ def write_python(
     from narrows.export.ship_files import python_text
 
     form_of(path, EXPORTER.suffixes)
-    write_whole(path, python_text(ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact)))
+    ship = ship_to_export(model, path, waterway, surge, surge_inertia, coriolis, contact, controller=controller)
+    write_whole(path, python_text(ship))
 
 
 EXPORTER = Exporter("python", "a Python file that needs NumPy alone", (".py",), write_python)
