@@ -95,7 +95,8 @@ def test_equations_in_latex_are_those_of_the_terms() -> None:
     expected = DTC.forces(u=-0.7, udot=0.03)["X"]
     assert float(found.subs(values)) == pytest.approx(expected, rel=1e-3)
     named = DTC.latex()
-    assert [line[:4] for line in named.splitlines()[1:4]] == ["X &=", "Y &=", "N &="]
+    begun = [line.partition(" &")[0] for line in named.splitlines() if " &= " in line]
+    assert begun == ["X", "Y", "N", r"\delta_B"]
     assert all(term.symbol in named for term in DTC.terms.terms)
     with pytest.raises(nw.InputError, match="force = 'K' is unknown"):
         DTC.latex(forces=["K"])
@@ -104,6 +105,17 @@ def test_equations_in_latex_are_those_of_the_terms() -> None:
 def test_equations_of_a_difference_are_in_brackets() -> None:
     assert "(1 - t_P)" in KVLCC2.latex()
     assert "\\frac" in KVLCC2.latex(forces=["N"])
+
+
+def test_equations_of_the_standard_method_fit_a_page() -> None:
+    """Term by term, without a name of the code, each symbol that is used defined once."""
+    lines = KVLCC2.latex().splitlines()[1:-1]
+    assert max(map(len, lines)) < 260
+    assert "_rate" not in KVLCC2.latex()
+    assert r"m m" not in KVLCC2.latex()
+    defined = [line.partition(" &=")[0] for line in lines if " &= " in line]
+    assert len(defined) == len(set(defined))
+    assert {"F_N", "u_R", "v_R", r"\beta_R", "u_P", "T", "U"} <= set(defined)
 
 
 @pytest.mark.parametrize(

@@ -157,6 +157,12 @@ class Tape:
 
 def tape_of_terms(table: TermTable) -> Tape:
     """Write down what the regressors of a table do, a result for each term."""
+    notes, _, results = notes_of_terms(table)
+    return Tape(tuple(notes.lines), results)
+
+
+def notes_of_terms(table: TermTable) -> tuple[Notes, dict[str, Recorded], dict[str, int]]:
+    """Return the lines of a table, the placeholders of its quantities, and the line of each term."""
     notes, results = Notes(), {}
     inputs = {name: notes.note(("input", name)) for name in sorted(table.quantities)}
     for term in table.terms:
@@ -164,7 +170,7 @@ def tape_of_terms(table: TermTable) -> Tape:
             results[term.name] = notes.of(term.column(inputs)).line
         except Exception as error:
             raise uncompiled(term, error) from error
-    return Tape(tuple(notes.lines), results)
+    return notes, inputs, results
 
 
 def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Tape:

@@ -38,12 +38,21 @@ def inflow(at: PropellerQuantities) -> Number:
 
     Source: Yasukawa and Yoshimura (2015).
     """
-    angle = drift(at.u, at.v) - at.propeller_position * at.r * at.length / speed(at.u, at.v)
-    turned = 1 - math.e ** (-at.propeller_wake_rate * abs(angle))
+    turned = 1 - math.e ** (-at.propeller_wake_rate * abs(angle_to_propeller(at)))
+    return at.u * (1 - at.propeller_wake) * (1 + turned * (wake_share(at) - 1))
+
+
+def angle_to_propeller(at: PropellerQuantities) -> Number:
+    """Angle of the inflow to the propeller [rad], beta_P. Source: Yasukawa and Yoshimura (2015)."""
+    return drift(at.u, at.v) - at.propeller_position * at.r * at.length / speed(at.u, at.v)
+
+
+def wake_share(at: PropellerQuantities) -> Number:
+    """Inflow of a hard turn over inflow straight [1], C_2 by the side. Source: Yasukawa and Yoshimura (2015)."""
+    angle = angle_to_propeller(at)
     middle = (at.propeller_wake_starboard + at.propeller_wake_port) / 2
     half = (at.propeller_wake_starboard - at.propeller_wake_port) / 2
-    share = middle + half * angle / (abs(angle) + NOTHING)
-    return at.u * (1 - at.propeller_wake) * (1 + turned * (share - 1))
+    return middle + half * angle / (abs(angle) + NOTHING)
 
 
 def loading(at: PropellerQuantities) -> Number:

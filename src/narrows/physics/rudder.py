@@ -102,11 +102,15 @@ def across(at: RudderQuantities) -> Number:
 
     Source: Yasukawa and Yoshimura (2015).
     """
-    whole = speed(at.u, at.v)
-    angle = drift(at.u, at.v) - at.rudder_position * at.r * at.length / whole
+    whole, angle = speed(at.u, at.v), angle_to_rudder(at)
     middle = (at.rudder_straightening_starboard + at.rudder_straightening_port) / 2
     half = (at.rudder_straightening_starboard - at.rudder_straightening_port) / 2
     return whole * (middle * angle + half * abs(angle))
+
+
+def angle_to_rudder(at: RudderQuantities) -> Number:
+    """Angle of the inflow to the rudder [rad], beta_R. Source: Yasukawa and Yoshimura (2015)."""
+    return drift(at.u, at.v) - at.rudder_position * at.r * at.length / speed(at.u, at.v)
 
 
 def normal_force(at: RudderQuantities) -> Number:

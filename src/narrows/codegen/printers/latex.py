@@ -1,30 +1,61 @@
-"""The forces of a table of terms in LaTeX, from the same tape as everything else."""
+"""The forces of a table of terms in LaTeX, from the same tape as everything else, in lines that fit a page."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
-from narrows.codegen.free_motion import exact_number, symbol, symbolic_functions
-from narrows.codegen.tape import tape_of_terms
+from narrows.codegen.free_motion import Expr, exact_number, symbol, symbolic_functions
+from narrows.codegen.tape import OPERATORS, Recorded, notes_of_terms
 from narrows.errors import check_choice
+from narrows.physics import clearance, hull, propeller, rudder
 from narrows.quantities.names import FORCES
+from narrows.terms.regressors import Grouped
 from narrows.terms.term import TermTable
 
-# Quantities as texts write them; others stand upright by their names.
+# Quantities as texts write them, those of propeller and rudder as the MMG standard method does.
 WRITTEN = {
     "x": "x", "y": "y", "cos_psi": r"(\cos\psi)", "sin_psi": r"(\sin\psi)", "u": "u", "v": "v", "r": "r",
     "udot": r"\dot{u}", "vdot": r"\dot{v}", "rdot": r"\dot{r}", "heave": "z", "length": "L", "beam": "B",
     "draft": "T_0", "block_coefficient": "C_B", "mass": "m", "inertia": "I_z", "x_g": "x_G", "width": "W",
     "depth": "h", "density": r"\rho", "flow_straightening": r"\gamma_R", "cos_rudder": r"(\cos\delta_R)",
-    "sin_rudder": r"(\sin\delta_R)", "revolutions": "n",
+    "sin_rudder": r"(\sin\delta_R)", "revolutions": "n_P", "propeller_diameter": "D_P", "propeller_wake": "w_{P0}",
+    "propeller_thrust_0": "k_0", "propeller_thrust_1": "k_1", "propeller_thrust_2": "k_2",
+    "propeller_position": "x_P'", "propeller_wake_rate": "C_1", "propeller_wake_starboard": "C_2^+",
+    "propeller_wake_port": "C_2^-", "rudder_area": "A_R", "rudder_lift": r"f_\alpha",
+    "rudder_wake_ratio": r"\varepsilon", "rudder_slipstream": r"\kappa", "rudder_in_slipstream": r"\eta",
+    "rudder_position": r"\ell_R'", "rudder_straightening_starboard": r"\gamma_R^+",
+    "rudder_straightening_port": r"\gamma_R^-",
 }  # fmt: skip
+# Quantities with a symbol of their own in the literature, defined where the terms use them.
+NAMED: dict[str, Callable[..., Any]] = {
+    "U": hull.speed,  # Whole speed through the water
+    r"\beta": hull.drift,  # Drift angle
+    r"\beta_P": propeller.angle_to_propeller,  # Angle of the inflow to the propeller
+    "C_2": propeller.wake_share,  # Inflow of a hard turn over inflow straight
+    "u_P": propeller.inflow,  # Inflow to the propeller
+    r"\tau_P": propeller.loading,  # Thrust over density and squared diameter
+    "T": propeller.thrust,  # Thrust
+    "u_R": rudder.along,  # Inflow along the rudder
+    r"\beta_R": rudder.angle_to_rudder,  # Angle of the inflow to the rudder
+    "v_R": rudder.across,  # Inflow across the rudder
+    "F_N": rudder.normal_force,  # Normal force of the rudder
+    r"\delta_B": clearance.delta,  # Pressure parameter of the banks
+}
+# The classes of quantities that functions of propeller and rudder take together.
+TOGETHER = {propeller: propeller.PropellerQuantities, rudder: rudder.RudderQuantities}
 DIGITS = 4
+# Letters on a line of a page with usual margins; of an expression that needs no name of its own.
+LINE, WIDEST = 62, 48
 
 
 def latex(
     table: TermTable, coefficients: Mapping[str, float] | None = None, forces: Sequence[str] = tuple(FORCES)
 ) -> str:
-    """Write the equations of the forces, a line a force; forces without terms are left out.
+    """Write the equations of the forces, in lines that fit a page; forces without terms are left out.
+
+    Quantities that several terms share, such as the inflow to a rudder, stand below under the symbols of the MMG
+    standard method, or as ``q_1`` and so on where they have none.
 
     Parameters
     ----------
@@ -42,33 +73,177 @@ def latex(
     """
     for force in forces:
         check_choice("force", force, FORCES)
-    tape = tape_of_terms(table)
-    regressors = tape.replay({name: symbol(name) for name in tape.inputs}, exact_number, symbolic_functions())
-    lines = []
-    for force in forces:
-        parts = [_term(term.symbol, regressors[term.name], None if coefficients is None else coefficients[term.name])
-                 for term in table.forces[force]]  # fmt: skip
-        if parts:
-            lines.append(f"{force} &= {' '.join(parts).removeprefix('+ ')}")
-    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+    written = Equations(table)
+    return environment("aligned", [*written.of_forces(forces, coefficients), *written.definitions()])
 
 
-def _term(written: str, regressor: Any, value: float | None) -> str:
-    import sympy
+def environment(name: str, lines: Sequence[str]) -> str:
+    rows = " \\\\\n".join(lines)
+    return f"\\begin{{{name}}}\n{rows}\n\\end{{{name}}}"
 
-    expression = sympy.sympify(regressor)
-    minus = expression.could_extract_minus_sign()
-    expression = -expression if minus else expression
-    sign = "-" if minus != (value is not None and value < 0) else "+"
-    symbol_of = f"({written})" if re.search(r" [+-] ", written) else written
-    factor = symbol_of if value is None else _number(abs(value))
-    names = {
-        own: WRITTEN.get(own.name, rf"\mathrm{{{own.name}}}".replace("_", r"\_")) for own in expression.free_symbols
-    }
-    times = "" if expression == 1 else sympy.latex(expression, symbol_names=names)
-    times = times.replace(r"\operatorname{maximum}", r"\max").replace(r"\operatorname{minimum}", r"\min")
-    times = rf"\left({times}\right)" if expression.is_Add else times
-    return f"{sign} {factor} {times}".rstrip()
+
+@dataclass
+class Equations:
+    """The terms of a table as expressions of symbols, and what those symbols stand for."""
+
+    table: TermTable
+    symbols: dict[Expr, str] = field(default_factory=dict)  # As they are written
+    meanings: dict[str, Expr] = field(default_factory=dict)  # Of the symbols that are defined here, in order
+    used: set[Expr] = field(default_factory=set)
+    _widths: dict[Expr, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        notes, inputs, results = notes_of_terms(self.table)
+        lines = list(notes.lines)
+        named = _named(inputs, len(lines))
+        values: list[Any] = []
+        for number, (sign, *operands) in enumerate(lines):
+            if sign == "input":
+                values.append(self._symbol(symbol(operands[0]), _written(operands[0])))
+            elif sign == "number":
+                values.append(_constant(operands[0]))
+            else:
+                values.append(self._operation(sign, [int(one) for one in operands], values))
+            if number in named and not values[-1].is_Atom:
+                values[-1] = self._defined(named[number], values[-1])
+        self.regressors: dict[str, Expr] = {name: values[line] for name, line in results.items()}
+
+    def _symbol(self, name: Expr, written: str) -> Expr:
+        self.symbols[name] = written
+        return name
+
+    def _defined(self, written: str, value: Expr) -> Expr:
+        self.meanings[written] = value
+        return self._symbol(symbol(f"defined_{len(self.meanings)}"), written)
+
+    def _operation(self, sign: str, operands: list[int], values: list[Any]) -> Expr:
+        """Do an operation; where it makes a line too long, its longest operand gets a symbol first."""
+        operation = OPERATORS.get(sign) or symbolic_functions()[sign]
+        while True:
+            value = operation(*(values[one] for one in operands))
+            longest = max(operands, key=lambda one: self.width(values[one]))
+            if self.width(value) <= WIDEST or values[longest].is_Atom:
+                return value
+            number = sum(written.startswith("q_") for written in self.meanings) + 1
+            values[longest] = self._defined(f"q_{{{number}}}", values[longest])
+
+    def width(self, value: Expr) -> float:
+        """Return about how many letters wide an expression is on paper."""
+        if value not in self._widths:
+            self._widths[value] = self._wide(value)
+        return self._widths[value]
+
+    def _wide(self, value: Expr) -> float:
+        if value.is_Symbol:
+            return _letters(self.symbols[value])
+        if value.is_Atom:
+            return len(str(value))
+        if value.is_Mul:
+            above = [one for one in value.args if not (one.is_Pow and one.exp.could_extract_minus_sign())]
+            below = [one for one in value.args if one not in above]
+            return float(max(sum(self.width(one) + 2 * one.is_Add for one in part) for part in (above, below)))
+        if value.is_Pow:
+            base = self.width(value.base) + (0 if value.base.is_Atom else 2)
+            return base + 0.5 * self.width(value.exp)
+        inside = sum(map(self.width, value.args))
+        return inside + (3 * (len(value.args) - 1) if value.is_Add else len(value.func.__name__) + 2)
+
+    def of_forces(self, forces: Sequence[str], coefficients: Mapping[str, float] | None = None) -> list[str]:
+        """Return a line a force, or more where one is too long."""
+        lines = []
+        for force in forces:
+            parts = [(term, self.regressors[term.name]) for term in self.table.forces[force]]
+            self.used |= {one for _, value in parts for one in value.free_symbols}
+            texts = [(self._term(term, value, coefficients), self.width(value)) for term, value in parts]
+            lines += _packed(force, texts)
+        return lines
+
+    def _term(self, term: Any, expression: Expr, coefficients: Mapping[str, float] | None) -> str:
+        minus = expression.could_extract_minus_sign()
+        times = self.text(-expression if minus else expression)
+        value = None if coefficients is None else coefficients[term.name]
+        sign = "-" if minus != (value is not None and value < 0) else "+"
+        own = {self.symbols.get(symbol(name)) for name in term.inputs}
+        factor = (f"({term.symbol})" if re.search(r" [+-] ", term.symbol) else term.symbol) if value is None else ""
+        # A rigid body's own mass is not written twice.
+        factor = "" if factor in own and times else factor
+        if value is not None and not (abs(value) == 1 and times):
+            factor = _number(abs(value))
+        return f"{sign} {factor} {times}".replace("  ", " ").rstrip()
+
+    def text(self, expression: Expr) -> str:
+        """Write an expression that is multiplied with something."""
+        import sympy
+
+        if expression == 1:
+            return ""
+        text = str(sympy.latex(expression, symbol_names=self.symbols))
+        text = text.replace(r"\operatorname{maximum}", r"\max").replace(r"\operatorname{minimum}", r"\min")
+        return rf"\left({text}\right)" if expression.is_Add else text
+
+    def definitions(self) -> list[str]:
+        """Return a line for each symbol that the forces written so far use, each behind what uses it."""
+        lines, named = [], {self.symbols[one]: one for one in self.symbols}
+        for written, value in reversed(self.meanings.items()):
+            if named[written] in self.used:
+                self.used |= value.free_symbols
+                text = self.text(value)
+                bare = text[len(r"\left(") : -len(r"\right)")] if value.is_Add else text
+                lines.append(f"{written} &= {bare}")
+        return lines
+
+
+def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
+    """Return the lines of what has a symbol of its own, of those that the terms wrote."""
+    found: dict[int, str] = {}
+    for written, function in NAMED.items():
+        together = next((own for module, own in TOGETHER.items() if function.__module__ == module.__name__), None)
+        asked = Grouped(function, together) if together else function
+        names = asked.inputs if isinstance(asked, Grouped) else _arguments(function)
+        if all(name in inputs for name in names):
+            value = asked(*[inputs[name] for name in names])
+            found |= {value.line: written} if value.line < known else {}
+    return found
+
+
+def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    return function.__code__.co_varnames[: function.__code__.co_argcount]
+
+
+def _packed(force: str, terms: Sequence[tuple[str, float]]) -> list[str]:
+    """Put as many terms on a line as fit."""
+    lines: list[str] = []
+    room = 0.0
+    for text, width in terms:
+        own = width + 6  # Sign and coefficient
+        if lines and own <= room:
+            lines[-1] += f" {text}"
+        else:
+            lines.append(rf"&\quad {text}" if lines else f"{force} &= {text.removeprefix('+ ')}")
+            room = LINE
+        room -= own
+    return lines
+
+
+def _written(name: str) -> str:
+    return WRITTEN.get(name, rf"\text{{{name.replace('_', ' ')}}}")
+
+
+def _constant(text: str) -> Expr:
+    """Return a number of the equations, as a share of pi where it is one."""
+    from sympy import nsimplify, pi
+
+    if text.lstrip("-").isdigit():
+        return exact_number(int(text))
+    share = nsimplify(float(text) * pi.evalf(20), tolerance=1e-12, rational=True)
+    return share / pi if share.q == 1 and share != 0 else exact_number(float(text))
+
+
+def _letters(written: str) -> int:
+    """How many letters wide a symbol is, what is raised or lowered as a half."""
+    body, *marks = re.split(r"[_^]", re.sub(r"\\[a-zA-Z]+", "x", written))
+    width = len(re.sub(r"[{}()]", "", body)) + 0.5 * max((len(re.sub(r"[{}]", "", mark)) for mark in marks), default=0)
+    return max(round(width), 1)
 
 
 def _number(value: float) -> str:

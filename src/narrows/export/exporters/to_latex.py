@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 
 
 def write_latex(model: "Model", path: str | Path) -> None:
-    """Write the equations of the forces with their symbols, and again with the numbers of a model.
+    """Write the equations of the forces with their symbols, and the forces again with the numbers of a model.
+
+    It needs the LaTeX package amsmath.
 
     Parameters
     ----------
@@ -25,15 +27,19 @@ def write_latex(model: "Model", path: str | Path) -> None:
     InputError
         Where the file cannot be written.
     """
-    from narrows.codegen.printers.latex import latex
+    from narrows.codegen.printers.latex import Equations, environment
     from narrows.export.passport import passport
     from narrows.export.rendering import commented
+    from narrows.quantities.names import FORCES
 
     form_of(path, EXPORTER.suffixes)
     lines = [f"% {commented(line)}" for line in passport(model)]
-    for coefficients in (None, model.coefficients):
-        lines += ["\\begin{equation}", latex(model.terms, coefficients), "\\end{equation}"]
-    write_whole(path, "\n".join(lines) + "\n")
+    written = Equations(model.terms)
+    by_symbols = [*written.of_forces(tuple(FORCES)), *written.definitions()]
+    by_numbers = written.of_forces(tuple(FORCES), model.coefficients)
+    # Pages break between lines.
+    parts = [environment("align*", one) for one in (by_symbols, by_numbers)]
+    write_whole(path, "\n".join([*lines, "{\\allowdisplaybreaks", *parts, "}"]) + "\n")
 
 
 EXPORTER = Exporter("latex", "the equations of the forces", (".tex",), write_latex)
