@@ -18,7 +18,7 @@ import pyais
 from pages import markdown, publish
 
 from narrows.readers.nmea.nmea_hearing import Hearing
-from narrows.readers.nmea.nmea_lines import checksum, sentences
+from narrows.readers.nmea.nmea_sentences import checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged

@@ -13,7 +13,7 @@ import narrows as nw
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
 from narrows.identification.conditions import bundled_ship
-from narrows.ship.cross_section import half_swept
+from narrows.ship.particulars import half_swept
 from narrows.simulation.controllers import Asked
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun

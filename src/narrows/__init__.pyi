@@ -90,12 +90,12 @@ from .safety import wind_force as wind_force
 from .ship.actuators import Propeller as Propeller
 from .ship.actuators import Rudder as Rudder
 from .ship.actuators import SteeringGear as SteeringGear
-from .ship.cross_section import equivalent_wall as equivalent_wall
 from .ship.motion import Motion as Motion
 from .ship.particulars import Canal as Canal
 from .ship.particulars import Configuration as Configuration
 from .ship.particulars import Ship as Ship
 from .ship.particulars import Water as Water
+from .ship.particulars import equivalent_wall as equivalent_wall
 from .ship.ship_file import read_ship as read_ship
 from .simulation import Autopilot as Autopilot
 from .simulation import ConstantRudder as ConstantRudder
@@ -119,11 +119,11 @@ from .simulation import sensitivities as sensitivities
 from .simulation import simulate as simulate
 from .simulation import stability as stability
 from .simulation import step as step
+from .terms.additions import with_helm as with_helm
 from .terms.bank_forms import FORMS as FORMS
 from .terms.bank_forms import BankForm as BankForm
 from .terms.bank_forms import bank_only as bank_only
 from .terms.bank_forms import with_bank as with_bank
-from .terms.helm import with_helm as with_helm
 from .terms.tables import CROSSFLOW as CROSSFLOW
 from .terms.tables import MIXED as MIXED
 from .terms.tables import MMG as MMG

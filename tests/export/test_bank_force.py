@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import narrows as nw
 from narrows.model.data_range import DataRange
-from narrows.ship.cross_section import equivalent_wall
+from narrows.ship.particulars import equivalent_wall
 
 FIELDS = ("starboard", "port", "slope_starboard", "slope_port", "depth")
 C = """#include <stdio.h>

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.physics.bank import cushion, suction
-from narrows.physics.clearance import delta, starboard_clearance, taper, tapered_delta
+from narrows.physics.clearance import cushion, delta, starboard_clearance, suction, taper, tapered_delta
 
 W, B = 7.0, 0.572
 """The tank and the beam of the paper's experiments [m]."""

@@ -10,7 +10,7 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.ship.cross_section import keel_wall
+from narrows.ship.particulars import keel_wall
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway.from_chart import read_chart, waterway_from_chart
 from narrows.waterway.geojson import read_line

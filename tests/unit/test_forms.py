@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.physics import clearance
-from narrows.ship.cross_section import equivalent_wall
+from narrows.ship.particulars import equivalent_wall
 from narrows.terms.tables import BASES, table_named
 
 PLACE = {"cos_psi": 1.0, "width": 7.0, "beam": 0.572, "draft": 0.163, "depth": 0.4, "u": 1.0}

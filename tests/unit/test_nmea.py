@@ -8,8 +8,7 @@ import pytest
 
 import narrows as nw
 from logs import angle, antenna_on_earth, bent_waterway, clock, motion, sentence, write_recording
-from narrows.readers.nmea.nmea_lines import checksum
-from narrows.readers.nmea.nmea_sentences import told_by
+from narrows.readers.nmea.nmea_sentences import checksum, told_by
 
 KNOT = 1852 / 3600
 PRINTED = {

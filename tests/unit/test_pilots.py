@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import USUAL, RegulatorWeights, regulator_gains, stacked_gains
-from narrows.control.riccati import best_gains
+from narrows.control.regulator_gains import USUAL, RegulatorWeights, best_gains, regulator_gains, stacked_gains
 from narrows.control.steady_course import solved
 from narrows.model.data_range import DataRange
 from narrows.safety.best_estimate_courses import BestEstimateCourses

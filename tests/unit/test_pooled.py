@@ -8,7 +8,7 @@ import pytest
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.identification.depths import DepthTest
-from narrows.terms.pooled import pooled
+from narrows.terms.additions import pooled
 from narrows.terms.tables import table_named
 
 DEPTHS = (0.246, 0.3075, 0.41)

@@ -12,7 +12,7 @@ from scipy.io import savemat
 
 import narrows as nw
 from narrows.quantities.names import MOTION
-from narrows.readers import units
+from narrows.readers import headers
 from narrows.readers.headers import parse_header
 from tables import frame_of, written
 
@@ -134,11 +134,11 @@ def test_units_are_those_of_pint() -> None:
     import pint
 
     registry = pint.UnitRegistry()
-    prefixed = [prefix + symbol for prefix in units.PREFIXES for symbol in units.SYMBOLS]
-    plurals = [f"{word}s" for word in units.WORDS]
-    for word in [*units.SYMBOLS, *units.ABBREVIATIONS, *units.WORDS, *prefixed, *plurals]:
+    prefixed = [prefix + symbol for prefix in headers.PREFIXES for symbol in headers.SYMBOLS]
+    plurals = [f"{word}s" for word in headers.WORDS]
+    for word in [*headers.SYMBOLS, *headers.ABBREVIATIONS, *headers.WORDS, *prefixed, *plurals]:
         one = (1 * registry(PINT.get(word, word))).to_base_units()
-        scale, powers = units.unit_named(word)
+        scale, powers = headers.unit_named(word)
         assert scale == pytest.approx(one.magnitude, rel=1e-12), word
         assert powers == tuple(one.dimensionality.get(name, 0) for name in DIMENSIONS), word
 
@@ -153,16 +153,16 @@ DEFINED = {
 
 @pytest.mark.parametrize("word", DEFINED)
 def test_units_are_as_they_are_defined(word: str) -> None:
-    assert units.unit_named(word).scale == pytest.approx(DEFINED[word], rel=1e-12)
+    assert headers.unit_named(word).scale == pytest.approx(DEFINED[word], rel=1e-12)
 
 
 @pytest.fixture
 def without_pint(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(units, "_by_pint", lambda text: None)
+    monkeypatch.setattr(headers, "_by_pint", lambda text: None)
     monkeypatch.setattr("narrows.readers.headers.find_spec", lambda name: None)
-    units.unit_named.cache_clear()
+    headers.unit_named.cache_clear()
     yield
-    units.unit_named.cache_clear()
+    headers.unit_named.cache_clear()
 
 
 COMPOUNDS = {
@@ -175,13 +175,13 @@ COMPOUNDS = {
 
 @pytest.mark.parametrize("text", COMPOUNDS)
 def test_products_and_powers_of_units(text: str, without_pint: None) -> None:
-    scale, powers = units.unit_named(text)
+    scale, powers = headers.unit_named(text)
     assert (scale, powers) == (pytest.approx(COMPOUNDS[text][0], rel=1e-14), COMPOUNDS[text][1])
 
 
 @pytest.mark.parametrize("text", ["", "-", "m//s", "1e999", "0", "m^", "^2", "*m", "n/a", "furlong/fortnight"])
 def test_what_is_no_unit_or_a_rare_one(text: str, without_pint: None) -> None:
-    assert units.unit_named(text) is None
+    assert headers.unit_named(text) is None
 
 
 def test_pint_knows_rare_units() -> None:

@@ -22,8 +22,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from logs import motion, sentence
 from narrows.readers.nmea.nmea_hearing import AisFragments, Entry, Hearing
-from narrows.readers.nmea.nmea_lines import Sentence, sentences
-from narrows.readers.nmea.nmea_sentences import Telling
+from narrows.readers.nmea.nmea_sentences import Sentence, Telling, sentences
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
 from narrows.warning.inputs.listening import (
     NO_PEER,

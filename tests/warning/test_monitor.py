@@ -15,7 +15,7 @@ from watch import BEGAN, calm, monitor, monitored, ticks
 
 import narrows as nw
 from narrows.cli.watching import with_keys
-from narrows.readers.nmea.nmea_lines import with_checksum
+from narrows.readers.nmea.nmea_sentences import with_checksum
 from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.forecasting.forecast import BankForecast

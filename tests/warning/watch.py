@@ -7,7 +7,7 @@ from functools import cache
 from transit import canal, ship
 
 from narrows.readers.nmea.nmea_hearing import Entry, Hearing
-from narrows.readers.nmea.nmea_lines import sentences
+from narrows.readers.nmea.nmea_sentences import sentences
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen

@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ModelDelivery, WaterwayFile, verb
-from narrows.cli.output import named, print_json, say_written
+from narrows.cli.options import ModelDelivery, WaterwayFile, named, print_json, say_written, verb
 from narrows.errors import InputError
 
 if TYPE_CHECKING:

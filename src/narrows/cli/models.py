@@ -1,5 +1,6 @@
-"""``scale``: a model at full size."""
+"""``scale``, ``export``, ``ships`` and ``estimate``: models, ready or scaled, into files."""
 
+from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -7,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import AsJson, ModelFile, ModelOutput, verb
-from narrows.cli.output import print_json, say_written
+from narrows.cli.options import AsJson, ModelFile, ModelOutput, print_json, say_written, verb
+from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
 from narrows.errors import InputError, check_choice
 from narrows.export.exporters import EXPORTERS
@@ -113,9 +114,63 @@ def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway 
         if speed is not None:
             raise InputError("--helm-speed serves the helm that --hold asks for; add --hold, or leave it out")
         return None
-    from narrows.cli.options import speed as read_speed
     from narrows.control.regulator import regulator
     from narrows.simulation.departure import voyage_defaults
 
     u = voyage_defaults(model).speed if speed is None else read_speed("--helm-speed", speed)
     return regulator(model, hold, float(u), waterway=way)
+
+
+@dataclass(frozen=True)
+class DimensionOptions:
+    length: Annotated[float, Option(help="Between perpendiculars [m].")]
+    width: Annotated[float, Option(help="Of the canal, from bank to bank [m].")]
+    depth: Annotated[float | None, Option(help="Of the canal [m]; deep water unless given.")] = None
+    beam: Annotated[float | None, Option(help="Of the ship [m]; usual for its --type unless given.")] = None
+    draft: Annotated[float | None, Option(help="Of the ship [m]; usual for its --type unless given.")] = None
+    block: Annotated[float | None, Option(help="Block coefficient; usual for its --type unless given.")] = None
+    density: Annotated[float, Option(help="Of the water [kg/m3].")] = 1025.0
+    name: Annotated[str, Option(help="Of the ship.")] = "ship"
+
+
+@verb("narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 18 -o ship.toml")
+def estimate(
+    dimensions: DimensionOptions,
+    kind: Annotated[str | None, Option("--type", help="container, tanker, bulk, general, inland or convoy.")] = None,
+    speed: Annotated[str | None, Option(help="Service speed: 12m/s, 16kn; usual for the type if left out.")] = None,
+    output: ModelOutput = None,
+    json: AsJson = False,
+) -> None:
+    """Estimate a model from main dimensions, with the spread that the formulas show on known ships."""
+    from narrows.empirical.main_dimensions import estimate_model
+    from narrows.model.model_file import save_model
+    from narrows.report.printed_tables import estimate_summary, print_estimate
+    from narrows.ship.particulars import Canal, Water
+
+    own = dimensions
+    ship = {
+        "length": own.length, "beam": own.beam, "draft": own.draft, "block_coefficient": own.block, "name": own.name,
+    }  # fmt: skip
+    service = None if speed is None else read_speed("--speed", speed)
+    model = estimate_model(ship, Canal(own.width, own.depth), Water(own.density), kind=kind, speed=service)
+    if output:
+        save_model(model, output)
+    if json:
+        print_json(estimate_summary(model))
+        return
+    print_estimate(model)
+    say_written([output])
+
+
+@verb("narrows ships")
+def ships(json: AsJson = False) -> None:
+    """List the ships that are ready: each name goes wherever a model file does."""
+    from narrows.empirical.fleet import ready_ships
+    from narrows.report.printed_tables import print_ships
+
+    table = ready_ships()
+    if json:
+        summary = f"{len(table)} ships; each name goes wherever a model file does"
+        print_json({"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": []})
+        return
+    print_ships(table)

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ReportDelivery, WaterwayFile, verb
-from narrows.cli.output import named
+from narrows.cli.options import ReportDelivery, WaterwayFile, named, verb
 from narrows.errors import InputError
 
 if TYPE_CHECKING:

@@ -17,8 +17,7 @@ from narrows.codegen.kernels.elementary import HEADER, elementary_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step
+from narrows.codegen.step import Rates, Step
 from narrows.quantities.names import FORCES
 
 positive = FUNCTIONS["positive"]

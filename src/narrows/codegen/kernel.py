@@ -9,8 +9,7 @@ from narrows.codegen.kernels.elementary import HEADER, NUMBER, elementary_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import SHARED, Lanes
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step, room_left
+from narrows.codegen.step import Rates, Step, room_left
 
 LANES = 64
 

@@ -11,8 +11,7 @@ from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real, straight_lines
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step, rate_here, room_left, section_here, step_of
+from narrows.codegen.step import Rates, Step, rate_here, room_left, section_here, step_of
 from narrows.codegen.tape import tape_of
 
 # What the lines call the order that a caller gives an actuator with a gear.

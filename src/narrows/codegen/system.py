@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from narrows.codegen.choices import Actuated, Choices
     from narrows.codegen.free_motion import Surge
     from narrows.codegen.linearisation import Linearisation
-    from narrows.codegen.rates import Rates
-    from narrows.codegen.step import Step
+    from narrows.codegen.step import Rates, Step
 
 # Values of the numbers that a caller may leave out.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
@@ -45,7 +44,7 @@ class System:
     @cached_property
     def rates(self) -> "Rates":
         from narrows.codegen.free_motion import trace
-        from narrows.codegen.rates import Rates
+        from narrows.codegen.step import Rates
 
         forces = {term.name: force for force, terms in self.table.forces.items() for term in terms}
         motion = trace(self.tape, forces, self.surge, self.coriolis)

@@ -8,8 +8,7 @@ import numpy as np
 from narrows.codegen.free_motion import Surge
 from narrows.control.linear_system import LinearSystem
 from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, local_water
-from narrows.control.self_propulsion import self_propulsion
-from narrows.control.steady_course import check_inside, solved
+from narrows.control.steady_course import check_inside, self_propulsion, solved
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.simulation.inputs import finite_numbers

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from narrows.control.linearization import linearize
-from narrows.control.self_propulsion import self_propulsion
 from narrows.control.settings import EASE, ENGINE_RESERVE, GOVERNOR_TIME, PIECES
+from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum

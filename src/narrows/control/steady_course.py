@@ -1,4 +1,4 @@
-"""The rudder and the drift that hold a ship at an offset: steady, straight along the canal, every force in balance."""
+"""Rudder and drift that hold a ship at an offset, every force in balance; the propeller speed that holds its speed."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -16,7 +16,6 @@ from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.run import cores, in_threads
 from narrows.codegen.tape import tape_of
-from narrows.control.self_propulsion import with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
@@ -25,6 +24,7 @@ from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     from narrows.codegen.system import System
+
 
 RUDDER = "rudder"
 BLOCK = 16_384  # Courses that a thread solves at a time
@@ -169,3 +169,45 @@ def _text(system: "System") -> str:
     # The series of the kernels hold up to a quarter turn, and no further is looked: the C library's do as well here.
     names = f"COLUMNS = {inputs!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
     return "\n\n".join([head, names, elementary_text(text.replace("sine(", ""), "float64"), text, tail])
+
+
+def self_propulsion(model: Model, u: float) -> float:
+    """Return the revolutions at which thrust and resistance balance straight ahead, amidships [1/s].
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a propeller.
+    u : float [m/s]
+        Surge velocity.
+
+    Raises
+    ------
+    InputError
+        Where the model has no propeller, or none is fast enough.
+    """
+    from scipy.optimize import brentq
+
+    if not model.terms.propelled:
+        raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
+
+    def surplus(revolutions: float) -> float:
+        return -model.resistance(u, revolutions=revolutions)
+
+    fast = next((n for n in 2.0 ** np.arange(-10, 20) if surplus(float(n)) > 0), None)
+    if fast is None:
+        raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
+    return float(brentq(surplus, 0.0, float(fast))) if surplus(0.0) < 0 else 0.0
+
+
+def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
+    """Return what varies, with revolutions that go with the speed where the terms ask for them."""
+    if not model.terms.propelled or "revolutions" in vary:
+        return vary
+    speed = vary["u"]
+    u = speed if isinstance(speed, xr.DataArray) else np.asarray(speed, float)
+    revolutions = np.vectorize(lambda one_speed: self_propulsion(model, float(one_speed)), otypes=[float])(u)
+    if isinstance(speed, xr.DataArray):
+        return {**vary, "revolutions": speed.copy(data=revolutions)}
+    column = xr.DataArray(revolutions, dims=["u"], coords={"u": u}) if revolutions.ndim else float(revolutions)
+    return {**vary, "revolutions": column}

@@ -5,9 +5,8 @@ import math
 import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.self_propulsion import self_propulsion
 from narrows.control.settings import LEAST_DECAY_OF_PILOT, OFF_HEADING, OFF_RUDDER
-from narrows.control.steady_course import check_inside, check_rudder, solved
+from narrows.control.steady_course import check_inside, check_rudder, self_propulsion, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.controllers import Autopilot

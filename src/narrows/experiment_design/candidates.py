@@ -8,8 +8,7 @@ import numpy as np
 
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun
 from narrows.errors import InputError
-from narrows.ship.cross_section import half_swept
-from narrows.ship.particulars import Configuration
+from narrows.ship.particulars import Configuration, half_swept
 
 # Speeds over the root of g L where none are asked for: slow ships, as in canals.
 FROUDE = (0.08, 0.12, 0.16)

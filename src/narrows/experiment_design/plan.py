@@ -12,13 +12,14 @@ from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.empirical.fleet import published
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
-from narrows.experiment_design.expected_fit import expected_std, half_width
 from narrows.experiment_design.information import (
     CRITERIA,
     ZEROS,
     Forces,
     PlannedRun,
     choose,
+    expected_std,
+    half_width,
     inflation,
     planned_run,
     zero_of,

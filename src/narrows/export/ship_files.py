@@ -13,9 +13,9 @@ from narrows.codegen.free_motion import INPUTS, OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import C, CTranslation, c_block
-from narrows.codegen.printers.javascript import JavaScriptTranslation
 from narrows.codegen.printers.language import JavaScript, Matlab, PythonFile
 from narrows.codegen.printers.python import PlainSource
+from narrows.codegen.printers.translation import JavaScriptTranslation
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
 from narrows.export.fmu_variables import HEADING
 from narrows.export.rendering import (

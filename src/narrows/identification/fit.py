@@ -33,7 +33,7 @@ from narrows.identification.systematic_effects import Effect
 from narrows.identification.verdict import IDENTIFIED, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
-from narrows.terms.pooled import AT
+from narrows.terms.additions import AT
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from narrows.identification.regression.scores import score
 from narrows.identification.regression.solve import solve
 from narrows.identification.run_errors import RunErrors
 from narrows.ship.ship_file import ShipSource
-from narrows.terms.pooled import pooled
+from narrows.terms.additions import pooled
 from narrows.terms.tables import PAPER, table_named
 from narrows.terms.term import TermTable
 

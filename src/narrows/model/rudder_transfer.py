@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.terms.helm import helm_terms, with_helm
+from narrows.terms.additions import helm_terms, with_helm
 from narrows.terms.term import TermKind, TermTable
 
 

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from narrows.files import write_whole
 from narrows.report.fit_page import figure, render
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
-from narrows.ship.cross_section import half_swept
+from narrows.ship.particulars import half_swept
 from narrows.warning.alerts.alert import Priority
 from narrows.warning.monitoring.watched_transit import WatchedTransit
 from narrows.warning.settings import NEAR_MISS

@@ -7,8 +7,7 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from narrows.control.self_propulsion import with_propulsion
-from narrows.control.steady_course import solved
+from narrows.control.steady_course import solved, with_propulsion
 from narrows.control.track_pilot import IN_VAIN
 from narrows.errors import InputError
 from narrows.simulation.grid import grid_of

@@ -8,8 +8,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from narrows.control.self_propulsion import with_propulsion
-from narrows.control.steady_course import check_rudder, steady_course
+from narrows.control.steady_course import check_rudder, steady_course, with_propulsion
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.safety import settings

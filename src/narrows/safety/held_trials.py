@@ -10,8 +10,7 @@ import xarray as xr
 
 from narrows.control.regulator_gains import RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import FELT
-from narrows.control.self_propulsion import with_propulsion
-from narrows.control.steady_course import solved
+from narrows.control.steady_course import solved, with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar

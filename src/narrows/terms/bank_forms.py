@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import clearance
-from narrows.physics.bank import cushion, suction
+from narrows.physics.clearance import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
 from narrows.results import Described
-from narrows.terms.asymmetry import WITH_ASYMMETRY
-from narrows.terms.helm import WITH_HELM
+from narrows.terms.additions import WITH_ASYMMETRY, WITH_HELM
 from narrows.terms.regressors import Composed
 from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
 

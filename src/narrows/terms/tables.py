@@ -11,10 +11,8 @@ from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
-from narrows.terms.asymmetry import WITH_ASYMMETRY, with_asymmetry
+from narrows.terms.additions import AT, WITH_ASYMMETRY, WITH_HELM, pooled, with_asymmetry, with_helm
 from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
-from narrows.terms.helm import WITH_HELM, with_helm
-from narrows.terms.pooled import AT, pooled
 from narrows.terms.regressors import Grouped
 from narrows.terms.term import (
     DRIFT_FORCE,

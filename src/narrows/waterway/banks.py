@@ -1,14 +1,213 @@
-"""A bank along a centreline: how far off it is at every place, from its own line."""
+"""A bank along a centreline: how far off it is at every place, from its own line on a map or from distances."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.ship.cross_section import Point, equivalent_wall, keel_wall
-from narrows.waterway.bank_line import BankLine
-from narrows.waterway.centreline import FARTHEST, Centreline
+from narrows.ship.particulars import Point, equivalent_wall, keel_wall
+from narrows.waterway.centreline import FARTHEST, Centreline, chords
+
+# Share of the centreline at either end beside which a bank need not be drawn: it stays as far off, and a note says so.
+SLACK = 0.06
+
+# Places between two corners at which distances are checked.
+BETWEEN = 8
+
+# Places along a bank at which its side of the line is checked.
+ALONG = 4000
+
+
+@dataclass(frozen=True)
+class Normals:
+    """The normals of a centreline to one side, and a polyline beside it, or several end to end."""
+
+    line: Centreline  # The centreline
+    points: np.ndarray  # (n, 2) East and north of the polyline's points, no two in a row one place [m]
+    sign: int  # 1 for normals to starboard, -1 to port
+    # Pieces between two points that are not drawn, where one polyline ends and the next begins
+    gaps: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+
+    def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
+        """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther."""
+        position, ahead = self.line.frame(s)
+        across = self.sign * np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
+        start, stop = self.points[piece] - position, self.points[piece + 1] - position
+        before, after = (start * ahead).sum(axis=-1), (stop * ahead).sum(axis=-1)
+        share = np.clip(before / np.where(before == after, 1.0, before - after), 0, 1)
+        return np.asarray((1 - share) * (start * across).sum(axis=-1) + share * (stop * across).sum(axis=-1))
+
+    def first(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far off the normals at places meet the polyline first [m], and which piece of it."""
+        # s (n,) [m]
+        # Infinite and -1 where they meet none.
+        distance, first = np.full(len(s), np.inf), np.full(len(s), -1)
+        for part in self._parts(len(s)):
+            crossed = np.diff(self._behind(s[part]), axis=1)
+            crossed[:, self.gaps] = False
+            normal, piece = np.nonzero(crossed)
+            met = self.met(s[part][normal], piece)
+            normal, piece, met = normal[met > 0], piece[met > 0], met[met > 0]
+            order = np.lexsort((met, normal))
+            normals, at = np.unique(normal[order], return_index=True)
+            distance[part.start + normals], first[part.start + normals] = met[order][at], piece[order][at]
+        return distance, first
+
+    def corners(self) -> np.ndarray:
+        """Return where normals pass a point of the polyline that they may see, and the line's ends [m]."""
+        # Between two of them the normals meet one and the same piece first, or none.
+        fine, places = self.line.fine, [np.array([0.0, self.line.length])]
+        for part in self._parts(len(fine) - 1):
+            cell, point = np.nonzero(np.diff(self._behind(fine[part.start : part.stop + 1]), axis=0))
+            cell += part.start
+            s, n = self.line.foot((fine[cell] + fine[cell + 1]) / 2, self.points[point])
+            # A bank beyond the centre of a bend is refused: what is there needs no corners.
+            places.append(s[(self.sign * n > 0) & (self.line.curvature(s) * n < 1)])
+        return np.unique(np.clip(np.concatenate(places), 0, self.line.length))
+
+    def _parts(self, count: int) -> Iterator[slice]:
+        many = max(1, AT_ONCE // len(self.points))
+        return (slice(start, min(start + many, count)) for start in range(0, count, many))
+
+    def _behind(self, s: np.ndarray) -> np.ndarray:
+        """Which points are behind the normals at places, (places, points)."""
+        position, ahead = self.line.frame(s)
+        return np.asarray(ahead @ self.points.T <= (position * ahead).sum(axis=1, keepdims=True))
+
+
+@dataclass(frozen=True)
+class BankLine:
+    """A bank's own line: at each place as far off as the centreline's normal there meets it first."""
+
+    side: str  # ``starboard`` or ``port``, as one sails along the centreline
+    points: np.ndarray  # (n, 2) East and north, in either direction; at least two [m]
+    line: Centreline  # The centreline
+
+    def __post_init__(self) -> None:
+        shape = np.shape(self.points)
+        if len(shape) != 2 or shape[1] != 2 or not (np.abs(self.points) < FARTHEST).all() or len(self._distinct) < 2:
+            raise InputError(f"the {self.side} bank needs two points or more on earth, each east and north; mend it")
+        self._check_side()
+        self._check_whole()
+        self._check_distance()
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Places at which normals pass from one piece of the bank to another, and the ends of what they see [m]."""
+        return self._pieces[0]
+
+    def distance(self, s: np.ndarray | float) -> np.ndarray:
+        """Return how far off the bank is [m]; beyond what is drawn it stays."""
+        corners, pieces = self._pieces
+        s = np.clip(s, corners[0], corners[-1])
+        return self._normals.met(s, pieces[np.clip(np.searchsorted(corners, s, "right") - 1, 0, len(pieces) - 1)])
+
+    @cached_property
+    def _distinct(self) -> np.ndarray:
+        points = np.asarray(self.points, float)
+        return np.asarray(points[np.append(True, np.diff(points, axis=0).any(axis=1))])
+
+    @cached_property
+    def _normals(self) -> Normals:
+        return Normals(self.line, with_crossings(self._distinct), 1 if self.side == "starboard" else -1)
+
+    @cached_property
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners, and the piece of the bank seen between each two, -1 for none; unseen ends are cut off."""
+        corners = self._normals.corners()
+        pieces = self._normals.first((corners[1:] + corners[:-1]) / 2)[1]
+        other = np.append(True, np.diff(pieces) != 0)
+        corners, pieces = np.append(corners[:-1][other], corners[-1]), pieces[other]
+        seen = np.flatnonzero(pieces >= 0)
+        if not seen.size:
+            raise InputError(f"no normal of the centreline meets the {self.side} bank; draw it along the whole of it")
+        return corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
+
+    def _check_side(self) -> None:
+        ends, known = self._distinct, chords(self._distinct)
+        along = np.linspace(0, 1, ALONG) * known[-1]
+        places = np.stack([np.interp(np.union1d(along, known), known, column) for column in ends.T], axis=1)
+        s, n = self.line.locate(places)
+        self._refuse_crossing(s, n * self._normals.sign, (s > 0) & (s < self.line.length))
+
+    def _check_whole(self) -> None:
+        corners, pieces = self._pieces
+        length = self.line.length
+        if corners[0] > SLACK * length or corners[-1] < (1 - SLACK) * length:
+            raise InputError(
+                f"the {self.side} bank is known from {corners[0]:.0f} to {corners[-1]:.0f} m along a centreline of "
+                f"{length:.0f} m; draw it along the whole of it"
+            )
+        if (pieces < 0).any():
+            s = corners[int((pieces < 0).argmax())]
+            raise InputError(f"the normal of the centreline at {s:.0f} m meets no {self.side} bank; draw it there")
+
+    def _check_distance(self) -> None:
+        """Beside every corner, between them, and between the points of the line."""
+        corners, fine = self.corners, self.line.fine
+        between = (corners[:-1] + np.linspace(1e-6, 1 - 1e-6, BETWEEN)[:, None] * np.diff(corners)).ravel()
+        within = fine[(fine > corners[0]) & (fine < corners[-1])]
+        s = np.concatenate([between, within])
+        distance = np.concatenate([self.distance(between), self._normals.first(within)[0]])
+        self._refuse_crossing(s, distance, np.full(len(s), True))
+        bend = self._normals.sign * self.line.curvature(s)
+        beyond = bend * distance >= 1
+        if beyond.any():
+            first = int(beyond.argmax())
+            raise InputError(
+                f"the normal of the centreline at {s[first]:.0f} m meets the {self.side} bank beyond the centre of the "
+                f"bend there, whose radius is {1 / bend[first]:.0f} m; smooth the centreline, or mend the bank"
+            )
+
+    def _refuse_crossing(self, s: np.ndarray, out: np.ndarray, beside: np.ndarray) -> None:
+        wrong = beside & ~(out > 0)
+        if wrong.any():
+            along = float(s[int(wrong.argmax())])
+            raise InputError(f"the {self.side} bank crosses the centreline at {along:.0f} m along it; mend it there")
+
+
+# Polylines that cross themselves, as hand-drawn and digitised ones do.
+def with_crossings(points: np.ndarray) -> np.ndarray:
+    """Return the points of a polyline with those between where it crosses itself."""
+    # points (n, 2) [m]
+    one, other = _beside(points)
+    start, way = points[:-1], np.diff(points, axis=0)
+    across = _cross(way[one], way[other])
+    one, other, across = one[across != 0], other[across != 0], across[across != 0]
+    apart = start[other] - start[one]
+    share, share_other = _cross(apart, way[other]) / across, _cross(apart, way[one]) / across
+    inside = (share > 0) & (share < 1) & (share_other > 0) & (share_other < 1) & (np.abs(one - other) > 1)
+    piece, share = np.concatenate([one[inside], other[inside]]), np.concatenate([share[inside], share_other[inside]])
+    order = np.lexsort((share, piece))
+    piece, share = piece[order], share[order]
+    return np.insert(points, piece + 1, start[piece] + share[:, None] * way[piece], axis=0)
+
+
+def _beside(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of pieces that overlap along the longer way of the whole."""
+    column = points[:, int(np.ptp(points, axis=0).argmax())]
+    low, high = np.minimum(column[1:], column[:-1]), np.maximum(column[1:], column[:-1])
+    order = np.argsort(low)
+    low, high, pairs = low[order], high[order], [np.empty((2, 0), int)]
+    for offset in range(1, len(order)):
+        near = np.flatnonzero(low[offset:] <= high[:-offset])
+        if not near.size:
+            break
+        pairs.append(order[np.stack([near, near + offset])])
+    one, other = np.concatenate(pairs, axis=1)
+    return one, other
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+# The normals of a centreline, and where they first meet a polyline on one side of it.
+# Pairs of a normal and a point looked at together.
+AT_ONCE = 4_000_000
+
 
 Wall = Callable[[Sequence[Point], float], float]
 # More than any bank's profile reaches [m].

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError, needs
-from narrows.waterway.bank_line import Normals
-from narrows.waterway.banks import Bank, bank_from_points
+from narrows.waterway.banks import Bank, Normals, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features
 from narrows.waterway.map_lines import gdal

@@ -10,7 +10,7 @@ import numpy as np
 
 from narrows.errors import InputError, shown
 from narrows.files import form_of, reading, write_whole
-from narrows.ship.cross_section import Point
+from narrows.ship.particulars import Point
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline
 from narrows.waterway.map_lines import OTHERS, ROLES, Feature, into_degrees, middle_line, read_other, roles_by_place

@@ -11,7 +11,7 @@ import pandas as pd
 
 from narrows.errors import InputError
 from narrows.readers import cells
-from narrows.ship.cross_section import equivalent_wall
+from narrows.ship.particulars import equivalent_wall
 
 RENAMED = {
     "short name test": "test", "draught": "draft [m]", "water depth": "depth [m]",

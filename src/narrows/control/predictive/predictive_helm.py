@@ -15,9 +15,8 @@ from narrows.control.predictive.line_frame import FORCED, RUDDER, share_of, wate
 from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, planner_of
 from narrows.control.predictive.prediction_lanes import PredictionLanes
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
-from narrows.control.self_propulsion import self_propulsion
 from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING
-from narrows.control.steady_course import check_inside, check_rudder
+from narrows.control.steady_course import check_inside, check_rudder, self_propulsion
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
 from narrows.physics.steering_gear import gear_motion

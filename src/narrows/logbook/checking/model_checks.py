@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.control.self_propulsion import self_propulsion
+from narrows.control.steady_course import self_propulsion
 from narrows.logbook import settings
 from narrows.logbook.checking.agreement import Estimates, changes, least_squares, pooled
 from narrows.logbook.checking.finding import Examined, Finding

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.control.self_propulsion import self_propulsion
+from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import ON_TWINS
 from narrows.logbook.sensor_grades import SensorGrade

@@ -6,8 +6,7 @@ from datetime import UTC, date, datetime
 from typing import NamedTuple
 
 from narrows.errors import needs
-from narrows.readers.nmea.nmea_lines import Sentence
-from narrows.readers.nmea.nmea_sentences import Telling, told_by
+from narrows.readers.nmea.nmea_sentences import Sentence, Telling, told_by
 from narrows.readers.settings import MOST_OPEN, MOST_SHIPS, PART_WAIT
 
 

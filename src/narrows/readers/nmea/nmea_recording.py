@@ -11,8 +11,7 @@ import pandas as pd
 from narrows.errors import InputError
 from narrows.progress import opened
 from narrows.readers.nmea.nmea_hearing import Clock, Entry, Hearing
-from narrows.readers.nmea.nmea_lines import SENTENCE, Sentence, sentences
-from narrows.readers.nmea.nmea_sentences import SOURCES, Telling
+from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, Sentence, Telling, sentences
 from narrows.readers.settings import NMEA_SHARE, SNIFFED, SOURCE_SENTENCES, TALKER_SILENCE
 
 

@@ -1,9 +1,13 @@
-"""What sentences of NMEA 0183 tell, by the kept parsers pynmeagps and pyais, in SI and the documented columns."""
+"""Sentences of NMEA 0183: found in lines, checked, read in SI into the documented columns by pynmeagps and pyais."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from datetime import date, time
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from datetime import UTC, date, datetime, time
 from enum import Enum
+from functools import reduce
+from operator import xor
 from typing import Any, NamedTuple
 
 from narrows.quantities.names import KNOT
@@ -243,3 +247,57 @@ def _position_report(report: Mapping[str, Any]) -> Tellings:
         # Codes beyond all numbers say that it turns, not how fast.
         "yaw rate": {} if isinstance(turn, Enum) else _scaled(_only(r=turn), DEGREE / 60),
     }
+
+
+SENTENCE = re.compile(rb"[$!]([A-Z][A-Z0-9]{4,}),([^*$!\r\n]*)(\*[0-9A-Fa-f]{2})?")
+# A block before the sentence, with the time of the logger [s] or [ms] since 1970.
+TAG = re.compile(rb"\\(?:[^\\]*,)?c:(\d{10,13})(?:[,*][^\\]*)?\\")
+ISO = re.compile(rb"(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)(Z|[+-]\d\d:?\d\d)?")
+EPOCH = re.compile(rb"(?<![\d.])(1\d{9}(?:\.\d+)?)(?![\d.])")
+REMARK = b"#"
+# Beyond this a time since 1970 is in milliseconds.
+MILLISECONDS = 1e11
+
+
+class Sentence(NamedTuple):
+    """One sentence whose checksum is right."""
+
+    text: bytes  # From ``$`` or ``!`` to the checksum
+    kind: str  # Talker and type, as in ``GPGGA``
+    logged: float | None  # Since 1970 when the logger wrote it down, where it says so [s]
+
+
+def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence]:
+    for line in lines:
+        if line.startswith(REMARK):
+            continue
+        begin = 0
+        for match in SENTENCE.finditer(line):
+            if match[3] is None:
+                faults["without a checksum"] += 1
+            elif int(match[3][1:], 16) != checksum(match[0][1:-3]):
+                faults["with a wrong checksum"] += 1
+            else:
+                yield Sentence(match[0], match[1].decode("ascii"), _logged(line[begin : match.start()]))
+            begin = match.end()
+        if not begin and line.strip():
+            faults["that are no sentence"] += 1
+
+
+def checksum(body: bytes) -> int:
+    """Return the checksum of what stands between ``$`` and ``*`` (IEC 61162-1)."""
+    return reduce(xor, body, 0)
+
+
+def with_checksum(body: str) -> str:
+    return f"${body}*{checksum(body.encode('ascii')):02X}\r\n"
+
+
+def _logged(before: bytes) -> float | None:
+    if match := TAG.search(before) or EPOCH.search(before):
+        time = float(match[1])
+        return time / 1e3 if time > MILLISECONDS else time
+    if match := ISO.search(before):
+        when = datetime.fromisoformat(match[1].decode().replace(",", ".") + (match[2] or b"Z").decode())
+        return when.astimezone(UTC).timestamp()
+    return None

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
-from narrows.readers.nmea.nmea_lines import with_checksum
+from narrows.readers.nmea.nmea_sentences import with_checksum
 from narrows.warning.alerts.alert import (
     HEARD,
     HOLDS,

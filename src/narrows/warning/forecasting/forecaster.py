@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.control.local_motion import local_water
-from narrows.control.self_propulsion import with_propulsion
-from narrows.control.steady_course import RUDDER, solved
+from narrows.control.steady_course import RUDDER, solved, with_propulsion
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.ship_filter import ShipFilter
 from narrows.quantities.names import GRAVITY
-from narrows.ship.cross_section import half_swept
-from narrows.ship.particulars import Ship
+from narrows.ship.particulars import Ship, half_swept
 from narrows.simulation.ship import SimulatedShip
 from narrows.warning import settings
 from narrows.warning.forecasting.escapes import KICK, REVOLUTIONS, STEADY, Manoeuvre, escape_numbers

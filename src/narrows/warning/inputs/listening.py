@@ -17,8 +17,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from narrows.errors import InputError, needs, reason
 from narrows.readers.nmea.nmea_hearing import Entry, Hearing
-from narrows.readers.nmea.nmea_lines import Sentence, sentences
-from narrows.readers.nmea.nmea_sentences import PARTICULARS, Telling, Tellings, Values
+from narrows.readers.nmea.nmea_sentences import PARTICULARS, Sentence, Telling, Tellings, Values, sentences
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.settings import (
     AIS_TIME_SHARE,

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from narrows.estimation.estimate import Estimate
-from narrows.ship.cross_section import half_swept
-from narrows.ship.particulars import Ship
+from narrows.ship.particulars import Ship, half_swept
 from narrows.warning.alerts.alert import ANY_SENSOR, HOLDS, LOG_LATE, SHIP_OR_WATER, SITUATIONS, Alert, Priority
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.waterway.waterway import Waterway

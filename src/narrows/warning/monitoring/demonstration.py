@@ -12,7 +12,7 @@ from narrows.identification.conditions import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_hearing import Entry, Hearing
-from narrows.readers.nmea.nmea_lines import checksum, sentences, with_checksum
+from narrows.readers.nmea.nmea_sentences import checksum, sentences, with_checksum
 from narrows.simulation.controllers import Autopilot, Order, VoyageState
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.terms.tables import table_named

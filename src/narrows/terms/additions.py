@@ -1,0 +1,129 @@
+"""Tables made from others: with a rudder, with the asymmetry of a ship, with hull coefficients for each depth."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from narrows.errors import InputError
+from narrows.physics import rudder
+from narrows.physics.hull import HullPower
+from narrows.quantities import dimensions as dim
+from narrows.quantities.arithmetic import maximum, minimum
+from narrows.quantities.dimensions import NUMBER
+from narrows.quantities.names import Number
+from narrows.terms.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
+
+# What the name of a table says where it has the terms of a rudder.
+WITH_HELM = "helm"
+HELM_SOURCE = "form of Yasukawa and Yoshimura (2015)"
+
+
+def _row(letter: str, regressor: Callable[..., Number]) -> tuple[Term, ...]:
+    name, symbol = f"{letter}_{WITH_HELM}", f"{letter}_{{{WITH_HELM}}}"
+    return (Term(name, symbol, regressor, dim.NUMBER, NONNEGATIVE, TermKind.RUDDER, HELM_SOURCE),)
+
+
+def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
+    """Return the terms of a rudder as a table would call them: those of surge, sway and yaw."""
+    surge, sway, yaw = table.letters
+    return {
+        "surge": _row(surge, rudder.helm_surge),
+        "sway": _row(sway, rudder.helm_sway),
+        "yaw": _row(yaw, rudder.helm_yaw),
+    }
+
+
+def with_helm(table: TermTable, name: str = "") -> TermTable:
+    """Return a table with the terms of a rudder.
+
+    Parameters
+    ----------
+    table : TermTable
+        The table.
+    name : str
+        Of the new table; ``table+helm`` unless given.
+
+    Raises
+    ------
+    InputError
+        Where the table has a rudder.
+    """
+    if any(term.kind == TermKind.RUDDER for term in table.terms):
+        raise InputError(f"the terms {table.name!r} have a rudder; leave +{WITH_HELM} out")
+    return table.with_terms(name or f"{table.name}+{WITH_HELM}", **helm_terms(table))
+
+
+# What the name of a table says where it has these terms.
+WITH_ASYMMETRY = "asymmetry"
+ASYMMETRY_SOURCE = "Y_0' and N_0' of polynomial manoeuvring models, as in Abkowitz (1964)"
+
+
+def asymmetry_names(table: TermTable) -> tuple[str, str]:
+    """Return what a table calls the coefficients of the sway force and of the yaw moment."""
+    _, sway, yaw = table.letters
+    return f"{sway}_0", f"{yaw}_0"
+
+
+def with_asymmetry(table: TermTable) -> TermTable:
+    """Return a table with a constant sway force and yaw moment, which grow with the speed squared."""
+    sway, yaw = asymmetry_names(table)
+    if sway in table.names:
+        raise InputError(f"the terms {table.name!r} have an asymmetry; leave +{WITH_ASYMMETRY} out")
+    return table.with_terms(
+        f"{table.name}+{WITH_ASYMMETRY}",
+        sway=[Term(sway, f"{sway}'", HullPower(0, 0), NUMBER, kind=TermKind.HULL, source=ASYMMETRY_SOURCE)],
+        yaw=[Term(yaw, f"{yaw}'", HullPower(0, 0, lever=1), NUMBER, kind=TermKind.HULL, source=ASYMMETRY_SOURCE)],
+    )
+
+
+# Between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.
+AT = "@"
+
+
+def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:
+    """Return a table whose hull terms have a coefficient for each of some depths."""
+    # Between depths a coefficient is linear, beyond them it stays. Terms of the bank are left as they are: shared, or
+    # as their own form changes with depth.
+    knots = sorted(set(depths))
+    if len(knots) < 2 or not knots[0] > 0:
+        raise InputError(f"hulls of their own at each depth need two depths or more; there are {len(knots)}")
+
+    def spread(part: tuple[Term, ...]) -> tuple[Term, ...]:
+        return tuple(each for term in part for each in ([term] if term.from_bank else _at_each(term, knots)))
+
+    hull = {term.name for term in table.terms if not term.from_bank}
+    ties = tuple((_named(a, h), _named(b, h)) for a, b in table.ties if {a, b} <= hull for h in knots)
+    name = f"{table.name}{AT}{','.join(f'{h:g}' for h in knots)}"
+    surge, sway, yaw = (spread(part) for part in (table.surge, table.sway, table.yaw))
+    return replace(table, name=name, ties=ties, surge=surge, sway=sway, yaw=yaw)
+
+
+def _named(name: str, depth: float) -> str:
+    return f"{name}{AT}{depth:g}"
+
+
+def _at_each(term: Term, knots: list[float]) -> list[Term]:
+    return [
+        replace(
+            term, name=_named(term.name, h), symbol=f"{term.symbol}^{{{h:g}\\,m}}", regressor=_near(term, knots, i),
+            depth_law=None,
+        )
+        for i, h in enumerate(knots)
+    ]  # fmt: skip
+
+
+def _near(term: Term, knots: list[float], i: int) -> Callable[..., Number]:
+    """The regressor times how near the depth is to one of the knots: 1 at it, 0 at its neighbours."""
+    asks = tuple(dict.fromkeys((*term.inputs, DEPTH)))
+    depth_at, count = asks.index(DEPTH), len(term.inputs)
+
+    def regressor(*values: Number) -> Number:
+        return term.regressor(*values[:count]) * _share(values[depth_at], knots, i)
+
+    regressor.inputs = asks  # type: ignore[attr-defined]
+    return regressor
+
+
+def _share(depth: Number, knots: list[float], i: int) -> Number:
+    rising = (depth - knots[i - 1]) / (knots[i] - knots[i - 1]) if i else 1.0
+    falling = (knots[i + 1] - depth) / (knots[i + 1] - knots[i]) if i + 1 < len(knots) else 1.0
+    return maximum(minimum(minimum(rising, falling), 1.0), 0.0)
