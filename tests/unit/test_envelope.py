@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.text import Text
+from scipy.linalg import solve_continuous_are
 from scipy.optimize import root
 
 import narrows as nw
 from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
-from narrows.control.track_pilot import track_gains
+from narrows.control.regulator import track_gains
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import is_settled, share_interval
 from narrows.safety.headline import crossing, first_run, largest_rectangle
@@ -121,7 +122,7 @@ class TestSteadyCourse:
 
 class TestAutopilot:
     def test_the_loop_is_stable(self, ship: nw.Model) -> None:
-        """Eigenvalues of the motion with the rudder in the loop, by SciPy's Riccati solver against the trace."""
+        """The gains are those of SciPy's Riccati solver by Bryson's rule; with the rudder in the loop it is stable."""
         own = SimulatedShip(ship)
         gains = track_gains(own, 5.0)
         exact = own.system().linearisation(own.values(), own.actuators)
@@ -131,6 +132,9 @@ class TestAutopilot:
         push = exact.controls(state)[place, 3]
         assert np.linalg.eigvals(motion).real.max() > 0
         assert np.linalg.eigvals(motion - np.outer(push, gains)).real.max() < 0
+        weights = np.diag([(ship.configuration.ship.beam / 2) ** -2, np.radians(5.0) ** -2, 0.0, 0.0])
+        cost = solve_continuous_are(motion, push[:, None], weights, [[np.radians(10.0) ** -2]])
+        np.testing.assert_allclose(gains, np.radians(10.0) ** 2 * push @ cost, rtol=1e-6)
 
     def test_the_derivative_by_the_rudder_is_a_difference(self, ship: nw.Model) -> None:
         own, pose = SimulatedShip(ship), (0.0, 12.0, 0.1, 5.0, 0.2, 0.003)

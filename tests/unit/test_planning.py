@@ -92,7 +92,7 @@ def test_a_twin_of_the_plan_has_the_errors_that_were_promised(plan: nw.Plan) -> 
     """With 2 % gain and 0.5 N zeros from run to run."""
     found: dict[str, list[float]] = {name: [] for name in plan.targets}
     widths: dict[str, list[float]] = {name: [] for name in plan.targets}
-    for seed in range(40):
+    for seed in range(14):
         tests, draw = nw.twin(runs=plan.runs, correlation_time=0.5, rate=5.0, seed=seed), np.random.default_rng(seed)
         run, columns = np.repeat(np.arange(len(plan.runs)), np.diff(tests.starts)), dict(tests.columns)
         for force in "XYN":

@@ -84,7 +84,7 @@ class HelmOptions:
 def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway | None") -> Any:
     from dataclasses import replace
 
-    from narrows.control.track_pilot import track_pilot
+    from narrows.control.regulator import track_pilot
 
     if way is None:
         return track_pilot(model, hold, u)

@@ -8,6 +8,7 @@ from narrows.control.linear_system import LinearSystem as LinearSystem
 from narrows.control.linearization import linearize as linearize
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import regulator as regulator
+from narrows.control.regulator import track_pilot as track_pilot
 from narrows.control.regulator_gains import RegulatorWeights as RegulatorWeights
 from narrows.control.regulator_law import HeldLine as HeldLine
 from narrows.control.regulator_law import Regulator as Regulator
@@ -15,4 +16,3 @@ from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
 from narrows.control.speed_governor import speed_governor as speed_governor
 from narrows.control.steady_course import self_propulsion as self_propulsion
 from narrows.control.steady_course import steady_course as steady_course
-from narrows.control.track_pilot import track_pilot as track_pilot

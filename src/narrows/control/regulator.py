@@ -1,4 +1,4 @@
-"""Make a regulator for a ship: gains of the rudder's rate by the Riccati equation of the exact linear system."""
+"""Regulator and autopilot for a ship: gains of the rudder by the Riccati equation of the exact linear system."""
 
 import math
 from collections.abc import Sequence
@@ -7,14 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import USUAL, RegulatorWeights, regulator_gains
+from narrows.control.regulator_gains import USUAL, RegulatorWeights, best_gains, regulator_gains
 from narrows.control.regulator_law import HeldLine, Regulator
-from narrows.control.settings import LEAD_TIME
-from narrows.control.steady_course import check_rudder
+from narrows.control.settings import LEAD_TIME, OFF_HEADING, OFF_RUDDER
+from narrows.control.steady_course import check_inside, check_rudder, self_propulsion, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
+from narrows.simulation.controllers import Autopilot
+from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -102,3 +105,58 @@ def _straight(
     r = course["r"]
     straight = course["rudder"] - rudder * r, course["psi"] - psi * r, course["v"] - v * r
     return straight, (float(psi), float(v), float(rudder))
+
+
+TRACKED = ("y", "psi", "v", "r")
+IN_VAIN = "no autopilot holds this ship on the centreline: its rudder turns nothing"
+
+
+def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
+    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold it there.
+
+    Parameters
+    ----------
+    model : Model
+        With terms of a rudder.
+    y : float [m]
+        To starboard of the middle.
+    u : float [m/s]
+        Surge velocity.
+    **values : float [SI]
+        Particulars and coefficients other than the model's, as in ``ensemble``.
+
+    Raises
+    ------
+    InputError
+        Where no rudder holds it there, or no autopilot on the centreline.
+    """
+    check_rudder(model)
+    check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
+    ship, limit = SimulatedShip(model), model.configuration.gear.limit
+    propulsion = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
+    (v,), (rudder,) = solved(ship, {"y": y, "u": u, **propulsion, **values}, 1, 1)
+    if not abs(rudder) <= limit:
+        raise InputError(
+            f"no rudder to {math.degrees(limit):g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose "
+            "a place nearer to it"
+        )
+    gains = track_gains(ship, u, **propulsion, **values)
+    by_y, by_psi, by_v, by_r = gains.tolist()
+    return Autopilot(y, (by_y, by_psi, by_v, by_r), float(rudder), -math.atan(v / u), float(v))
+
+
+def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
+    """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s]."""
+    # Linear-quadratic, by Bryson's rule. Bryson and Ho (1975), Applied optimal control, section 5.2.
+    inputs = {**ship.values(), **values}
+    linear = ship.linearisation(inputs)
+    at = {"u": speed, "revolutions": inputs.get("revolutions", 0.0)}
+    indices = [LINEARISED.index(name) for name in TRACKED]
+    motion = linear.state(at)[np.ix_(indices, indices)]
+    push = OFF_RUDDER * linear.controls(at)[indices, linear.controlled.index("rudder")]
+    half_beam = ship.model.configuration.ship.beam / 2
+    weights = np.diag([half_beam**-2, OFF_HEADING**-2, 0.0, 0.0])
+    gains = np.asarray(OFF_RUDDER * best_gains(motion[None], push[None], weights)[0])
+    if not np.isfinite(gains).all():
+        raise InputError(IN_VAIN)
+    return gains

@@ -15,7 +15,7 @@ LEAD_TIME = 0.45
 SLOWEST = 0.05
 
 # Least decay of the slowest motion over the fastest that counts as stable [1]: rounding moves poles by less.
-LEAST_DECAY, LEAST_DECAY_OF_PILOT = 1e-7, 1e-6
+LEAST_DECAY = 1e-7
 
 # Deceleration of a plan of speeds over that with the propeller stopped [1].
 EASE = 0.5

@@ -250,7 +250,7 @@ def consistency(
     first = estimator()
     psi = 0.0
     if controller is None:
-        from narrows.control.track_pilot import track_pilot
+        from narrows.control.regulator import track_pilot
 
         controller = track_pilot(model, y, u)
         psi = float(controller.psi)

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
+from narrows.control.regulator import IN_VAIN
 from narrows.control.steady_course import solved, with_propulsion
-from narrows.control.track_pilot import IN_VAIN
 from narrows.errors import InputError
 from narrows.simulation.grid import grid_of
 from narrows.simulation.ship import SimulatedShip

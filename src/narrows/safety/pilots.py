@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from narrows.control.regulator import TRACKED, track_gains
 from narrows.control.regulator_gains import USUAL, RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import FELT, HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME
-from narrows.control.track_pilot import FELT as TRACKED
-from narrows.control.track_pilot import track_gains
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
 from narrows.results import Described

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from narrows.control.track_pilot import track_pilot
+from narrows.control.regulator import track_pilot
 from narrows.identification.conditions import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
