@@ -52,9 +52,8 @@ def scale(
     if form_factor is not None:
         if wetted_surface is None or at_speed is None:
             raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
-        from narrows.cli.options import speed
 
-        friction = Friction(wetted_surface, form_factor, speed("--at-speed", at_speed))
+        friction = Friction(wetted_surface, form_factor, read_speed("--at-speed", at_speed))
     old = model_named(model)
     scaled = scale_model(old, length, density, width, depth, friction)
     if output:
