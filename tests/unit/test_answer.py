@@ -30,15 +30,15 @@ def settled() -> nw.Fit:
 
 def test_first_sentences_of_the_kcs(kcs_fits: dict[int, nw.Fit]) -> None:
     fit = kcs_fits[100]
-    hull, coefficients, trust, runs = answer_of(fit).sentences
-    assert "motions left out in turn are predicted" in hull
-    assert coefficients.startswith(
-        f"Under the terms paper the bank's coefficients are b_bank {fit.coefficients['b_bank']:.2g} ("
-    )
-    assert "under crossflow, which these tests prefer" in coefficients
-    assert trust.startswith("They are not all identified: b_bank is not separable from b_r")
-    assert "under crossflow b_bank is" in trust
+    answer = answer_of(fit)
+    hull, bank, runs = answer.sentences
+    assert hull.startswith("The tests identify 6 of 15 hull coefficients; the model predicts left-out motions within")
+    assert bank.startswith(f"The tests do not determine the bank: b_bank {fit.coefficients['b_bank']:.2f} (")
+    assert bank.endswith("b_bank is not separable from b_r and c_bank is not separable from c_r.")
     assert runs.startswith("Run next: straight runs off the centreline to both sides at 0.62 m/s")
+    (other,) = answer.details
+    assert other.startswith("The terms crossflow predict left-out motions better")
+    assert "b_bank is not separable from b_ur" in other
 
 
 def test_the_preferred_terms_err_least(kcs_fits: dict[int, nw.Fit]) -> None:
@@ -52,7 +52,8 @@ def test_the_preferred_terms_err_least(kcs_fits: dict[int, nw.Fit]) -> None:
 def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: nw.Model) -> None:
     answer = answer_of(settled)
     assert answer.settled
-    assert answer.sentences[2].startswith("They are identified as far as these terms hold: b_bank would be off by more")
+    assert answer.sentences[1].startswith("The tests identify the bank: b_bank 1.")
+    assert answer.details[0].startswith("b_bank would leave its interval with ")
     assert missing_runs(settled) == []
     assert settled.model.trust_note == ""
     low, high = settled.intervals["b_bank"]
@@ -62,10 +63,10 @@ def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: n
 
 
 def test_terms_without_a_bank_and_tests_that_are_wrong(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
-    assert "nothing is said of it" in answer_of(nw.identify(kcs_tests[100], "paper+open_water")).sentences[1]
+    assert answer_of(nw.identify(kcs_tests[100], "paper+open_water")).sentences[1].endswith("have no bank.")
     turned = replace(kcs_tests[100], columns={**kcs_tests[100].columns, "N": -kcs_tests[100].columns["N"]})
-    wrong = answer_of(nw.identify(turned)).sentences[2]
-    assert wrong.startswith("They cannot be trusted, as something is wrong with the tests: N of the other sign")
+    wrong = answer_of(nw.identify(turned)).sentences[1]
+    assert wrong.startswith("Do not trust the bank's coefficients: N of the other sign")
 
 
 def test_first_in_terminal_report_and_json(kcs_fits: dict[int, nw.Fit], tmp_path: Path, cli) -> None:
@@ -76,7 +77,7 @@ def test_first_in_terminal_report_and_json(kcs_fits: dict[int, nw.Fit], tmp_path
     assert code == 0
     assert " ".join(out.split()).partition("h/T = 2.00 ")[2].startswith(told.sentences[0])
     page = (tmp_path / "r.html").read_text()
-    assert page.index("Under the terms paper") < page.index("<h3>Coefficients</h3>")
+    assert page.index("<figure") < page.index("The tests do not determine the bank") < page.index(">verdict</th>")
     code, out, _ = cli(*words[:-2], "--json")
     assert json.loads(out)["answer"] == told.to_dict() | {"preferred_terms": "crossflow"}
 

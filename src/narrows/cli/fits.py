@@ -1,7 +1,10 @@
 """``identify``, ``demo``, ``explain`` and ``plan``: tests in, models and what is known of them out; tests to make."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import click
@@ -32,6 +35,9 @@ if TYPE_CHECKING:
     from narrows.identification import Fit
     from narrows.identification.bank_answer import Answer
     from narrows.terms.term import TermTable
+
+
+SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 
 
 @dataclass(frozen=True)
@@ -90,13 +96,26 @@ def demo(
     out: Annotated[Path, Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
-    """Run the main job on the bundled tests: the KCS in a 7 m tank, at three depths."""
+    """Identify simulated tests of the DTC, where the bank is known, and measured ones of the KCS at three depths."""
     from narrows.captive.measured import measured_tests
     from narrows.identification.conditions import identify_conditions
 
     folder(out)
     fits = identify_conditions(measured_tests("kcs"))
-    publish(fits, "kcs", ModelDelivery(out / "kcs.toml", out / "report.html", json))
+    delivery = ModelDelivery(out / "kcs.toml", out / "report.html", json)
+    publish(fits, "simulated and measured tests", delivery, {"simulated tests": _simulated()})
+
+
+def _simulated() -> "Fit":
+    """A fit to simulated tests that separate the bank from the hull: harmonic runs, straight runs to both sides."""
+    from narrows.captive import HarmonicRun, StraightRun, twin
+    from narrows.identification import identify as identified
+
+    yaw_and_sway = product(("yaw", "sway"), SIMULATED_SPEEDS, (14.0, 23.0))
+    offsets = product((-2.0, -1.0, 1.0, 1.5, 2.0), SIMULATED_SPEEDS)
+    harmonic = [HarmonicRun(f"{kind} {u} m/s {period} s", kind, 0.5, period, u, 2) for kind, u, period in yaw_and_sway]
+    straight = [StraightRun(f"straight {y} m {u} m/s", y, u, 20.0) for y, u in offsets]
+    return identified(twin(runs=[*harmonic, *straight], rate=5.0))
 
 
 @verb("narrows explain out/kcs-C0101A01.toml kcs.csv --condition C0101A01 --report explained.html")
@@ -129,18 +148,22 @@ def explain(
     delivery.tell(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
 
 
-def publish(fits: dict[str, "Fit"], title: str, delivery: ModelDelivery) -> None:
+def publish(
+    fits: dict[str, "Fit"], title: str, delivery: ModelDelivery, first: Mapping[str, "Fit"] = MappingProxyType({})
+) -> None:
+    """Save, report and print fits; those that come first are not saved."""
     from narrows.identification.bank_answer import answer_of
 
-    answers = {label: answer_of(fit) for label, fit in fits.items()}
+    every = {**first, **fits}
+    answers = {label: answer_of(fit) for label, fit in every.items()}
     written = [_save(fit, delivery.output, label if len(fits) > 1 else "") for label, fit in fits.items()]
     if delivery.report:
         from narrows.progress import stage
         from narrows.report.fit_page import write_report
 
         with stage("drawing the report"):
-            write_report(fits, delivery.report, title, answers)
-    _show(fits, answers, delivery.json)
+            write_report(every, delivery.report, title, answers)
+    _show(every, answers, delivery.json)
     say_written([*written, delivery.report], delivery.json)
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)

@@ -1,6 +1,7 @@
-"""What a fit says first: a sentence on the hull, one on the bank, whether to trust it, and which runs to make next."""
+"""The answer of a fit: a sentence on the hull, one on the bank, one on the runs to make next."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,20 +23,25 @@ OFF_CENTRE = 0.1
 
 @dataclass(frozen=True)
 class Answer:
-    """What comes first of all that is known of a fit."""
+    """The hull, the bank and the next runs of a fit, a sentence each; then what lies behind them."""
 
     fit: Fit  # Of the terms that were asked for
-    preferred: Fit | None  # Of the hull's terms that err least on what was left out, where these are others
+    preferred: Fit | None  # Of the hull's terms that err least on left-out motions, where these are others
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """How well the hull is known, the bank's coefficients, whether to trust them, and what to run next."""
-        return self._hull(), self._coefficients(), self._trust(), self._next_runs()
+        """How well the hull is known, how well the bank, and what to run next."""
+        return self._hull(), self._bank(), self._next_runs()
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """What other terms of the hull say of the bank, and which errors of a campaign would change the answer."""
+        return tuple(filter(None, (self._other_terms(), self._limits() if self.settled else "")))
 
     def to_dict(self) -> dict[str, object]:
-        """Give the sentences, and the terms that the tests prefer."""
+        """Give the sentences, the details, and the terms that predict left-out motions best."""
         terms = (self.preferred or self.fit).terms.name
-        return {"summary": " ".join(self.sentences), "preferred_terms": terms}
+        return {"summary": " ".join(self.sentences), "details": list(self.details), "preferred_terms": terms}
 
     @property
     def settled(self) -> bool:
@@ -46,56 +52,46 @@ class Answer:
         return bool(names) and certain and not self.fit.implausible and not self._apart()
 
     def _hull(self) -> str:
-        """How many hull coefficients are identified, and how well left-out motions are predicted."""
         hull = [term.name for term in self.fit.terms.terms if not term.from_bank]
         known = sum(self.fit.verdicts[name].status == IDENTIFIED for name in hull)
-        first = f"{known} of {len(hull)} hull coefficients are identified"
-        parts = [f"{one.force} to +- {one.half:.2g} {UNITS[one.force]}" for one in self.fit.predictiveness]
-        return f"{first}; motions left out in turn are predicted {', '.join(parts)} (95 %)." if parts else f"{first}."
+        first = f"The tests identify {known} of {len(hull)} hull coefficients"
+        parts = [f"{one.half:.2g} {UNITS[one.force]} in {one.force}" for one in self.fit.predictiveness]
+        return f"{first}; the model predicts left-out motions within {listed(parts)} (95 %)." if parts else f"{first}."
 
-    def _coefficients(self) -> str:
+    def _bank(self) -> str:
         if not bank_names(self.fit):
-            return f"The terms {self.fit.terms.name} have none of the bank, so that nothing is said of it."
-        first = f"Under the terms {self.fit.terms.name} the bank's coefficients are {_listed(self.fit)}"
-        if self.preferred is None:
-            return f"{first}; {_why_none(self.fit)}."
-        other, fit = self.preferred.left_out, self.fit.left_out
-        errors = [f"{other[f].rmse:.3g} for {fit[f].rmse:.3g} {UNITS[f]} in {f}" for f in _forces(self.fit)]
-        told = f"which these tests prefer (errors on motions left out {' and '.join(errors)})"
-        return f"{first}; under {self.preferred.terms.name}, {told}, {_listed(self.preferred)}."
-
-    def _trust(self) -> str:
+            return f"The terms {self.fit.terms.name} have no bank."
         if self.fit.implausible:
-            return f"They cannot be trusted, as something is wrong with the tests: {self.fit.implausible[0]}"
+            return f"Do not trust the bank's coefficients: {self.fit.implausible[0]}"
+        values = _values(self.fit)
         if self.settled:
-            return (
-                f"They are identified as far as these terms hold: {'; '.join(self._limits())}. No test shows a gain "
-                "that all runs share."
-            )
-        if not bank_names(self.fit):
-            known = sum(verdict.status == IDENTIFIED for verdict in self.fit.verdicts.values())
-            return f"{known} of {len(self.fit.terms.names)} coefficients are identified."
-        return f"They are not all identified: {'; '.join(self._doubts())}."
+            return f"The tests identify the bank: {values}."
+        doubts = _doubts(self.fit)
+        if doubts:
+            return f"The tests do not determine the bank: {values}; {doubts}."
+        other = self.preferred.terms.name if self.preferred else ""
+        return f"The tests determine the bank with the terms {self.fit.terms.name} alone, not with {other}: {values}."
 
-    def _limits(self) -> list[str]:
+    def _other_terms(self) -> str:
+        """The bank with the terms that predict left-out motions best."""
+        if self.preferred is None:
+            return ""
+        other, fit = self.preferred.left_out, self.fit.left_out
+        errors = [f"{other[f].rmse:.3g} instead of {fit[f].rmse:.3g} {UNITS[f]} in {f}" for f in _forces(self.fit)]
+        first = f"The terms {self.preferred.terms.name} predict left-out motions better (rms error {listed(errors)})"
+        doubts, apart = _doubts(self.preferred), self._apart()
+        more = [
+            doubts,
+            f"{listed(apart)} {'differ' if len(apart) > 1 else 'differs'} from the terms above" * bool(apart),
+        ]
+        return "; ".join([f"{first}: {_values(self.preferred)}", *filter(None, more)]) + "."
+
+    def _limits(self) -> str:
         """Which error of a campaign would put each coefficient of the bank outside its interval."""
-        told = [(name, self.fit.verdicts[name].limits) for name in bank_names(self.fit)]
-        parts = [f"{name} would be off by more with {' or '.join(limits[:2])}" for name, limits in told if limits]
-        return parts or ["no usual error of a campaign puts them outside their intervals"]
-
-    def _doubts(self) -> list[str]:
-        doubts = []
-        for fit in (self.fit, self.preferred):
-            words = (
-                [_doubt(fit, name) for name in bank_names(fit) if fit.verdicts[name].status != IDENTIFIED]
-                if fit
-                else []
-            )
-            if fit and words:
-                where = f"under {fit.terms.name} " if fit is self.preferred else ""
-                doubts.append(f"{where}{', '.join(words)}")
-        apart = self._apart()
-        return [*doubts, *([f"the two disagree on {' and '.join(apart)}"] if apart else [])]
+        limits = {name: self.fit.verdicts[name].limits[:2] for name in bank_names(self.fit)}
+        parts = [f"{name} would leave its interval with {' or '.join(most)}" for name, most in limits.items() if most]
+        told = "; ".join(parts) or "No usual error of a campaign puts the bank's coefficients outside their intervals"
+        return f"{told}. No test shows a gain that all runs share."
 
     def _apart(self) -> list[str]:
         """Coefficients whose intervals under the two tables of terms have nothing in common."""
@@ -106,12 +102,10 @@ class Answer:
 
     def _next_runs(self) -> str:
         if self.settled:
-            return (
-                "No run is needed to tell that there is a bank's force; narrows plan names those that narrow it most."
-            )
+            return "More runs are not needed to show the bank's force; narrows plan chooses those that narrow it most."
         asks = missing_runs(self.fit)
-        plan = "narrows plan, with --after these tests, chooses them"
-        return f"Run next: {', and '.join(asks)}; {plan}." if asks else f"Run next other motions than these: {plan}."
+        what = listed(asks) if asks else "motions other than these"
+        return f"Run next: {what}; narrows plan --after chooses them."
 
 
 def answer_of(fit: Fit) -> Answer:
@@ -178,18 +172,25 @@ def _relative_error(other: Fit, fit: Fit) -> float:
     return mean if math.isfinite(mean) else math.inf
 
 
-def _listed(fit: Fit) -> str:
+def listed(parts: Sequence[str]) -> str:
+    """Join words as a sentence lists them."""
+    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
+
+
+def _values(fit: Fit) -> str:
     parts = []
     for name in bank_names(fit):
-        low, high = fit.intervals[name]
-        known = fit.verdicts[name].determined
-        parts.append(f"{name} {fit.coefficients[name]:.2g} ({low:.2g} to {high:.2g})" if known else f"{name} unknown")
-    return " and ".join(parts)
+        if not fit.verdicts[name].determined:
+            parts.append(f"{name} unknown")
+            continue
+        std = fit.std[name]
+        digits = 1 - math.floor(math.log10(std)) if 0 < std < math.inf else 3  # Two of the standard error
+        value, low, high = (f"{one:.{max(digits, 0)}f}" for one in (fit.coefficients[name], *fit.intervals[name]))
+        parts.append(f"{name} {value} ({low} to {high})")
+    return listed(parts)
 
 
-def _doubt(fit: Fit, name: str) -> str:
-    return f"{name} is {fit.verdicts[name].words}"
-
-
-def _why_none(fit: Fit) -> str:
-    return "no other terms of the hull do better on these tests" if _comparable(fit) else "no other terms were tried"
+def _doubts(fit: Fit) -> str:
+    """Why coefficients of the bank are not identified; empty where all are."""
+    unsure = [name for name in bank_names(fit) if fit.verdicts[name].status != IDENTIFIED]
+    return listed([f"{name} is {fit.verdicts[name].words}" for name in unsure])

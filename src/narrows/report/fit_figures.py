@@ -68,7 +68,7 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
         columns = np.stack([np.broadcast_to(fit.terms[name].column(values), tests.rows) for name in names], axis=1)
         predicted = (columns * without[rows][:, [fit.terms.names.index(name) for name in names]]).sum(axis=1)
         measured = tests.columns[force]
-        panel.plot(predicted, measured, ".", color=BLUE, markersize=2, alpha=0.6)
+        panel.plot(predicted, measured, ".", color=BLUE, markersize=2, alpha=0.6, rasterized=True)
         ends = [float(measured.min()), float(measured.max())]
         panel.plot(ends, ends, color=BLACK, linewidth=0.7)
         unit = "N m" if force == "N" else "N"

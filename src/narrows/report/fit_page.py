@@ -63,10 +63,9 @@ def write_report(
     InputError
         Where the file cannot be written.
     """
-    sections = [section(label, fit, number) for number, (label, fit) in enumerate(fits.items())]
     answers = answers or {label: answer_of(fit) for label, fit in fits.items()}
-    told = [(heading(fit, label), (*fit.implausible, *answers[label].sentences)) for label, fit in fits.items()]
-    page = render("fits.html.j2", title=title, answers=told, sections=sections, comparison=_comparison(fits))
+    sections = [section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]
+    page = render("fits.html.j2", title=title, sections=sections, comparison=_comparison(fits))
     write_whole(path, page)
 
 
@@ -84,13 +83,15 @@ def figure(picture: Any, caption: str) -> dict[str, str]:
     return {"svg": svg(picture), "caption": caption}
 
 
-def section(label: str, fit: Fit, number: int) -> dict[str, Any]:
+def section(label: str, fit: Fit, number: int, answer: Answer | None = None) -> dict[str, Any]:
     """Gather what the page says of a fit."""
     source, envelope = fit.tests.source, asdict(fit.data_range)
     shares = {kind: fit.shapley(kind) for kind in KINDS}
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
+        "answer": (*fit.implausible, *answer.sentences) if answer else (),
+        "details": answer.details if answer else (),
         "source": source,
         "ship": {k: v for k, v in asdict(fit.tests.configuration.ship).items() if v is not None},
         "setting": {"width": fit.tests.configuration.canal.width, "depth": fit.tests.configuration.canal.depth,
@@ -202,6 +203,8 @@ def _of_delta(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str
 
 
 def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
+    ship = [*fits.values()][-1].tests.configuration.ship
+    fits = {label: fit for label, fit in fits.items() if fit.tests.configuration.ship == ship}
     if len(fits) < 2:
         return None
     names = next(iter(fits.values())).terms.names

@@ -25,14 +25,18 @@ def print_fit(
     console.print(f"\n{heading(fit, label)}", style="bold")
     for sentence in fit.implausible:
         console.print(sentence, style="bold red")
-    for sentence in (answer or answer_of(fit)).sentences:
+    answer = answer or answer_of(fit)
+    for sentence in answer.sentences:
         console.print(sentence)
     if table or everything():
         console.print()
         console.print(_coefficients(fit))
     if not everything():
-        print_notes(console, fit.notes if fit.solution.kkt.satisfied else (kkt_sentence(fit), *fit.notes))
+        failed = () if fit.solution.kkt.satisfied else (kkt_sentence(fit),)
+        print_notes(console, (*failed, *answer.details, *fit.notes))
         return
+    for sentence in answer.details:
+        console.print(sentence)
     console.print("What these tests do not determine", style="bold")
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:

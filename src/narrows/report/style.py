@@ -120,7 +120,7 @@ def svg(figure: Figure) -> str:
 
     memory = StringIO()
     with rc_context(FONT):
-        figure.savefig(memory, format="svg", metadata={"Date": None})
+        figure.savefig(memory, format="svg", dpi=100, metadata={"Date": None})
     text = memory.getvalue()
     return text[text.index("<svg") :]
 
