@@ -19,6 +19,7 @@ from .empirical import estimate_model as estimate_model
 from .empirical import published as published
 from .empirical import ready_ships as ready_ships
 from .errors import InputError as InputError
+from .errors import show_versions as show_versions
 from .experiment_design import Plan as Plan
 from .experiment_design import Tank as Tank
 from .experiment_design import plan_tests as plan_tests
@@ -56,9 +57,11 @@ from .logbook import read_log as read_log
 from .logbook import stream_log as stream_log
 from .manoeuvres import Trials as Trials
 from .manoeuvres import Turning as Turning
+from .manoeuvres import ZigzagTest as ZigzagTest
 from .manoeuvres import overshoots as overshoots
 from .manoeuvres import sail_trials as sail_trials
 from .manoeuvres import turning_circle as turning_circle
+from .manoeuvres import zigzag as zigzag
 from .model.bank_force import BankForce as BankForce
 from .model.bank_force import bank_force as bank_force
 from .model.data_range import DataRange as DataRange
@@ -101,6 +104,7 @@ from .simulation import Autopilot as Autopilot
 from .simulation import ConstantRudder as ConstantRudder
 from .simulation import ControlLaw as ControlLaw
 from .simulation import Controller as Controller
+from .simulation import Fleet as Fleet
 from .simulation import Jacobian as Jacobian
 from .simulation import Outcome as Outcome
 from .simulation import RudderSchedule as RudderSchedule

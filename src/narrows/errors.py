@@ -1,12 +1,13 @@
 """What goes wrong with a user's input, in one sentence with the place and the remedy."""
 
 import os
+import platform
 import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
-from importlib.metadata import PackageNotFoundError, requires
+from importlib.metadata import PackageNotFoundError, requires, version
 from numbers import Integral
 from pathlib import Path
 from reprlib import Repr
@@ -121,6 +122,25 @@ def libraries_of(extra: str) -> list[str]:
     except PackageNotFoundError:  # It runs out of a folder.
         return []
     return [line.split(";")[0].strip() for line in lines if re.search(f";.*extra == ['\"]{extra}['\"]", line)]
+
+
+def show_versions() -> None:
+    """Print the versions of narrows, Python, the system and the libraries, extras among them."""
+    found = {"narrows": version_of("narrows"), "python": platform.python_version(), "system": platform.platform()}
+    try:
+        lines = requires("narrows") or []
+    except PackageNotFoundError:  # It runs out of a folder.
+        lines = []
+    found |= {name: version_of(name) for name in sorted({re.split(r"[^\w.-]", line)[0] for line in lines})}
+    width = max(map(len, found))
+    print("\n".join(f"{name:{width}}  {number}" for name, number in found.items()))
+
+
+def version_of(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def installing(libraries: Iterable[str]) -> str:

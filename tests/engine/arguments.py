@@ -238,7 +238,14 @@ class Table:
             "bank_stiffness": Entry(
                 {"configuration": paper().configuration}, {"configuration": mmg().configuration}
             ),
-            "turning_circle": Entry({"voyage": circling()}, {"voyage": circling(-0.25)}),
+            "turning_circle": Entry(
+                {"model": steered(), "rudder": 20.0, "speed": 1.0}, {"model": mmg(), "rudder": 15.0, "speed": 1.1}
+            ),
+            "zigzag": Entry(
+                {"model": steered(), "rudder": 10.0, "heading": 10.0, "speed": 1.0},
+                {"model": mmg(), "rudder": 15.0, "heading": 8.0, "speed": 1.1},
+            ),
+            "show_versions": Entry({}, {}),
             "overshoots": Entry(
                 {"voyage": zigzagging(), "zigzag": nw.Zigzag(0.17, 0.17)},
                 {"voyage": zigzagging(0.2), "zigzag": nw.Zigzag(0.17, 0.1)},
@@ -360,11 +367,11 @@ class Table:
                  "friction": nw.Friction(2.8, 0.1, 1.0)},
             ),
             "squat": Entry(
-                {"configuration": shallow().configuration, "speed": 0.5},
-                {"configuration": by_width(), "speed": 0.6, "gives": "bow",
+                {"ship": shallow(), "u": 0.5},
+                {"ship": by_width(), "u": 0.6, "gives": "bow",
                  "formula": under("tuck_bow", gives="bow", base="icorels")},
             ),
-            "choke_speed": Entry({"configuration": shallow().configuration}, {"configuration": by_width()}),
+            "choke_speed": Entry({"ship": shallow()}, {"ship": by_width()}),
             "equivalent_wall": Entry(
                 {"profile": [(10.0, 0.0), (20.0, 8.0)], "depth": 5.0},
                 {"profile": [(10.0, 0.0), (25.0, 8.0)], "depth": 6.0},

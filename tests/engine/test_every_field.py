@@ -16,6 +16,7 @@ MADE = {
     "EnvelopeChange", "Explanation", "Fit", "Foresight", "InputError",
     "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
     "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
+    "Fleet", "ZigzagTest",
 }  # fmt: skip
 """What functions return."""
 VOCABULARY = {

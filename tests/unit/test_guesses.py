@@ -164,7 +164,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
     "fit.popt": (lambda: fit().popt, "write coefficients"),  # type: ignore[attr-defined]
     "fit.tvalues": (lambda: fit().tvalues, "write verdicts"),  # type: ignore[attr-defined]
-    "fit.aic": (lambda: fit().aic, "write left_out"),  # type: ignore[attr-defined]
+    "fit.aic": (lambda: fit().aic, "rows of one run are not independent; write left_out"),  # type: ignore[attr-defined]
     "voyage.heading": (lambda: voyage().heading, "write psi"),  # type: ignore[attr-defined]
     "nw.simulate(..., t_end=20)": (lambda: nw.simulate(DTC, y=0.5, t_end=20.0), "write duration"),
     "nw.simulate(..., psi_deg=2)": (lambda: nw.simulate(DTC, y=0.5, psi_deg=2.0), r"write psi=np.radians\(...\)"),
@@ -223,7 +223,7 @@ model.with_coefficients({"b_bank": 0.0})["b_bank"]
 model.plot()
 model.linearize(y=0.5, u=1.0).A
 voyage.x.max()
-voyage.loc[:5.0]
+voyage.loc[:50]
 voyage.describe()
 voyage.iloc[-1]
 pd.DataFrame(voyage).tail()

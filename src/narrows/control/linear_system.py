@@ -86,6 +86,10 @@ class LinearSystem(Shown):
         parts = {name: getattr(self, name)[index] for name in ("A", "B", "G")}
         return replace(self, **parts, course=course, varied=())
 
+    def matrices(self, *controls: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return A and B of one course, B of some controls; of all unless given."""
+        return self._of_one(self.A), self._of_one(self.B)[:, self._columns(controls)]
+
     def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return the rates of the states of one course, what is no state, control or disturbance as on the course.
 

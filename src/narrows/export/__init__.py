@@ -1,8 +1,15 @@
 """Export: a model out of Python, printed from the lines that its voyages are sailed by."""
 
-from typing import TYPE_CHECKING
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from narrows.errors import check_choice
 from narrows.export.exporters import EXPORTERS
+from narrows.files import form_of
+
+if TYPE_CHECKING:
+    from narrows.model.model import Model
 
 if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter brings its own.
     from narrows.export.exporters.to_bank_force import write_bank_force as write_bank_force
@@ -14,5 +21,33 @@ if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter b
     from narrows.export.exporters.to_page import write_page as write_page
     from narrows.export.exporters.to_python import write_python as write_python
 
+# Of a whole ship, by suffix: the exporter of the bank's force alone shares its suffixes with others.
+BY_SUFFIX = {suffix: own for own in EXPORTERS.values() if own.kind != "bank-force" for suffix in own.suffixes}
+
+
+def write(model: "Model", path: str | Path, **options: Any) -> Any:
+    """Write a model in the language that the suffix says.
+
+    Parameters
+    ----------
+    model : Model
+        The ship in its canal.
+    path : str or Path
+        Where to: ``.h``, ``.hpp``, ``.fmu``, ``.mjs``, ``.html``, ``.m``, ``.py`` or ``.tex``.
+    **options : Any
+        As of the exporter of that language: ``write_c``, ``write_fmu`` ...
+
+    Raises
+    ------
+    InputError
+        Where there is no such language, or the exporter refuses.
+    """
+    exporter = BY_SUFFIX[form_of(path, tuple(BY_SUFFIX))]
+    known = [own for own in signature(exporter.write).parameters if own not in ("model", "path")]
+    for name in options:
+        check_choice("option", name, known)
+    return exporter.write(model, path, **options)
+
+
 globals().update({own.write.__name__: own.write for own in EXPORTERS.values()})
-__all__ = ["EXPORTERS", *sorted(own.write.__name__ for own in EXPORTERS.values())]
+__all__ = ["EXPORTERS", "write", *sorted(own.write.__name__ for own in EXPORTERS.values())]

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,6 +116,13 @@ class Fit(Prediction):
     def at_bound(self) -> tuple[str, ...]:
         """Coefficients at a bound."""
         return tuple(name for name, value in self.coefficients.items() if value in self._edges(name))
+
+    @property
+    def vif(self) -> dict[str, float]:
+        """Variance inflation factor of each coefficient among those of its force, over all rows [1]."""
+        return {
+            name: factor for diagnosis in self.diagnostics.overall.values() for name, factor in diagnosis.vif.items()
+        }
 
     @property
     def model(self) -> Model:
@@ -274,6 +282,24 @@ class Fit(Prediction):
         noise = tuple(filter(None, [noise_sentence(self.tests, bias, self.coefficients)]))
         known = (*self.tests.notes, self.motions.sentence, *alone * (len(self.motions) < 2), *depths)
         return (*known, *bank, *helm, *noise)
+
+    def save(self, path: str | Path) -> None:
+        """Write it in the form that the suffix says; ``.toml`` is its model, which ``load_model`` reads.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where to.
+
+        Raises
+        ------
+        InputError
+            Where there is no such form, or the file cannot be written.
+        """
+        if Path(path).suffix == ".toml":
+            self.model.save(path)
+        else:
+            super().save(path)
 
     def summary(self) -> str:
         """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""

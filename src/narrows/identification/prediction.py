@@ -20,6 +20,8 @@ from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Share of the truths that intervals are to miss.
 ALPHA = 0.05
@@ -68,6 +70,24 @@ class Prediction(Shown):
     def residuals(self: Fitted) -> "pd.DataFrame":
         """Measured less estimated surge force [N], sway force [N] and yaw moment [N m], at each row of the fit."""
         return _rows(self, self.tests, measured=True)
+
+    def plot_residuals(self: Fitted, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
+        """Draw the residuals of each force over its estimates, a colour for each test.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw one force; a figure of its own unless given.
+        force : str, optional
+            ``X``, ``Y`` or ``N``; all that were fitted unless given, or the first of them on given axes.
+
+        Raises
+        ------
+        InputError
+            Where the fit has no such force.
+        """
+        fit: Any = self
+        return narrows.report.residuals_figure(fit, ax, force)
 
     def score(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
         """Return R2 and RMSE of each force on other tests than those of the fit."""

@@ -1,4 +1,4 @@
-"""The trials that ships are judged by: a turning circle to either side, zigzags to either side first."""
+"""The trials that ships are judged by: turning circles and zigzags in open water, and what is read off them."""
 
 import math
 from dataclasses import dataclass
@@ -10,6 +10,8 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.results import Shown
 from narrows.simulation.controllers import ConstantRudder, Zigzag
+from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
@@ -23,10 +25,16 @@ MODEL_LENGTH = 30.0
 # Ship lengths at the approach speed that a trial lasts.
 TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 
+# Rudder angles below this [deg] were meant in radians.
+LEAST_RUDDER_DEG = 1.0
 
-@dataclass(frozen=True)
-class Turning:
-    """A turning circle, from where the rudder was ordered.
+# What trials are read for: a turning circle's advance and diameter, a zigzag's overshoots.
+QUARTER, HALF = np.pi / 2, np.pi
+
+
+@dataclass(frozen=True, repr=False)
+class Turning(Shown):
+    """A turning circle, from where the rudder was ordered: what ``turning_circle`` returns.
 
     Parameters
     ----------
@@ -36,11 +44,94 @@ class Turning:
         Across it, then.
     tactical_diameter : float [m]
         Across it when the heading has changed by 180 degrees.
+    voyage : Voyage
+        The circle itself.
+    notes : tuple of str
+        What was assumed.
     """
 
     advance: float
     transfer: float
     tactical_diameter: float
+    voyage: Voyage
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, voyage: Voyage, notes: tuple[str, ...] = ()) -> "Turning":
+        """Read a turning circle from a voyage that starts with the order, x along the first course.
+
+        Parameters
+        ----------
+        voyage : Voyage
+            In open water, under a held rudder.
+        notes : tuple of str
+            What was assumed.
+
+        Raises
+        ------
+        InputError
+            Where the ship has not turned by 180 degrees.
+        """
+        turned = np.abs(voyage.psi - voyage.psi[0])
+        if turned.max() < HALF:
+            raise InputError(
+                f"the ship turned by {np.degrees(turned.max()):.0f} degrees of the 180 asked for; sail on for longer"
+            )
+        x, y = (column - column[0] for column in (voyage.x, voyage.y))
+        first = slice(0, int(np.argmax(turned >= HALF)) + 1)
+        along, across = (np.interp((QUARTER, HALF), turned[first], np.abs(column[first])) for column in (x, y))
+        return cls(float(along[0]), float(across[0]), float(across[1]), voyage, notes)
+
+    def summary(self) -> str:
+        """Say advance, transfer and tactical diameter in ship lengths and metres."""
+        measures = self.to_dict()
+        parts = (
+            f"{name.replace('_', ' ')} {measures[f'{name}_over_length']:.2f} L ({measures[name]:.4g} m)"
+            for name in ("advance", "transfer", "tactical_diameter")
+        )
+        return f"Rudder {math.degrees(self.voyage.rudder[-1]):+.3g} degrees: {', '.join(parts)}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the measures by name, in metres and over the ship's length."""
+        metres = {name: getattr(self, name) for name in ("advance", "transfer", "tactical_diameter")}
+        return {**metres, **self.over_length()}
+
+    def over_length(self) -> dict[str, float]:
+        """Return the measures over the ship's length, and the steady speed over that of the approach [1]."""
+        length, u = self.voyage.configuration.ship.length, self.voyage.u
+        return {
+            "advance_over_length": self.advance / length,
+            "transfer_over_length": self.transfer / length,
+            "tactical_diameter_over_length": self.tactical_diameter / length,
+            "speed_over_approach": float(u[-1] / u[0]),
+        }
+
+
+@dataclass(frozen=True, repr=False)
+class ZigzagTest(Shown):
+    """A zigzag and its overshoots: what ``zigzag`` returns.
+
+    Parameters
+    ----------
+    overshoots_deg : tuple of float [deg]
+        How far the heading went on after each order that reversed the rudder.
+    voyage : Voyage
+        The zigzag itself.
+    notes : tuple of str
+        What was assumed.
+    """
+
+    overshoots_deg: tuple[float, ...]
+    voyage: Voyage
+    notes: tuple[str, ...] = ()
+
+    def summary(self) -> str:
+        """Say the overshoots."""
+        return f"Zigzag: overshoots {', '.join(f'{angle:.1f}' for angle in self.overshoots_deg)} degrees."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the overshoots by name."""
+        return {"overshoots_deg": list(self.overshoots_deg)}
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,18 +144,18 @@ class Trials(Shown):
         In open water.
     speed : float [m/s]
         Of the approach.
-    turning : dict of str to (Voyage, Turning)
+    turning : dict of str to Turning
         By the order, as in ``+35``.
-    zigzags : dict of str to (Voyage, tuple of float [rad])
-        By rudder and heading, as in ``+10/10``, with the overshoots.
+    zigzags : dict of str to ZigzagTest
+        By rudder and heading, as in ``+10/10``.
     notes : tuple of str
         What was assumed.
     """
 
     model: Model
     speed: float
-    turning: dict[str, tuple[Voyage, Turning]]
-    zigzags: dict[str, tuple[Voyage, tuple[float, ...]]]
+    turning: dict[str, Turning]
+    zigzags: dict[str, ZigzagTest]
     notes: tuple[str, ...]
 
     def __repr__(self) -> str:
@@ -110,29 +201,67 @@ class Trials(Shown):
         )
 
     def _circles(self) -> dict[str, dict[str, float]]:
-        length = self.model.configuration.ship.length
-        return {
-            order: {
-                "advance_over_length": circle.advance / length,
-                "transfer_over_length": circle.transfer / length,
-                "tactical_diameter_over_length": circle.tactical_diameter / length,
-                "speed_over_approach": float(voyage.u[-1] / self.speed),
-            }
-            for order, (voyage, circle) in self.turning.items()
-        }
+        return {order: circle.over_length() for order, circle in self.turning.items()}
 
     def _zigzags(self) -> dict[str, dict[str, list[float]]]:
-        return {
-            order: {"overshoots_deg": [math.degrees(angle) for angle in overshoot_angles]}
-            for order, (_, overshoot_angles) in self.zigzags.items()
-        }
+        return {order: test.to_dict() for order, test in self.zigzags.items()}
+
+
+def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = None) -> Turning:
+    """Sail a turning circle in open water.
+
+    Parameters
+    ----------
+    model : Model
+        With the terms of a rudder; those of the banks are left out.
+    rudder : float [deg]
+        Its angle, positive where it turns the bow to starboard.
+    speed : float [m/s], optional
+        Of the approach; one that suits the ship unless given.
+
+    Raises
+    ------
+    InputError
+        As ``sail_trials``.
+
+    References
+    ----------
+    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
+    """
+    return _TrialShip.of(model, speed).turn(rudder)
+
+
+def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None) -> ZigzagTest:
+    """Sail a zigzag in open water, the rudder first to starboard.
+
+    Parameters
+    ----------
+    model : Model
+        With the terms of a rudder; those of the banks are left out.
+    rudder : float [deg]
+        Its angle; first to port where it is negative.
+    heading : float [deg]
+        Change of heading at which the rudder is reversed.
+    speed : float [m/s], optional
+        Of the approach; one that suits the ship unless given.
+
+    Raises
+    ------
+    InputError
+        As ``sail_trials``.
+
+    References
+    ----------
+    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
+    """
+    return _TrialShip.of(model, speed).zigzag(rudder, heading)
 
 
 def sail_trials(
-    model: Model, speed: float, turn_deg: float = 35.0, zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)),
-    dt: float | None = None,
+    model: Model, speed: float | None = None, turn_deg: float = 35.0,
+    zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)), dt: float | None = None,
 ) -> Trials:  # fmt: skip
-    """Sail turning circles and zigzags in open water.
+    """Sail turning circles and zigzags in open water, each to either side.
 
     The speed is free where the model knows what resists its change, and held where it does not.
 
@@ -140,8 +269,8 @@ def sail_trials(
     ----------
     model : Model
         With the terms of a rudder; those of the banks are left out.
-    speed : float [m/s]
-        Of the approach.
+    speed : float [m/s], optional
+        Of the approach; one that suits the ship unless given.
     turn_deg : float [deg]
         Rudder of the circles.
     zigzags : pairs of float [deg]
@@ -155,33 +284,67 @@ def sail_trials(
         Where the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or it
         does not turn far enough.
     """
-    if not 0 < speed < math.inf:
-        raise InputError(f"an approach at {speed} m/s is none; give its speed over 0")
-    limit = model.configuration.gear.limit_deg
+    ship = _TrialShip.of(model, speed, dt)
     for angle in (turn_deg, *(rudder for rudder, _ in zigzags)):
-        if not 0 < angle <= limit:
-            raise InputError(f"a rudder of {angle:g} degrees is not between 0 and the gear's {limit:g}; choose another")
-    ship = model.in_open_water()
-    free = ship.surge_inertia > 0
-    pace = ship.configuration.ship.length / speed
-    step = pace / STEPS_A_LENGTH if dt is None else dt
-    options: dict[str, Any] = {"u": speed, "dt": step, "contact": "none", "surge": "free" if free else "held"}
-    turning, tacking = {}, {}
-    for sign in (1, -1):
-        order = ConstantRudder(math.radians(sign * turn_deg))
-        voyage = simulate(ship, duration=TURNING_LENGTHS * pace, controller=order, **options)
-        turning[f"{sign * turn_deg:+g}"] = (voyage, turning_circle(voyage))
-    for rudder, heading in zigzags:
-        for sign in (1, -1):
-            zigzag = Zigzag(math.radians(sign * rudder), math.radians(heading))
-            voyage = simulate(ship, duration=ZIGZAG_LENGTHS * pace, controller=zigzag, **options)
-            tacking[f"{sign * rudder:+g}/{heading:g}"] = (voyage, overshoots(voyage, zigzag))
-    notes = () if free else ("the speed is held: nothing in the model says what resists its change",)
-    if model.configuration.steering is None and model.configuration.ship.length < MODEL_LENGTH:
-        notes = (*notes, "the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
-    if ship is not model:
-        notes = (*notes, "the terms of the banks are left out: open water, and the depth that the others hold for")
-    return Trials(ship, speed, turning, tacking, notes)
+        ship.check(angle)
+    turning = {f"{sign * turn_deg:+g}": ship.turn(sign * turn_deg) for sign in (1, -1)}
+    tacking = {
+        f"{sign * rudder:+g}/{heading:g}": ship.zigzag(sign * rudder, heading)
+        for rudder, heading in zigzags
+        for sign in (1, -1)
+    }
+    return Trials(ship.model, ship.speed, turning, tacking, ship.notes)
+
+
+@dataclass(frozen=True)
+class _TrialShip:
+    """A ship in open water on its approach."""
+
+    model: Model
+    speed: float
+    dt: float
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, model: Model, speed: float | None, dt: float | None = None) -> "_TrialShip":
+        u = voyage_defaults(model).speed if speed is None else finite_numbers(speed=speed)["speed"]
+        if not u > 0:
+            raise InputError(f"an approach at {u} m/s is none; give its speed over 0")
+        ship, hull = model.in_open_water(), model.configuration.ship
+        notes = (
+            [] if ship.surge_inertia > 0 else ["the speed is held: nothing in the model says what resists its change"]
+        )
+        if model.configuration.steering is None and hull.length < MODEL_LENGTH:
+            notes.append("the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
+        if ship is not model:
+            notes.append("the terms of the banks are left out: open water, and the depth that the others hold for")
+        return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes))
+
+    def check(self, rudder: float) -> None:
+        limit = self.model.configuration.gear.limit_deg
+        if not 0 < abs(rudder) <= limit:
+            raise InputError(
+                f"a rudder of {rudder:g} degrees is not between 0 and the gear's {limit:g}; choose another"
+            )
+        if abs(rudder) < LEAST_RUDDER_DEG:
+            raise InputError(f"a rudder of {rudder:g} degrees turns no ship; give it in degrees, not in radians")
+
+    def turn(self, rudder: float) -> Turning:
+        self.check(rudder)
+        return Turning.of(self._sail(ConstantRudder(math.radians(rudder)), TURNING_LENGTHS), self.notes)
+
+    def zigzag(self, rudder: float, heading: float) -> ZigzagTest:
+        self.check(rudder)
+        law = Zigzag(math.radians(rudder), math.radians(heading))
+        voyage = self._sail(law, ZIGZAG_LENGTHS)
+        return ZigzagTest(tuple(math.degrees(angle) for angle in overshoots(voyage, law)), voyage, self.notes)
+
+    def _sail(self, law: ConstantRudder | Zigzag, lengths: float) -> Voyage:
+        longest = lengths * self.model.configuration.ship.length / self.speed
+        surge: Any = "free" if self.model.surge_inertia > 0 else "held"
+        return simulate(
+            self.model, u=self.speed, duration=longest, dt=self.dt, contact="none", surge=surge, controller=law
+        )
 
 
 def parse_zigzags(text: str) -> tuple[tuple[float, float], ...]:
@@ -192,43 +355,6 @@ def parse_zigzags(text: str) -> tuple[tuple[float, float], ...]:
         return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
     except ValueError:
         raise InputError(f"--zigzags {text!r} is not understood; write 10/10,20/20, in degrees") from None
-
-
-# What trials are read for: a turning circle's advance and diameter, a zigzag's overshoots.
-QUARTER, HALF = np.pi / 2, np.pi
-
-
-def turning_circle(voyage: Voyage) -> Turning:
-    """Read a turning circle from a voyage that starts with the order, x along the first course.
-
-    Parameters
-    ----------
-    voyage : Voyage
-        In open water, under a held rudder.
-
-    Returns
-    -------
-    Turning
-        To either side, positive.
-
-    Raises
-    ------
-    InputError
-        Where the ship has not turned by 180 degrees.
-
-    References
-    ----------
-    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
-    """
-    turned = np.abs(voyage.psi - voyage.psi[0])
-    if turned.max() < HALF:
-        raise InputError(
-            f"the ship turned by {np.degrees(turned.max()):.0f} degrees of the 180 asked for; sail on for longer"
-        )
-    x, y = (column - column[0] for column in (voyage.x, voyage.y))
-    first = slice(0, int(np.argmax(turned >= HALF)) + 1)
-    along, across = (np.interp((QUARTER, HALF), turned[first], np.abs(column[first])) for column in (x, y))
-    return Turning(float(along[0]), float(across[0]), float(across[1]))
 
 
 def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:

@@ -77,6 +77,16 @@ class Operations(Shown):
         model: Any = self
         return narrows.scale_model(model, length, **given)
 
+    def export(self, path: str | Path, **options: Any) -> Any:
+        """Write the model in another language, by the suffix of its file, as ``nw.export.write`` does."""
+        model: Any = self
+        return narrows.export.write(model, path, **options)
+
+    def to_c(self, path: str | Path = "ship.h", **options: Any) -> None:
+        """Write the model as one header of C99 and C++, as ``nw.export.write_c`` does."""
+        model: Any = self
+        narrows.export.write_c(model, path, **options)
+
     def with_canal(self, **changes: float) -> Any:
         """Return the model in another canal, its coefficients as they are: ``nw.at_depth`` corrects those for depth."""
         # **changes [m]

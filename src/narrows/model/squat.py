@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError, did_you_mean, shown
 from narrows.physics import squat_formulas as formulas
 from narrows.quantities.names import Number, asked_by
 from narrows.results import Shown
-from narrows.ship.particulars import Configuration
+from narrows.ship.particulars import Configuration, Configured
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -151,12 +151,12 @@ def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
     }
 
 
-def choke_speed(configuration: Configuration) -> float:
+def choke_speed(ship: Configured | Configuration) -> float:
     """Return the critical speed of a ship in its canal [m/s] (Schijf).
 
     Parameters
     ----------
-    configuration : Configuration
+    ship : Model or Configuration
         Ship and canal.
 
     Raises
@@ -164,12 +164,22 @@ def choke_speed(configuration: Configuration) -> float:
     InputError
         Where the canal has no depth.
     """
+    configuration = configuration_of(ship)
     ratios(configuration, 0.0)
-    ship, canal = configuration.ship, configuration.canal
-    return float(formulas.critical_speed(ship.beam, ship.draft, canal.width, canal.depth))
+    hull, canal = configuration.ship, configuration.canal
+    return float(formulas.critical_speed(hull.beam, hull.draft, canal.width, canal.depth))
 
 
-def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
+def configuration_of(ship: Configured | Configuration) -> Configuration:
+    """Return ship and canal of a model or the like; what is that already as it is."""
+    if isinstance(ship, Configured):
+        return ship.configuration
+    if not isinstance(ship, Configuration):
+        raise InputError(f"{shown(ship)} is no ship in a canal; give a model, or what nw.read_ship returns")
+    return ship
+
+
+def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
     """Estimate how far a ship sinks at a speed.
 
     The first formula of ``SQUAT`` that gives the wanted sinkage and holds here is taken; if none holds, the first that
@@ -178,10 +188,10 @@ def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship"
 
     Parameters
     ----------
-    configuration : Configuration
+    ship : Model or Configuration
         Ship and canal; the depth must be given.
-    speed : float [m/s]
-        Through the water.
+    u : float [m/s]
+        Speed through the water.
     gives : str
         ``midship``, ``bow`` or ``largest``.
     formula : str, optional
@@ -198,16 +208,16 @@ def squat(configuration: Configuration, speed: float, gives: Sinkage = "midship"
         raise InputError(f"unknown squat formula {formula!r}{did_you_mean(formula, SQUAT)}")
     if formula is not None and SQUAT[formula].gives != gives:
         raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage; ask for that, or for another formula")
-    critical = choke_speed(configuration)
-    if not 0 <= speed < critical:
-        raise InputError(f"{speed:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
+    configuration, critical = configuration_of(ship), choke_speed(ship)
+    if not 0 <= u < critical:
+        raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
     offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]
-    holding = [name for name in offered if not SQUAT[name].outside(configuration, speed)]
+    holding = [name for name in offered if not SQUAT[name].outside(configuration, u)]
     name = (holding or offered)[0]
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
-    notes = (*doubts, *chosen.outside(configuration, speed))
-    sinkage, mean = chosen.sinkage(configuration, speed), SQUAT["continuity"].sinkage(configuration, speed)
+    notes = (*doubts, *chosen.outside(configuration, u))
+    sinkage, mean = chosen.sinkage(configuration, u), SQUAT["continuity"].sinkage(configuration, u)
     if formula is None and mean > sinkage:
         less = f"{name} gives less than the mean sinkage of this canal, which is taken"
         return Squat(mean, "continuity", gives, critical, (less,))

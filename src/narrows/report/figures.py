@@ -9,21 +9,21 @@ from matplotlib.figure import Figure
 
 from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
-from narrows.errors import InputError, shown
+from narrows.errors import InputError, check_choice, shown
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.estimation.states import described
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.logbook import EnvelopeChange, Foresight, LogFindings, ShipLog, SteadyFit, SteadyPlan
-from narrows.manoeuvres import Trials
+from narrows.manoeuvres import Trials, Turning, ZigzagTest
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
 from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
 from narrows.report.envelope_chart import envelope_chart, rules_figure
-from narrows.report.fit_figures import comparison_figure, intervals_figure, motions_figure
+from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
-from narrows.report.manoeuvre_report import manoeuvres_figure
+from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
 from narrows.report.pilot_page import foresight_figure, pilot_page
 from narrows.report.steady_report import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
@@ -47,6 +47,16 @@ def figure_of(result: Any, axes: Axes | None = None) -> Figure:
     with drawing_on(axes):
         figure: Figure = _drawn(result)
     return figure
+
+
+def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:
+    """Draw the residuals of a fit over its estimates."""
+    fitted = [name for name, terms in fit.terms.forces.items() if terms]
+    if force is not None:
+        check_choice("force", force, fitted)
+        fitted = [force]
+    with drawing_on(axes):
+        return force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
 
 
 @singledispatch
@@ -109,6 +119,10 @@ _drawn.register(ShipLog, log_figure)
 _drawn.register(LogFindings, findings_figure)
 
 _drawn.register(Trials, manoeuvres_figure)
+
+_drawn.register(Turning, turning_figure)
+
+_drawn.register(ZigzagTest, zigzag_figure)
 
 _drawn.register(Voyage, voyage_figure)
 

@@ -55,6 +55,20 @@ def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     return figure
 
 
+def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
+    estimates, residuals = fit.predict(), fit.residuals
+    tests = residuals.index.get_level_values("test")
+    figure, axes = panels(len(forces), 1, 0.5 + 1.9 * len(forces))
+    for panel, force in zip(axes[:, 0], forces, strict=True):
+        for test in tests.unique():
+            panel.plot(estimates[force][tests == test], residuals[force][tests == test], ".", markersize=2, alpha=0.5)
+        panel.axhline(0.0, color=BLACK, linewidth=0.7)
+        name, _, unit = FORCE_LABELS[force].rpartition(" [")
+        panel.set(xlabel=f"estimated {name} [{unit}", ylabel=f"measured less\nestimated {force} [{unit}")
+        panel.grid(alpha=0.3)
+    return figure
+
+
 def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     """Draw measured forces against those that the other motions predict."""
     values = {**tests.configuration.values(), **tests.columns}

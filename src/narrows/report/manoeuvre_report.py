@@ -1,10 +1,13 @@
 """Turning circles and zigzags: tables and tracks."""
 
+from collections.abc import Mapping
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from narrows.manoeuvres.manoeuvring_trials import Trials
-from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, panels
+from narrows.manoeuvres.manoeuvring_trials import Trials, Turning, ZigzagTest
+from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, notes_below, panels
 from narrows.report.terminal import console_of, print_notes, table_of
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
@@ -28,21 +31,46 @@ def print_manoeuvres(trials: Trials) -> None:
 
 def manoeuvres_figure(trials: Trials) -> Figure:
     figure, axes = panels(1, 2, 3.6)
-    circles, zigzags = axes[0]
-    length = trials.model.configuration.ship.length
-    for (order, (voyage, _)), colour, dash in zip(trials.turning.items(), COLOURS, DASHES, strict=False):
-        circles.plot(voyage.y / length, voyage.x / length, color=colour, ls=dash, label=f"rudder {order} deg")
-    circles.set_aspect("equal")
-    circles.set_xlabel("transfer [ship lengths], starboard positive")
-    circles.set_ylabel("advance [ship lengths]")
-    shown = [(order, voyage) for order, (voyage, _) in trials.zigzags.items() if order.startswith("+")]
-    for (order, voyage), colour in zip(shown, COLOURS, strict=False):
-        time = voyage.t * trials.speed / length
-        zigzags.plot(time, np.degrees(voyage.psi), color=colour, label=f"heading, zigzag {order}")
-        zigzags.plot(time, np.degrees(voyage.rudder), color=colour, ls=":", label="its rudder")
-    zigzags.set_xlabel("time [ship lengths at the approach speed]")
-    zigzags.set_ylabel("heading, rudder [deg], starboard positive")
-    for panel in (circles, zigzags):
-        panel.grid(alpha=0.3)
-        panel.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7)
+    _circles_on(axes[0, 0], {f"rudder {order} deg": circle for order, circle in trials.turning.items()})
+    _zigzags_on(axes[0, 1], {order: test for order, test in trials.zigzags.items() if order.startswith("+")})
     return figure
+
+
+def turning_figure(circle: Turning) -> Figure:
+    figure, axes = panels(1, 1, 4.2)
+    _circles_on(axes[0, 0], {circle.summary().partition(":")[0].lower(): circle})
+    notes_below(figure, circle.notes)
+    return figure
+
+
+def zigzag_figure(test: ZigzagTest) -> Figure:
+    figure, axes = panels(1, 1, 3.2)
+    _zigzags_on(axes[0, 0], {"": test})
+    notes_below(figure, test.notes)
+    return figure
+
+
+def _circles_on(axes: Axes, circles: Mapping[str, Turning]) -> None:
+    for (label, circle), colour, dash in zip(circles.items(), COLOURS, DASHES, strict=False):
+        voyage, length = circle.voyage, circle.voyage.configuration.ship.length
+        axes.plot(voyage.y / length, voyage.x / length, color=colour, ls=dash, label=label)
+    axes.set_aspect("equal")
+    axes.set_xlabel("transfer [ship lengths], starboard positive")
+    axes.set_ylabel("advance [ship lengths]")
+    _legend(axes)
+
+
+def _zigzags_on(axes: Axes, tests: Mapping[str, ZigzagTest]) -> None:
+    for (order, test), colour in zip(tests.items(), COLOURS, strict=False):
+        voyage = test.voyage
+        time = voyage.t * voyage.u[0] / voyage.configuration.ship.length
+        axes.plot(time, np.degrees(voyage.psi), color=colour, label=f"heading, zigzag {order}" if order else "heading")
+        axes.plot(time, np.degrees(voyage.rudder), color=colour, ls=":", label="its rudder" if order else "rudder")
+    axes.set_xlabel("time [ship lengths at the approach speed]")
+    axes.set_ylabel("heading, rudder [deg], starboard positive")
+    _legend(axes)
+
+
+def _legend(axes: Axes) -> None:
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
 from narrows.errors import InputError
+from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.style import (
@@ -128,7 +129,7 @@ def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Fig
 def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration) -> None:
     far = max(float(v.x.max()) for v in voyages) + configuration.ship.length
     near = min(float(v.x.min()) for v in voyages) - configuration.ship.length
-    half = _banks_on(axes, near, far, configuration)
+    half = walls_on(axes, near, far, configuration.canal.width / 2)
     for voyage in voyages:
         colour = _colour(voyage)
         axes.plot(voyage.x, voyage.y, color=colour, linewidth=1.0, linestyle="-" if colour == BLUE else "--")
@@ -141,9 +142,19 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration
     axes.set_ylabel("y [m]")
 
 
-def _banks_on(axes: Axes, near: float, far: float, configuration: Configuration) -> float:
-    """Draw both banks, and return how far off they are."""
-    half = configuration.canal.width / 2
+def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
+    """Draw the banks along the line that a voyage is counted from, and return how far off the farther is."""
+    if voyage.waterway is None:
+        return walls_on(axes, near, far, voyage.configuration.canal.width / 2)
+    s = np.linspace(max(near, 0.0), min(far, voyage.waterway.line.length), BANK_POINTS)
+    room = voyage.waterway.room(s, voyage.configuration.ship.draft)
+    banks = [room.middle + sign * room.width / 2 for sign in (-1, 1)]
+    for bank in banks:
+        axes.plot(s, bank, color=PANEL_GREY, linewidth=2)
+    return float(np.abs(banks).max())
+
+
+def walls_on(axes: Axes, near: float, far: float, half: float) -> float:
     for sign in (-1, 1):
         axes.plot([near, far], [sign * half] * 2, color=PANEL_GREY, linewidth=2)
         axes.fill_between([near, far], sign * half, sign * half * 1.12, color=PANEL_GREY, alpha=0.35, linewidth=0)
@@ -198,7 +209,7 @@ LABELS = {
 
 
 def map_figure(
-    voyages: xr.Dataset, model: Model, within: float | None = None, waterway: Waterway | None = None,
+    voyages: xr.Dataset, model: Model | None, within: float | None = None, waterway: Waterway | None = None,
     start: Mapping[str, Any] | None = None,
 ) -> Figure:  # fmt: skip
     """Draw a map of voyages: distance to grounding over one or two dimensions, or its probability.
@@ -207,8 +218,8 @@ def map_figure(
     ----------
     voyages : Dataset
         From ``ensemble``.
-    model : Model
-        Whose ship it is, and what its tests covered.
+    model : Model, optional
+        Whose ship it is, and what its tests covered; without it all is marked as not tested.
     within : float [m], optional
         Draw the probability of grounding within this distance, over the samples.
     waterway : Waterway, optional
@@ -239,10 +250,11 @@ def map_figure(
         axes.set_xlabel(LABELS.get(dims[0], dims[0]))
         keys += _mark_tested(axes, quantity, model)
         axes.legend(handles=keys, frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
-        if dims == ["y"] and within is None and waterway is None:
+        if model and dims == ["y"] and within is None and waterway is None:
             _clearance_on_top(axes, model.configuration)
         notes_below(figure, str(voyages.attrs.get("notes", "")).splitlines())
-        headed(figure, *_title(model.configuration, waterway, start or {}))
+        if model:
+            headed(figure, *_title(model.configuration, waterway, start or {}))
     return figure
 
 
@@ -265,13 +277,13 @@ def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> N
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center")
 
 
-def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model) -> list[Any]:
-    known, nothing = model.data_range, (np.inf, np.inf)
+def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model | None) -> list[Any]:
+    known, nothing = model.data_range if model and model.feels_bank else DataRange(), (np.inf, np.inf)
     tested = {"y": (-known.abs_y[1], known.abs_y[1]) if known.abs_y else nothing, "u": known.speed or nothing}
     marked = False
     for axis, name in enumerate(str(name) for name in quantity.dims):
         if name in tested:
-            marked |= _hatch_beyond(axes, axis, tested[name] if model.feels_bank else nothing)
+            marked |= _hatch_beyond(axes, axis, tested[name])
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": PURPLE, "hatch": ".."}
     return [Patch(label="not tested: the model's guess", **look)] if marked else []
 

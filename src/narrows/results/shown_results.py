@@ -93,7 +93,8 @@ def answer(thing: Any, name: str) -> Any:
     remedy = next((it for it in ANOTHER.get(name, ()) if it.partition("(")[0] in known), None)
     if remedy is None:
         return object.__getattribute__(thing, name)
-    raise AttributeError(f"a {type(thing).__name__} has no {name!r}; write {remedy}", name=None, obj=None)
+    why = f": {WHY[name]}" if name in WHY else ""
+    raise AttributeError(f"a {type(thing).__name__} has no {name!r}{why}; write {remedy}", name=None, obj=None)
 
 
 # What a thing says of itself.
@@ -230,7 +231,8 @@ SAME = {
     "predict()": ("fittedvalues", "fitted"),
     "corr()": ("correlation", "correlation_matrix"),
     "latex()": ("to_latex()", "equations()"),
-    "poles()": ("eigenvalues()", "eigvals()"),
+    "poles()": ("eigenvalues()", "eigvals()"), "eigenvalues()": ("poles()", "eigvals()"),
+    "state_space()": ("to_ss()", "ss()", "to_control()"),
     "with_coefficients()": ("replace()", "set_params()", "assign()", "set_coefficients()", "with_values()"),
     "with_parts()": ("replace()",),
     "to_dataframe()": ("df", "to_frame()", "to_pandas()"),
@@ -250,6 +252,12 @@ ANOTHER = {
     "tests": ("test(name)",), "speed": ("u",),
     "popt": ("coefficients",),  # SciPy's is an array; ours go by name
 }  # fmt: skip
+
+# Why a thing has no such number.
+WHY = {
+    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), "rows of one run share its errors, and such tests assume none"),
+    **dict.fromkeys(("aic", "bic", "llf"), "rows of one run are not independent"),
+}
 
 
 # A result whose data are rows of a table.

@@ -15,6 +15,7 @@ from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.simulation.departure import check_irrelevant, voyage_defaults
+from narrows.simulation.fleet_map import Fleet
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.inputs import (
     Contact,
@@ -42,7 +43,7 @@ def ensemble(
     contact: Contact | Points = "corners", precision: Precision = "float64", waterway: "Waterway | None" = None,
     controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
     client: Any = None, **vary: Any,
-) -> xr.Dataset:  # fmt: skip
+) -> Fleet:  # fmt: skip
     """Simulate a voyage for every combination of what varies.
 
     Parameters
@@ -87,9 +88,9 @@ def ensemble(
 
     Returns
     -------
-    xarray.Dataset
-        outcome, grounded, side, time [s], distance [m] and the state at the end, over the dimensions of what varies.
-        Interrupted, it holds what is done, and ``complete`` is 0.
+    Fleet
+        An xarray Dataset whose ``plot()`` draws the map: outcome, grounded, side, time [s], distance [m] and the
+        state at the end, over the dimensions of what varies. Interrupted, it holds what is done, and ``complete`` is 0.
 
     Raises
     ------
@@ -123,7 +124,8 @@ def ensemble(
         data = {name: (list(grid.sizes), column, attributes_of(name)) for name, column in kept.items()}
         voyages = xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})
     grounded = (voyages["outcome"] == Code.GROUNDED).assign_attrs(long_name="whether it grounded")
-    return voyages.assign(grounded=grounded).assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
+    voyages = voyages.assign(grounded=grounded).assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
+    return Fleet.of(voyages, model, waterway)
 
 
 def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:

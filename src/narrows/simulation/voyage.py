@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import narrows
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, Surge
 from narrows.codegen.kernels import event
@@ -39,6 +41,7 @@ from narrows.simulation.steering import steering_of
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
+    from matplotlib.animation import FuncAnimation
 
     from narrows.waterway.waterway import Waterway
 
@@ -126,9 +129,36 @@ class Voyage(Tabulated):
         return self.outcome.to_dict()
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the voyage as a table: a row a time."""
-        frame: pd.DataFrame = self.dataset().to_dataframe()
+        """Give the voyage as a table: a row a time, with the columns t, x, y, psi, u, v, r and rudder."""
+        frame: pd.DataFrame = self.dataset().to_dataframe().reset_index()
         return frame
+
+    @property
+    def final(self) -> "pd.Series[float]":
+        """The last row: t, x, y, psi, u, v, r and rudder at the end."""
+        return self.to_dataframe().iloc[-1]
+
+    def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
+        """Show the ship between its banks, in a film of so many seconds.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Where to write it: ``.gif``, or ``.html`` with buttons.
+        seconds : float [s]
+            Length of the film.
+
+        Returns
+        -------
+        matplotlib.animation.FuncAnimation
+            In a notebook, ``HTML(voyage.animate().to_jshtml())`` shows it.
+
+        Raises
+        ------
+        InputError
+            Where the suffix is another, or the file cannot be written.
+        """
+        return narrows.report.animation_of(self, path, seconds)
 
     def dataset(self) -> "xarray.Dataset":
         """Return the voyage as an xarray Dataset with units."""

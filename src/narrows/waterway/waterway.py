@@ -1,10 +1,12 @@
 """A waterway: a centreline, two banks, depths, a current and a level; the straight canal is its simplest case."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+import narrows
 from narrows.errors import InputError
 from narrows.results import Described
 from narrows.ship.particulars import Canal, Ship
@@ -98,6 +100,17 @@ class Waterway(Described):
                 raise InputError(f"{self.name}: no depth of water at {along:.0f} m along it; {remedy}")
             if wet.max() > DEEPEST:
                 raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is in no sea; give it in metres")
+
+    @classmethod
+    def from_geojson(cls, path: str | Path) -> "Waterway":
+        """Read a waterway from a file, as ``read_waterway`` does.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+        """
+        return narrows.read_waterway(path)
 
     def summary(self) -> str:
         """Say its length, width, depth, sharpest bend and current."""
