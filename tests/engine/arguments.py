@@ -128,14 +128,21 @@ class Thruster(Part):
     power: float
 
 
+@cache
+def too_fast() -> nw.Model:
+    """A ship with a fifth of its draft under the keel, too fast for that."""
+    model = steered()
+    return replace(model, configuration=replace(model.configuration, canal=nw.Canal(7.0, 0.2)))
+
+
 BOW = Actuator("thrust", "1", "share of the thrust", rest=0.0, parts=(Thruster,))
 STATE = {"x": under(2.0, waterway=waterway_for("paper")), "psi": 0.1, "v": 0.05, "r": 0.02}
 FORCES = {"X": under(20.0, surge="free", surge_inertia=300.0), "Y": 5.0, "N": 5.0}
 CHOICES = {
     "surge": under("free", model=mmg()), "surge_inertia": under(400.0, surge="free", X=5.0, base=300.0),
-    "coriolis": under(True, model=steered()), "contact": "midship",
+    "coriolis": under(True, model=steered()), "contact": "midship", "bottom": under(False, model=too_fast()),
 }  # fmt: skip
-FREE = {name: value for name, value in CHOICES.items() if name != "contact"}
+FREE = {name: value for name, value in CHOICES.items() if name not in ("contact", "bottom")}
 VARIED = {
     "x": refused(np.nan), "y": 0.7, "psi": 0.1, "u": 1.1, "v": 0.05, "r": 0.02, "Y": 5.0, "N": 5.0, "width": 6.0,
     "length": 3.0, "beam": 0.7, "draft": 0.2, "density": 900.0, "b_bank": 1.5, "c_vv": 600.0, "depth": 0.4,

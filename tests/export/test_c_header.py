@@ -187,8 +187,9 @@ def voyages_agree(ship: CompiledShip, name: str, waterway: Any, contact: Any, he
         start = {"x": 3.0 * size, "y": y * size, "psi": psi, "u": u, "v": 0.01, "r": 0.002}
         told = {"controller": nw.ConstantRudder(order)} if name in STEERED else {}
         voyage = nw.simulate(
-            model, **start, duration=40.01, dt=0.05, surge=surge_of(name), waterway=waterway, contact=contact, **told
-        )
+            model, **start, duration=40.01, dt=0.05, surge=surge_of(name), waterway=waterway, contact=contact,
+            bottom=False, **told,
+        )  # fmt: skip
         ship.set(**({"rudder_order": order} if told else {}))
         state = [start["x"], start["y"], np.cos(psi), np.sin(psi), u, 0.01, 0.002, *([0.0] if told else [])]
         fate, time, _, end = ship.sail(state, 0.05, 40.01)

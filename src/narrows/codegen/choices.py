@@ -14,6 +14,9 @@ COLUMNS = (
 )  # fmt: skip
 # Numbers a cell: of each column the value at its start, and the rise to the next.
 ROW = 2 * len(COLUMNS)
+# Speed through the water at which a ship touches the bottom or chokes the section [m/s]: an input of a straight canal,
+# the last column of a waterway's table where voyages know the bottom.
+AFLOAT_SPEED = "afloat_speed"
 # What a control law sees of the water at a place along it, by what its tape calls it: the curvature of the line, and
 # how far off it a keel meets the banks.
 WATER = {"water_curvature": "curvature", "water_starboard": "keel_starboard", "water_port": "keel_port"}
@@ -64,6 +67,12 @@ class Choices:
     law: Law | None = None  # What steers; actuators stay where they are without one
     # Whether forces from outside act: constant ones, or ones that change and end at ``push_end`` [s]
     pushed: Pushed = "never"
+    bottom: bool = False  # Whether a voyage ends where the ship touches the bottom or chokes the section
+
+    @property
+    def row(self) -> int:
+        """Numbers a cell of the table of a waterway."""
+        return ROW + 2 * self.bottom
 
     @property
     def kept(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from functools import cached_property, partial
 
 import sympy
 
-from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Actuated, Choices
+from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Actuated, Choices
 from narrows.codegen.free_motion import (
     ACCELERATIONS,
     CORNERS,
@@ -165,7 +165,7 @@ def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[
     part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](position - cell, 1))
     section = {}
     for name in columns:
-        first = 2 * COLUMNS.index(name)
+        first = 2 * (*COLUMNS, AFLOAT_SPEED).index(name)
         start, rise = (lines.put(f"{name}_{k}_{tag}", FUNCTIONS["entry"](first + k, cell)) for k in range(2))
         section[name] = lines.put(f"{name}_{tag}", start + part * rise)
     return section
@@ -301,9 +301,7 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved
 
 def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Expr, Expr]:
     """Write what is left to whatever ends the voyage, and how much nearer the starboard bank is [m]."""
-    left = [lines.put("heading_left", z["cos_psi"] - real("least_cos"))]
-    if choices.waterway:
-        left += [lines.put("left_ahead", real("x_last") - z["x"]), lines.put("left_astern", z["x"] - real("x_first"))]
+    left = [*ends_left(lines, choices, z).values()]
     lean: Expr = sympy.Integer(0)
     if choices.contact != OPEN:
         reach = reaches(lines, choices.contact, z["cos_psi"], z["sin_psi"])
@@ -313,6 +311,20 @@ def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Ex
         left.insert(0, lines.put("room_bank", least(starboard, port)))
         lean = lines.put("lean", port - starboard)
     return lines.put("room_new", least(*left)), lean
+
+
+def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
+    """Write what is left to every end but a bank, as ``event.cause`` takes it: a cosine, [m], [m], [m/s]."""
+    left = {"heading": lines.put("heading_left", z["cos_psi"] - real("least_cos"))}
+    if choices.waterway:
+        left["ahead"] = lines.put("left_ahead", real("x_last") - z["x"])
+        left["astern"] = lines.put("left_astern", z["x"] - real("x_first"))
+    if choices.bottom:
+        most = real(AFLOAT_SPEED)
+        if choices.waterway:
+            most = _section(lines, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
+        left["afloat"] = lines.put("left_afloat", most - abs(z["u"]))
+    return left
 
 
 def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:

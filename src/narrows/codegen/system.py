@@ -64,16 +64,12 @@ class System:
     @cached_property
     def scalar(self) -> SimpleNamespace:
         """The functions of floats: ``constants``, ``rates``, ``step``, ``room`` with the names that they ask for."""
-        from narrows.codegen.choices import ROW
-
-        return self._plain(scalar_functions(ROW))
+        return self._plain(scalar_functions(self.choices.row))
 
     @cached_property
     def columns(self) -> SimpleNamespace:
         """The same functions for floats and columns alike."""
-        from narrows.codegen.choices import ROW
-
-        return self._plain(column_functions(ROW))
+        return self._plain(column_functions(self.choices.row))
 
     def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
         def text() -> str:
@@ -87,7 +83,7 @@ class System:
     def key(self) -> tuple[object, ...]:
         law = self.choices.law
         told = (law.tape.text, law.memory, law.ordered) if law else ()
-        choices = (self.choices.contact, self.choices.waterway, self.choices.pushed, told)
+        choices = (self.choices.contact, self.choices.waterway, self.choices.pushed, self.choices.bottom, told)
         forces = [(term.name, force) for force, terms in self.table.forces.items() for term in terms]
         return (self.tape.text, forces, self.surge, self.coriolis, *choices)
 

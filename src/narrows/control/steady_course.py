@@ -20,6 +20,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, check_workers
+from narrows.simulation.notes import section_notes
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def steady_course(
     -------
     xarray.Dataset
         ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies; ``notes`` says where the
-        model feels no bank.
+        model feels no bank, or the section is beyond its tests.
 
     Raises
     ------
@@ -76,7 +77,8 @@ def steady_course(
     psi = -np.arctan(v / values["u"])
     columns = {"rudder": (rudder, "rad"), "psi": (psi, "rad"), "v": (v, "m/s")}
     data = {name: (list(grid.sizes), c.reshape(shape), {"units": unit}) for name, (c, unit) in columns.items()}
-    courses = xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(model.bank_notes)})
+    notes = (*model.bank_notes, *section_notes(model, {**ship.values(), **values}))
+    courses = xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(notes)})
     return courses.squeeze("vessel") if list(grid.sizes) == ["vessel"] else courses
 
 

@@ -1,11 +1,13 @@
 """Squat: how far a ship sinks by its own speed, and the speed at which a canal chokes."""
 
-import math
+import numpy as np
 
 from narrows.quantities.names import GRAVITY, KNOT, Number
 
 # Of beam times draft, where a ship's midship section is not known [1].
 MIDSHIP_SECTION = 0.98
+# Block coefficient [1] of a ship whose bow and stern sink alike: a fuller one sinks most at the bow.
+TRIMLESS = 0.7
 
 
 def depth_froude(u: Number, depth: Number) -> Number:
@@ -82,7 +84,7 @@ def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) ->
     Source: Schijf (1949); closed form of Roemisch (1989), verified against Schijf's equation.
     """
     free = 1 - blockage(beam, draft, width, depth)
-    return (2 * math.sin(math.asin(free) / 3)) ** 1.5 * (GRAVITY * depth) ** 0.5
+    return (2 * np.sin(np.arcsin(free) / 3)) ** 1.5 * (GRAVITY * depth) ** 0.5
 
 
 def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
@@ -91,7 +93,7 @@ def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, d
     # a = 1 - S + F^2/2. Its largest root is the subcritical flow.
     half = u * u / (2 * GRAVITY * depth)
     a = 1 - blockage(beam, draft, width, depth) + half
-    return a / 3 * (1 + 2 * math.cos(math.acos(1 - 13.5 * half / a**3) / 3))
+    return a / 3 * (1 + 2 * np.cos(np.arccos(1 - 13.5 * half / a**3) / 3))
 
 
 def return_flow(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
@@ -109,3 +111,40 @@ def continuity(u: Number, beam: Number, draft: Number, width: Number, depth: Num
     """
     back = return_flow(u, beam, draft, width, depth)
     return back * (2 * u + back) / (2 * GRAVITY)
+
+
+def deeper_end(block_coefficient: Number) -> Number:
+    """Sinkage of the end that sinks most over the mean sinkage [1]: the bow of a full ship, the stern of a fine one.
+
+    Source: Barrass (2004), from memory, not verified; within 2 % of the measured mean of the KCS (``measured_squat``).
+    """
+    return 1 / (1 - 20 * _fullness(block_coefficient) ** 2)
+
+
+def other_end(block_coefficient: Number) -> Number:
+    """Sinkage of the end that sinks least over the mean sinkage [1]. Source: as for ``deeper_end``."""
+    return 2 - deeper_end(block_coefficient)
+
+
+def _fullness(block_coefficient: Number) -> Number:
+    """Block coefficient over that of a ship that does not trim [1], as far as ships were tested."""
+    return np.clip(block_coefficient - TRIMLESS, -0.15, 0.15)
+
+
+def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
+    """Speed through the water [m/s] with a mean sinkage [m] in a canal; infinite where the canal chokes before.
+
+    Source: Schijf (1949), the equations of ``water_past_the_ship`` solved for the speed.
+    """
+    past = 1 - blockage(beam, draft, width, depth) - sinkage / depth
+    past = np.where(past > 0, past, 1.0)
+    squared = 2 * GRAVITY * sinkage * past**2 / np.maximum(1 - past**2, 1e-300)
+    return np.where((past < 1) & (squared < GRAVITY * depth * past**3), squared**0.5, np.inf)
+
+
+def speed_that_sinks_midship(
+    sinkage: Number, length: Number, beam: Number, draft: Number, block_coefficient: Number, depth: Number
+) -> Number:
+    """Speed through the water [m/s] with a midship sinkage [m] without banks. Source: ``tuck_midship``, inverted."""
+    tuck = sinkage / (1.4 * _slender(length, beam, draft, block_coefficient))
+    return (GRAVITY * depth * 2 / (1 + (1 + 4 / tuck**2) ** 0.5)) ** 0.5

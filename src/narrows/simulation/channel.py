@@ -2,19 +2,22 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from narrows.codegen.choices import COLUMNS, ROW
+from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS
 from narrows.codegen.free_motion import OPEN, Outline
+from narrows.codegen.kernels import event
 from narrows.codegen.run import NOWHERE, WaterTable
 from narrows.errors import InputError
 from narrows.model.model import Model
+from narrows.model.water import BOUNDLESS, speeds_afloat
 from narrows.quantities.names import Number
 from narrows.ship.particulars import Ship
+from narrows.simulation.outcome import Code
 from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
 
 if TYPE_CHECKING:
@@ -29,6 +32,28 @@ class Channel:
     water: WaterTable  # The table of a waterway, its nodes, and the hull that meets its banks
     start: float = -math.inf  # Where the line begins; infinite in a straight canal [m]
     length: float = math.inf  # How far the line goes; infinite in a straight canal [m]
+    # (vessels or nodes,) Whether what ends a voyage by too little water is the choking of the section
+    chokes: np.ndarray = field(default_factory=lambda: np.zeros(1, bool))
+
+    def section(self, x: Any) -> dict[str, Any]:
+        """Return width and depth of a waterway at places along it [m]; nothing of a straight canal."""
+        if not math.isfinite(self.length):
+            return {}
+        cells = self.water.table.reshape(int(self.inputs["last_cell"]) + 1, -1)
+        place = np.maximum(np.nan_to_num(np.asarray(x, float)) * self.inputs["cells_a_metre"], 0.0)
+        cell = np.minimum(place, len(cells) - 1).astype(int)
+        part = np.minimum(place - cell, 1.0)
+        starboard, port, depth = (cells[cell, 2 * i] + part * cells[cell, 2 * i + 1] for i in range(3))
+        return {"width": starboard + port, "depth": depth}
+
+    def codes(self, fates: Any, x: Any) -> np.ndarray:
+        """Return the codes of ends, by what was met and where [m]."""
+        fates = np.asarray(fates)
+        choked = self.chokes
+        if math.isfinite(self.length):
+            node = np.rint(np.asarray(x) * self.inputs["cells_a_metre"])
+            choked = choked[np.clip(np.nan_to_num(node), 0, len(choked) - 1).astype(int)]
+        return np.where(fates == event.SHALLOW, np.where(choked, Code.CHOKED, Code.TOUCHED), fates)
 
 
 def limits_of(contact: str | Outline | int) -> dict[str, float]:
@@ -37,30 +62,51 @@ def limits_of(contact: str | Outline | int) -> dict[str, float]:
     return {"least_cos": least, "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT}
 
 
-def straight_channel(values: Mapping[str, Number], contact: str | Outline) -> Channel:
+def straight_channel(values: Mapping[str, Number], contact: str | Outline, bottom: bool = False) -> Channel:
     half = values["width"] / 2
     walls = {name: values.get(name, half) for name in ("wall_starboard", "wall_port")}
-    return Channel({**hull_inputs(values, contact), **walls, **limits_of(contact)}, NOWHERE)
+    inputs = {**hull_inputs(values, contact), **walls, **limits_of(contact)}
+    if not bottom:
+        return Channel(inputs, NOWHERE)
+    fastest, chokes = _afloat(values if contact != OPEN else {**values, "width": math.inf})
+    return Channel({**inputs, AFLOAT_SPEED: fastest}, NOWHERE, chokes=chokes)
 
 
-def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline) -> Channel:
+def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
+    """The speed through the water that ends a voyage by too little water, and whether by choking the section."""
+    if values.get("depth") is None:
+        return BOUNDLESS, np.zeros(1, bool)
+    with np.errstate(all="ignore"):
+        touching, choking = speeds_afloat(values)
+    fastest = np.minimum(touching, choking)
+    # A depth that is not known ends nothing.
+    known = np.where(np.isnan(fastest), BOUNDLESS, fastest)
+    return known if known.ndim else float(known), np.atleast_1d(choking < touching)
+
+
+def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, bottom: bool = False) -> Channel:
     from narrows.waterway.table import STEPS_A_BEAM
 
     ship = model.configuration.ship
     waterway.check_fits(ship)
     outline = points_of(ship, contact)
     table, cells = _tabulated(waterway, ship.draft, waterway.step or ship.beam / STEPS_A_BEAM, tuple(outline))
-    if np.isnan(table.depth).all():
-        cells = cells.copy()
-        cells[:, 2 * COLUMNS.index("depth")] = model.configuration.canal.depth or math.nan
+    depth = table.depth
+    if np.isnan(depth).all():
+        cells, depth = cells.copy(), np.full(len(depth), model.configuration.canal.depth or math.nan)
+        cells[:, 2 * COLUMNS.index("depth")] = depth[:-1]
         cells[:, 2 * COLUMNS.index("depth") + 1] = 0.0
     inputs = {
         "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
         "last_cell": float(len(cells) - 1), "current": waterway.current,
     }  # fmt: skip
+    chokes = np.zeros(len(table.s), bool)
+    if bottom:
+        fastest, chokes = _afloat({**vars(ship), "width": table.starboard + table.port, "depth": depth})
+        cells = np.column_stack([cells, fastest[:-1], np.diff(fastest)])
     water = WaterTable(cells.ravel(), table.track, np.array(outline).ravel())
     hull = hull_inputs(model.configuration.values(), contact)
-    return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]))
+    return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]), chokes)
 
 
 # Tables that were made, for as long as their centreline is in use: voyage after voyage asks for the same.
@@ -79,7 +125,7 @@ def _tabulated(
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
         columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
-        cells = np.empty((len(table.s) - 1, ROW))
+        cells = np.empty((len(table.s) - 1, 2 * len(COLUMNS)))
         for index, name in enumerate(COLUMNS):
             cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
         # The parts of the waterway are kept with the table, so that no other can take their place in memory.

@@ -8,6 +8,7 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED, stages_at
 from narrows.codegen.free_motion import INPUTS
+from narrows.codegen.kernels import event
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed
@@ -75,10 +76,10 @@ def departure(
 
 def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | None", x: float) -> Channel:
     if waterway is None:
-        return straight_channel(values, ship.shape)
+        return straight_channel(values, ship.shape, ship.bottom)
     if not 0 <= x < waterway.line.length:
         raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
-    return along_waterway(waterway, ship.model, ship.shape)
+    return along_waterway(waterway, ship.model, ship.shape, ship.bottom)
 
 
 def _start(
@@ -101,7 +102,8 @@ def _check_afloat(march: March, start: tuple[float, ...]) -> None:
         heading = math.degrees(math.atan2(sine, cosine))
         raise InputError(f"psi = {heading:.1f} deg lies across the canal; start within 85 deg")
     room, _ = march.room(start)
-    if room < 0 or (room == 0 and start[0] != march.channel.start):
+    met = march.cause(event.CLOSED, start)
+    if met == event.GROUNDED and (room < 0 or (room == 0 and start[0] != march.channel.start)):
         raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
     # The shortest step: in none at all, what moves without a limit would go 0 times infinity.
     if not all(map(math.isfinite, march.stepped(start, math.ulp(0.0))[0])):
@@ -115,6 +117,7 @@ def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
     relevant = {*START, *PUSHED, *terms.inputs, *terms.names, "length", "beam", "width", *places_of(terms.actuators)}
     relevant |= {actuator.name for actuator in terms.actuators}
     relevant |= {"mass", "inertia", "x_g"} if ship.coriolis else set()
+    relevant |= {"depth", "draft", "block_coefficient"} if ship.bottom else set()
     relevant -= {"X"} if ship.surge == "held" else set()
     for name, value in given.items():
         is_zero = name in ("X", "rudder", "heave") and not np.any(value)

@@ -1,7 +1,7 @@
 """Many voyages at once: grids and samples over anything, labelled in and out, on all cores or on a cluster."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
@@ -11,7 +11,7 @@ import xarray as xr
 
 from narrows.codegen.free_motion import OPEN, Surge
 from narrows.errors import InputError, check_choice, path_of
-from narrows.model.data_range import DataRange
+from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.simulation.departure import check_irrelevant, voyage_defaults
@@ -26,6 +26,7 @@ from narrows.simulation.inputs import (
     check_workers,
 )
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
+from narrows.simulation.notes import measured, outside_notes
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import BLOCK_VESSELS, MOST_STEPS, STEP_CHECK_VOYAGES, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
@@ -42,7 +43,7 @@ def ensemble(
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: Contact | Points = "corners", precision: Precision = "float64", waterway: "Waterway | None" = None,
     controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
-    client: Any = None, **vary: Any,
+    client: Any = None, bottom: bool = True, **vary: Any,
 ) -> Fleet:  # fmt: skip
     """Simulate a voyage for every combination of what varies.
 
@@ -80,6 +81,8 @@ def ensemble(
         Zarr folder to write to block by block; a run that was stopped goes on from there.
     client : dask.distributed.Client, optional
         Run on a cluster, with ``store`` where all its workers can reach it.
+    bottom : bool
+        End voyages where the ship touches the bottom or chokes the section, as in ``simulate``.
     **vary : number, sequence or DataArray
         Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], rudder [rad],
         particulars (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients
@@ -100,7 +103,7 @@ def ensemble(
     check_workers(workers)
     check_waterway(waterway)
     check_choice("precision", precision, get_args(Precision))
-    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     steering = steering_of(controller, ship.actuators)
     usual = voyage_defaults(model)
     plain = grid_of(model, {"u": usual.speed, **vary}, samples, seed)
@@ -162,7 +165,7 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
     coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # Who interrupts wants no more sailed.
     share = float((voyages["outcome"] == Code.DIVERGED).mean())
     lost = f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients."
-    return (*bank, *coarse, *((lost,) if share else ()), *_beyond(model.data_range, grid, voyages))
+    return (*bank, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
@@ -192,21 +195,22 @@ def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
     return np.broadcast_to(cut.to_numpy(), len(places))
 
 
-def _beyond(known: DataRange, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
-    values: Mapping[str, xr.DataArray] = grid.values
-    asked = {
-        "speed": (values["u"], voyages["u_end"], "m/s", "a surge velocity"),
-        "abs_y": (abs(values["y"]), abs(voyages["y_end"]), "m", "an offset from the centreline"),
-        "abs_r": (abs(values["r"]), abs(voyages["r_end"]), "rad/s", "a yaw rate"),
-    }
-    notes = []
-    for name, (first, last, unit, word) in asked.items():
-        covered = getattr(known, name)
-        if covered is None:
-            continue
-        out = known.outside(name, first) | known.outside(name, last)
-        share = float(out.broadcast_like(voyages["outcome"]).mean())
-        if share and math.isfinite(share):
-            data = f"({covered[0]:.3g} to {covered[1]:.3g} {unit})"
-            notes.append(f"{share:.1%} of these voyages begin or end with {word} outside the data {data}.")
-    return tuple(notes)
+def _beyond(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> Iterator[str]:
+    """Say what share of the voyages begin or end beyond the data of their model."""
+    start, ship, every = grid.values, {**run.ship.values(), **grid.values}, xr.zeros_like(voyages["outcome"], bool)
+    end = {"x": start["x"] + voyages["distance"], **{name: voyages[f"{name}_end"] for name in ("y", "psi", "u", "r")}}
+    channel = None if run.waterway is None else run.channel({})
+    sections = [
+        {name: at["x"].copy(data=column) for name, column in (channel.section(at["x"]) if channel else {}).items()}
+        for at in (start, end)
+    ]
+    moments = [
+        measured(at, {**ship, **section}, run.ship.shape != OPEN)
+        for at, section in zip((start, end), sections, strict=True)
+    ]
+
+    def beyond(measure: Measure, covered: str, outside: Any, values: Any) -> str:
+        share, article = float((every | outside).mean()), "an" if measure.words[0] in "aeiou" else "a"
+        return f"{share:.1%} of these voyages begin or end with {article} {measure.words} outside the data ({covered})."
+
+    return outside_notes(run.ship.model.data_range, moments, beyond)

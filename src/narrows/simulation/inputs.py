@@ -126,8 +126,7 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
             raise InputError(
                 "surge_inertia changes nothing here: the speed is held; give surge='free', or leave it out"
             )
-    if not isinstance(coriolis, bool | np.bool_):
-        raise InputError(f"coriolis = {shown(coriolis)}: give True or False")
+    check_flag("coriolis", coriolis)
     if isinstance(contact, str):
         check_choice("contact", contact, get_args(Contact))
         return
@@ -141,6 +140,11 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
             f"contact = {shown(contact)}: give corners, midship, none, or an outline as 3 to {MOST_POINTS} points "
             "(forward, starboard) in metres"
         )
+
+
+def check_flag(name: str, value: object) -> None:
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} = {shown(value)}: give True or False")
 
 
 def check_waterway(waterway: object) -> None:

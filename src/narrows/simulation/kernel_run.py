@@ -16,6 +16,7 @@ from narrows.codegen.kernels import event
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
 from narrows.codegen.system import System
 from narrows.errors import InputError, installing, libraries_of, needs
+from narrows.model.water import is_full
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
@@ -105,7 +106,7 @@ class ColumnRun:
         if leaves := self.system.choices.leaves:
             functions = self.system.columns
             inputs = [self._own(name, self.inputs[name], vessels) for name in functions.ROOM_INPUTS]
-            left = left - leaves * functions.room(self.channel.water.table, *before[:4], *inputs)[0]
+            left = left - leaves * functions.room(self.channel.water.table, *before[:5], *inputs)[0]
         return np.asarray((np.abs(u) < fast) & (np.abs(v) < fast) & (np.abs(r) < turning) & (left > 0))
 
     @staticmethod
@@ -139,18 +140,8 @@ class ColumnRun:
         return March(self.system.scalar, self.system.choices, inputs, self.channel, near)
 
     def _over(self, vessel: int, march: March, fate: int, lean: float) -> None:
-        code = self._code(self.end[vessel], march, fate)
+        code = march.cause(fate, tuple(self.end[vessel].tolist()))
         self.codes[vessel] = code, np.sign(lean) if code == Code.GROUNDED else 0
-
-    def _code(self, state: np.ndarray, march: March, fate: int) -> int:
-        if fate == event.LOST:
-            return Code.DIVERGED
-        near = 10 * CONTACT_TOLERANCE
-        if state[2] - march.inputs["least_cos"] <= near:
-            return Code.OUTSIDE
-        if self.channel.length - state[0] <= near:
-            return Code.PASSED
-        return Code.ASTERN if state[0] - self.channel.start <= near else Code.GROUNDED
 
 
 @dataclass(frozen=True)
@@ -188,8 +179,12 @@ class KernelRun:
         ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
         ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
         distance = ends["x"] - (0.0 if self.precision == "float32" else np.asarray(values["x"], float))
-        codes = prepared.codes.astype(np.int8)
-        kept = {"outcome": codes[:, 0], "side": codes[:, 1], "time": prepared.time.copy(), "distance": distance}
+        outcome, side = prepared.codes.astype(np.int8).T
+        if (outcome == event.SHALLOW).any():
+            outcome = self._inputs(self._system(values), values)[1].codes(outcome, ends["x"]).astype(np.int8)
+            block = values.get("block_coefficient", self.ship.model.configuration.ship.block_coefficient)
+            side = np.where(outcome == Code.TOUCHED, np.where(is_full(block), 1, -1), side).astype(np.int8)
+        kept = {"outcome": outcome, "side": side, "time": prepared.time.copy(), "distance": distance}
         return {**kept, **{f"{name}_end": ends[name] for name in ends if name not in ("x", "cos_psi", "sin_psi")}}
 
     def prepared(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> PreparedRun:
@@ -228,13 +223,16 @@ class KernelRun:
             actuator.name: values[actuator.name] for actuator in self.ship.actuators if actuator.name in values
         }
         ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in PUSHED}}
-        if self.waterway is None:
-            channel = straight_channel(ship, self.ship.shape)
-        else:
-            channel = along_waterway(self.waterway, self.ship.model, self.ship.shape)
+        channel = self.channel(ship)
         law = self.steering.parameters if self.steering else {}
         law = {name: ship.get(name, value) for name, value in law.items()}
         return {**ship, **system.constants(ship), **channel.inputs, **law}, channel
+
+    def channel(self, values: Mapping[str, Any]) -> Channel:
+        """Return where the ships sail; the values are those of ships in a straight canal."""
+        if self.waterway is None:
+            return straight_channel(values, self.ship.shape, self.ship.bottom)
+        return along_waterway(self.waterway, self.ship.model, self.ship.shape, self.ship.bottom)
 
     def _start(self, system: System, values: Mapping[str, Any]) -> dict[str, Any]:
         psi = np.asarray(values["psi"], float)
@@ -251,10 +249,11 @@ class KernelRun:
     def text(self) -> str:
         """What distinguishes this run from others, apart from the values that vary."""
         law = self.steering.law.tape.text if self.steering else ""
-        options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact)
+        options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact,
+            self.ship.bottom)  # fmt: skip
         where = ""
         if self.waterway is not None:
-            water = along_waterway(self.waterway, self.ship.model, self.ship.shape).water
+            water = self.channel({}).water
             where = hashlib.sha256(water.table.tobytes() + water.track.tobytes()).hexdigest()
         values = sorted(self.ship.values().items(), key=str)
         return f"{self.ship.system().tape.text} {options!r} {law} {where} {values!r}"

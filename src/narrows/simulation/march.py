@@ -11,7 +11,8 @@ from narrows.codegen.free_motion import MIDSHIP, OPEN
 from narrows.codegen.kernels import event
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
-from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK, STEP_CHECK_STEPS
+from narrows.simulation.outcome import Code
+from narrows.simulation.settings import CONTACT_CLOSENESS, CONTACT_TOLERANCE, NEAR_THE_BANK, STEP_CHECK_STEPS
 from narrows.simulation.steering import PARAMETER
 
 # What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first.
@@ -59,6 +60,7 @@ class March:
         self._names = self.functions.STEP_INPUTS
         self._step_inputs = [float(inputs[name]) for name in self._names]
         self._room_inputs = [float(inputs[name]) for name in self.functions.ROOM_INPUTS]
+        self._end_inputs = [float(inputs[name]) for name in self.functions.ENDS_INPUTS]
         self._length, self._share = self._names.index(LENGTH), self._names.index(SHARE)
         self._order = self._names.index(PARAMETER("order")) if self.order else -1
         self._count = len(self.choices.kept)
@@ -83,8 +85,18 @@ class March:
 
     def room(self, state: State, exact: bool = True) -> tuple[float, float]:
         """Return what is left to whatever ends the voyage, and the lean [m]."""
-        room, lean = self.functions.room(self._table, *state[:4], *self._room_inputs)
+        room, lean = self.functions.room(self._table, *state[:5], *self._room_inputs)
         return self._from_banks(state) if exact and self._exact and room <= 0 else (room, lean)
+
+    def cause(self, fate: int, state: State) -> int:
+        """Return what ended the voyage, by the fate of its last step: as kernels do."""
+        if fate == event.FINISHED:
+            return Code.AFLOAT
+        return Code.DIVERGED if fate == event.LOST else event.cause(*self._ends(state), CONTACT_CLOSENESS)
+
+    def _ends(self, state: State) -> tuple[float, float, float, float]:
+        left: tuple[float, float, float, float] = self.functions.ends(self._table, *state[:5], *self._end_inputs)
+        return left
 
     def _from_banks(self, state: State) -> tuple[float, float]:
         from narrows.waterway.room import exact_room
@@ -92,8 +104,7 @@ class March:
         x, y, cosine, sine = state[:4]
         inputs = self.inputs
         room, lean = exact_room(self._track, 1.0 / inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
-        ends = min(inputs["x_last"] - x, x - inputs["x_first"])
-        return min(room, ends, cosine - inputs["least_cos"]), lean
+        return min(room, *self._ends(state)), lean
 
     def sane(self, state: State, room: float) -> bool:
         """Whether the numbers of a state are those of a ship; drawn to a bank that ends its voyage any speed is."""

@@ -20,19 +20,26 @@ class Code(IntEnum):
     OUTSIDE = 3
     ASTERN = 4
     PASSED = 5
+    TOUCHED = 7
+    CHOKED = 8
 
 
-GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED, LEFT_WATERWAY = (
-    "grounded", "afloat", "left validity", "diverged", "left the waterway",
+GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED, LEFT_WATERWAY, TOUCHED, CHOKED = (
+    "grounded", "afloat", "left validity", "diverged", "left the waterway", "touched bottom", "choked",
 )  # fmt: skip
 
 # What the codes mean; a waterway is left by its beginning or by its end.
 KINDS = {
     Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY,
     Code.ASTERN: LEFT_WATERWAY, Code.PASSED: LEFT_WATERWAY,
+    Code.TOUCHED: TOUCHED, Code.CHOKED: CHOKED,
 }  # fmt: skip
 
 BEGINNING, END = "beginning", "end"
+# The way that a voyage leaves a waterway by.
+WAYS = {Code.ASTERN: BEGINNING, Code.PASSED: END}
+# Sides of a ship that a bank or the bottom meets, by the sign in the column ``side``.
+SIDES = {Code.GROUNDED: {1: "starboard", -1: "port"}, Code.TOUCHED: {1: "bow", -1: "stern"}}
 
 
 @dataclass(frozen=True)
@@ -42,13 +49,15 @@ class Outcome:
     Parameters
     ----------
     kind : str
-        ``grounded``, ``afloat``, ``left validity``, ``diverged`` or ``left the waterway``.
+        ``grounded``, ``afloat``, ``left validity``, ``diverged``, ``left the waterway``, ``touched bottom`` or
+        ``choked``.
     time : float [s]
         When.
     distance : float [m]
         How far along the canal from the start.
     side : str, optional
-        ``starboard`` or ``port`` where it grounded; ``beginning`` or ``end`` where it left the waterway.
+        ``starboard`` or ``port`` where it grounded; ``bow`` or ``stern`` where it touched bottom; ``beginning``
+        or ``end`` where it left the waterway.
     state : dict of str to float
         x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
     notes : tuple of str
@@ -82,6 +91,8 @@ class Outcome:
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
             LEFT_WATERWAY: f"Left the waterway by its {self.side} {where}.",
+            TOUCHED: f"Touched bottom with the {self.side} {where}, at {self.impact_speed:.2f} m/s.",
+            CHOKED: f"Choked the section {where}: the water cannot pass the ship at {self.impact_speed:.2f} m/s.",
         }[self.kind]
 
     @property

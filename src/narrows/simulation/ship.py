@@ -14,7 +14,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.ship.checks import check_ahead
 from narrows.simulation.channel import check_outline
-from narrows.simulation.inputs import Contact, check_options
+from narrows.simulation.inputs import Contact, check_flag, check_options
 from narrows.terms.term import TermTable
 
 # Points of the waterline: (forward of midship, to starboard) [m].
@@ -32,9 +32,11 @@ class SimulatedShip:
     # ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
     # ``none`` in open water [m]
     contact: Contact | Points = "corners"
+    bottom: bool = False  # Whether voyages end where the ship touches the bottom or chokes the section
 
     def __post_init__(self) -> None:
         check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
+        check_flag("bottom", self.bottom)
         if self.shape == OPEN and self.model.terms.feels_bank:
             raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
         if self.model.terms.propelled and self.model.configuration.propeller is None:
@@ -69,7 +71,8 @@ class SimulatedShip:
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
         """Return the traced system, shared by all ships with the same terms."""
         contact = self.shape if isinstance(self.shape, str) else len(self.shape)
-        return _system(self.model.terms, self.surge, self.coriolis, Choices(contact, waterway, law, pushed))
+        choices = Choices(contact, waterway, law, pushed, self.bottom)
+        return _system(self.model.terms, self.surge, self.coriolis, choices)
 
     def values(self, **positions: Number) -> dict[str, Number]:
         """Return every particular and coefficient by name, with the limits of the gear."""

@@ -12,6 +12,7 @@ from narrows.ship.particulars import Configuration
 from narrows.simulation.departure import check_irrelevant
 from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, START
+from narrows.simulation.notes import section_notes
 from narrows.simulation.ship import SimulatedShip
 
 
@@ -63,7 +64,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     -------
     xarray.Dataset
         ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest real
-        part; ``notes`` says where the model feels no bank.
+        part; ``notes`` says where the model feels no bank, or the section is beyond its tests.
 
     Raises
     ------
@@ -88,4 +89,5 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
         "eigenvalue": ((*grid.sizes, "mode"), modes, {"units": "1/s"}),
         "growth": (tuple(grid.sizes), modes.real.max(axis=-1), {"units": "1/s", "long_name": "largest growth rate"}),
     }
-    return xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(model.bank_notes) if bank else ""})
+    notes = (*(model.bank_notes if bank else ()), *section_notes(model, inputs, bank))
+    return xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(notes)})

@@ -19,7 +19,7 @@ from narrows.errors import InputError, needs, reason, shown
 from narrows.progress import bar
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun
-from narrows.simulation.outcome import BEGINNING, END, KINDS, Code
+from narrows.simulation.outcome import KINDS, WAYS
 from narrows.simulation.settings import TASK_VESSELS
 
 
@@ -244,12 +244,12 @@ def attributes_of(name: str) -> dict[str, Any]:
     """Units, and the meaning of codes in the way of the CF conventions."""
     if name == "outcome":
         codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
-        for code, way in ((Code.ASTERN, BEGINNING), (Code.PASSED, END)):
+        for code, way in WAYS.items():
             codes[int(code)] = f"{KINDS[code]} by its {way}"
         meanings = " ".join(word.replace(" ", "_") for word in codes.values())
         return {"flag_values": list(codes), "flag_meanings": meanings}
     if name == "side":
-        return {"flag_values": [-1, 0, 1], "flag_meanings": "port none starboard"}
+        return {"flag_values": [-1, 0, 1], "flag_meanings": "port_or_stern none starboard_or_bow"}
     long_name = {"time": "time of the end", "distance": "distance along the canal"}.get(
         name, f"{name.removesuffix('_end')} at the end"
     )

@@ -1,6 +1,6 @@
 """One voyage: where, when and on which side the ship grounds, and how it got there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,11 +9,12 @@ import numpy as np
 
 import narrows
 from narrows.codegen.choices import COUNTED
-from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, Surge
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, Surge
 from narrows.codegen.kernels import event
 from narrows.errors import InputError, check_choice
-from narrows.model.data_range import MEASURES, DataRange
+from narrows.model.data_range import Measure
 from narrows.model.model import Model
+from narrows.model.water import is_full
 from narrows.quantities.names import MOTION
 from narrows.results import Tabulated
 from narrows.ship.actuators import PROPELLER, Actuator
@@ -33,8 +34,9 @@ from narrows.simulation.inputs import (
     segments_of,
 )
 from narrows.simulation.march import March, Row, track_error
-from narrows.simulation.outcome import Outcome, Track
-from narrows.simulation.settings import CONTACT_CLOSENESS, MOST_ROWS, STEP_ERROR_LIMIT
+from narrows.simulation.notes import measured, outside_notes
+from narrows.simulation.outcome import Code, Outcome, Track
+from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
 
@@ -218,7 +220,7 @@ def simulate(
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: Contact | Points = "corners", at: Sequence[float] | None = None,
-    waterway: "Waterway | None" = None, controller: Any = None, **positions: float,
+    waterway: "Waterway | None" = None, controller: Any = None, bottom: bool = True, **positions: float,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
@@ -267,6 +269,9 @@ def simulate(
         u and v through the water; the voyage ends where it ends.
     controller : ControlLaw or Controller, optional
         Gives orders each step, which the model's steering gear follows.
+    bottom : bool
+        End the voyage where the ship touches the bottom by its squat, or chokes the section; not where the depth is not
+        known.
     **positions : float
         Of other actuators at the start, by their names: revolutions [1/s], or one of the model's own.
 
@@ -287,15 +292,16 @@ def simulate(
     u = usual.speed if u is None else u
     longest = times[-1] if times else usual.duration
     duration, dt = check_steps(longest if duration is None else duration, usual.dt if dt is None else dt, MOST_ROWS)
-    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact)
+    ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     pushes = segments_of(X, Y, N, duration)
     check_positions(positions, ship)
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     steering = steering_of(controller, ship.actuators)
     march, start = departure(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
-    rows, fate = [Row(0.0, start)], event.FINISHED
-    for push in pushes:
+    rows = [Row(0.0, start)]
+    fate = event.FINISHED if march.room(start)[0] > 0 or start[0] == march.channel.start else event.CLOSED
+    for push in pushes if fate == event.FINISHED else ():
         march.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
         if ended := march.sail(rows, push.stop, dt):
             fate = ended.fate
@@ -338,28 +344,34 @@ class _Log:
     def outcome(self, dt: float) -> Outcome:
         columns = self.columns(self.rows)
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
-        kind, side = self._kind_and_side(self.rows[-1].state)
+        code, side = self._code_and_side(self.rows[-1].state)
         model = self.ship.model
         bank = () if self.ship.shape == OPEN else model.bank_notes
-        notes = (*bank, *beyond_envelope(model.data_range, columns), *self._coarse(dt))
+        notes = (*bank, *self._beyond(columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])
         lengths = abs(distance) / model.configuration.ship.length
-        return Outcome(kind, last["t"], distance, side, state, notes, lengths)
+        return Outcome(end.KINDS[code], last["t"], distance, side, state, notes, lengths)
 
-    def _kind_and_side(self, state: tuple[float, ...]) -> tuple[str, str | None]:
-        if self.fate == event.FINISHED:
-            return end.AFLOAT, None
-        if self.fate == event.LOST:
-            return end.DIVERGED, None
-        inputs, near = self.march.inputs, CONTACT_CLOSENESS
-        if state[STATE.index("cos_psi")] - inputs["least_cos"] <= near:
-            return end.LEFT_VALIDITY, None
-        if self.march.channel.length - state[0] <= near:
-            return end.LEFT_WATERWAY, end.END
-        if state[0] - self.march.channel.start <= near:
-            return end.LEFT_WATERWAY, end.BEGINNING
-        return end.GROUNDED, "starboard" if self.march.room(state)[1] > 0 else "port"
+    def _code_and_side(self, state: tuple[float, ...]) -> tuple[Code, str | None]:
+        code = Code(self.march.channel.codes(self.march.cause(self.fate, state), state[0]).item())
+        ship = self.ship.model.configuration.ship
+        sign = 1 if (is_full(ship.block_coefficient) if code == Code.TOUCHED else self.march.room(state)[1] > 0) else -1
+        return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(sign)
+
+    def _beyond(self, columns: dict[str, np.ndarray]) -> Iterator[str]:
+        """Say from when on the voyage is beyond the data of its model."""
+        model = self.ship.model
+        section = self.march.channel.section(columns["x"])
+
+        def beyond(measure: Measure, covered: str, outside: Any, values: Any) -> str:
+            first = int(np.argmax(np.broadcast_to(outside, columns["t"].shape)))
+            there = float(np.broadcast_to(values, columns["t"].shape)[first])
+            start = f"From {columns['t'][first]:.2f} s its {measure.words} of {measure.shown(there, there)}"
+            return f"{start} is outside the data ({covered})."
+
+        seen = measured(columns, {**model.configuration.values(), **section}, self.ship.shape != OPEN)
+        return outside_notes(model.data_range, [seen], beyond)
 
     def _coarse(self, dt: float) -> tuple[str, ...]:
         """Say where the time step was too long, as far as the steps themselves tell."""
@@ -369,22 +381,3 @@ class _Log:
         if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)
-
-
-def beyond_envelope(known: DataRange, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
-    """Say in what a voyage went beyond the data of its model."""
-    seen = {
-        "speed": columns["u"],
-        "abs_y": np.abs(columns["y"]),
-        "abs_psi": np.abs(columns["psi"]),
-        "abs_r": np.abs(columns["r"]),
-    }
-    sentences = []
-    for name, values in seen.items():
-        outside = known.outside(name, values)
-        if outside.any():
-            measure, first = MEASURES[name], int(np.argmax(outside))
-            there, covered = measure.shown(values[first], values[first]), measure.shown(*getattr(known, name))
-            start = f"From {columns['t'][first]:.2f} s its {measure.words}"
-            sentences.append(f"{start} of {there} is outside the data ({covered}).")
-    return tuple(sentences)

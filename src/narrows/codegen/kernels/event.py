@@ -16,6 +16,10 @@ CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2,
 ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
 """Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
 numbers ran out."""
+GROUNDED, OUTSIDE, ASTERN, PASSED, SHALLOW = 1, 3, 4, 5, 7
+"""What ends a voyage where no room is left: a bank, the limit of heading, an end of the waterway, too little water."""
+TOO_FAST = 1e-6
+"""How near to the speed that touches or chokes a voyage ends by it [m/s]."""
 MOST_TRIES, HALVE_EACH = 600, 8
 SHORTEST = 0.1
 AIM = 0.8
@@ -42,6 +46,19 @@ def last_step(book: Book) -> int:
 def cleared(room: float, before: float, leaves: float) -> float:
     """Return how much more room a step left than it must [m]: a share of what was, where suction ends infinite."""
     return room - leaves * before if leaves > 0.0 else room
+
+
+def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance: float) -> int:
+    """Say what is met where no room is left, by what is left to every end but a bank."""
+    if heading <= tolerance:
+        return OUTSIDE
+    if afloat <= TOO_FAST:
+        return SHALLOW
+    if ahead <= tolerance:
+        return PASSED
+    if astern <= tolerance:
+        return ASTERN
+    return GROUNDED
 
 
 def judge(

@@ -15,15 +15,18 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from narrows.codegen.kernels.event import (
+        ASTERN,
         BACK,
         CLOCK,
         CLOSED,
         COUNT,
         FINISHED,
+        GROUNDED,
         LOST,
         NEXT,
         TRIES,
         begin,
+        cause,
         cleared,
         judge,
     )  # fmt: skip
@@ -33,9 +36,8 @@ if TYPE_CHECKING:
     LANES = FIELDS = KEPT = FIRST = NOW = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = (
         FIRST_VESSEL_INPUT
     ) = 0
-    X = Y = COS = SIN = U = V = R = AT_LEAST_COS = AT_X_LAST = AT_X_FIRST = AT_MOST_SPEED = AT_MOST_RATE = 0
-    AT_CELLS_A_METRE = 0
-    EXACT = WATERWAY = False
+    X = Y = COS = SIN = U = V = R = AT_MOST_SPEED = AT_MOST_RATE = AT_CELLS_A_METRE = 0
+    EXACT = False
     LEAVES = 0.0
     real = np.float64
 
@@ -48,6 +50,9 @@ if TYPE_CHECKING:
     def room_of(block: Array, lane: int, table: Array, shared: Array) -> tuple[float, float]:
         """Room of a lane by the lanes' own rule, and its lean [m]."""
 
+    def ends_of(block: Array, lane: int, first: int, table: Array, shared: Array) -> tuple[float, float, float, float]:
+        """What is left of a lane, now or before the step, to every end but a bank."""
+
     def exact_room(track: Array, step: float, s: float, n: float, c: float, si: float, outline: Array) -> Any:
         """Room by the banks themselves, and the lean [m]."""
 
@@ -57,20 +62,22 @@ elif __name__ == "narrows.codegen.kernels.queue":  # Imported alone, by who walk
     called = cached = staticmethod
 
 
-RUNNING, AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED = -1, 0, 1, 2, 3, 4, 5
+RUNNING, AFLOAT, DIVERGED = -1, 0, 2
 OUTCOME, SIDE = 0, 1
 TOLERANCE, NEAR = 0, 1
 CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
 
 
 @called
-def true_room(block: "Array", lane: int, first: int, track: "Array", outline: "Array", shared: "Array") -> "Any":
+def true_room(
+    block: "Array", lane: int, first: int, table: "Array", track: "Array", outline: "Array", shared: "Array"
+) -> "Any":
     """Room of a lane by the banks themselves and by what else ends a voyage, and its lean [m]."""
     x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
     cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
     room, lean = exact_room(track, 1.0 / shared[AT_CELLS_A_METRE], x, y, cosine, sine, outline)
-    ends = min(shared[AT_X_LAST] - x, x - shared[AT_X_FIRST])
-    return min(room, ends, cosine - shared[AT_LEAST_COS]), lean
+    heading, ahead, astern, afloat = ends_of(block, lane, first, table, shared)
+    return min(room, heading, ahead, astern, afloat), lean
 
 
 @called
@@ -84,16 +91,10 @@ def is_sane(block: "Array", lane: int, room: float, shared: "Array", near: float
 
 
 @called
-def cause_of(block: "Array", lane: int, shared: "Array", tolerance: float) -> int:
-    """What is met where the room is nil: the limit of heading, an end of the waterway, or a bank."""
-    if block[COS * LANES + lane] - shared[AT_LEAST_COS] <= tolerance:
-        return OUTSIDE
-    if WATERWAY:
-        if shared[AT_X_LAST] - block[X * LANES + lane] <= tolerance:
-            return PASSED
-        if block[X * LANES + lane] - shared[AT_X_FIRST] <= tolerance:
-            return ASTERN
-    return GROUNDED
+def cause_of(block: "Array", lane: int, table: "Array", shared: "Array", tolerance: float) -> int:
+    """What is met where the room is nil."""
+    heading, ahead, astern, afloat = ends_of(block, lane, NOW, table, shared)
+    return cause(heading, ahead, astern, afloat, tolerance)
 
 
 @called
@@ -112,14 +113,14 @@ def attend(
     sane = is_sane(block, lane, room, shared, limits[NEAR])
     if EXACT and sane and (room <= 0.0 or book[lane, TRIES] > 0.0):
         # The lanes' own room is a lower bound: ask the banks.
-        room, block[LEAN * LANES + lane] = true_room(block, lane, NOW, track, outline, shared)
+        room, block[LEAN * LANES + lane] = true_room(block, lane, NOW, table, track, outline, shared)
     if sane and cleared(room, before, LEAVES) > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
         return RUNNING
     if EXACT and (book[lane, TRIES] > 0.0 or not (sane and room > 0.0)):
-        before = true_room(block, lane, OLD, track, outline, shared)[0]
+        before = true_room(block, lane, OLD, table, track, outline, shared)[0]
     fate = judge(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR], LEAVES)
     if fate == CLOSED:
-        return cause_of(block, lane, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
+        return cause_of(block, lane, table, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
     if fate == FINISHED:
         return AFLOAT
     if fate in (LOST, BACK):
@@ -127,7 +128,7 @@ def attend(
             block[field * LANES + lane] = block[(OLD + field) * LANES + lane]
         block[ROOM * LANES + lane] = before
     if fate == LOST:
-        return cause_of(block, lane, shared, limits[NEAR]) if before <= limits[NEAR] else DIVERGED
+        return cause_of(block, lane, table, shared, limits[NEAR]) if before <= limits[NEAR] else DIVERGED
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
     return RUNNING
 
@@ -146,14 +147,14 @@ def load_lane(
         block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[row, field]
     room, lean = room_of(block, lane, table, shared)
     if EXACT and room <= 0.0:
-        room, lean = true_room(block, lane, NOW, track, outline, shared)
+        room, lean = true_room(block, lane, NOW, table, track, outline, shared)
     block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
     begin(book[lane], times[vessel, 0], times[vessel, 1], times[vessel, 2])
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
     if not is_sane(block, lane, room, shared, 0.0):
         return DIVERGED
     if not room > 0.0:
-        fate = cause_of(block, lane, shared, 0.0)
+        fate = cause_of(block, lane, table, shared, 0.0)
         if room < 0.0 or fate != ASTERN:  # The first point of a waterway is in it.
             return fate
     return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT

@@ -9,6 +9,7 @@ from math import floor
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from narrows.codegen.kernels.event import (
+    ASTERN,
     BACK,
     CLOCK,
     COUNT,
@@ -19,6 +20,7 @@ from narrows.codegen.kernels.event import (
     TRIES,
     Book,
     begin,
+    cause,
     cleared,
     judge,
 )  # fmt: skip
@@ -45,7 +47,9 @@ if TYPE_CHECKING:
 EXACT = WATERWAY = False
 LEAVES = 0.0
 KEPT, COS, U, V, R = 7, 2, 4, 5, 6
-AFLOAT, GROUNDED, DIVERGED, OUTSIDE, ASTERN, PASSED, REFUSED = 0, 1, 2, 3, 4, 5, 6
+AFLOAT, DIVERGED, REFUSED = 0, 2, 6
+FAR = 1e9
+"""What is left to an end that a voyage cannot meet."""
 MOST_STEPS = 1e9
 """Steps of a voyage, as ``simulation.settings`` has them."""
 TOLERANCE = 1e-9
@@ -82,14 +86,10 @@ def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
 
 def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: float) -> int:
     """What is met where the room is nil: the limit of heading, an end of the waterway, or a bank."""
-    if state[COS] - constants.least_cos <= tolerance:
-        return OUTSIDE
+    ahead, astern = FAR, FAR
     if WATERWAY:
-        if waterway.x_last - state[0] <= tolerance:
-            return PASSED
-        if state[0] - waterway.x_first <= tolerance:
-            return ASTERN
-    return GROUNDED
+        ahead, astern = waterway.x_last - state[0], state[0] - waterway.x_first
+    return cause(state[COS] - constants.least_cos, ahead, astern, FAR, tolerance)
 
 
 def begun(state: Array, closeness: Array, constants: Constants, waterway: Place) -> int:

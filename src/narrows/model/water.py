@@ -1,0 +1,61 @@
+"""The water that a ship's speed leaves it: return flow, sinkage of bow and stern, and the speed that ends it."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.physics import squat_formulas as formulas
+from narrows.quantities.names import Number
+
+# A speed that no ship has [m/s]: nothing bounds it.
+BOUNDLESS = 1000.0
+
+
+class WaterUnderWay(NamedTuple):
+    return_flow: Number  # Of the water past the ship, against it [m/s]
+    sinkage: Number  # Mean [m]
+    bow: Number  # Water left under it [m]
+    stern: Number  # Water left under it [m]
+
+
+class SpeedsAfloat(NamedTuple):
+    touching: Number  # At which the deeper end touches the bottom; ``BOUNDLESS`` where none does [m/s]
+    choking: Number  # At which the return flow is critical (Schijf) [m/s]
+
+
+def water_under_way(values: Mapping[str, Number], speed: Number) -> WaterUnderWay:
+    """Return the water of ships by particulars and section, below the speed that chokes it; NaN from there on."""
+    # One-dimensional continuity and energy; the slender ship without banks where that gives more, as in wide water.
+    ship = {name: values[name] for name in ("length", "beam", "draft", "block_coefficient")}
+    section = {name: values[name] for name in ("beam", "draft", "width", "depth")}
+    fast, slow = np.abs(speed), np.abs(speed) < formulas.critical_speed(**section)
+    below = np.where(slow, fast, 0.0)
+    sinkage = np.maximum(
+        formulas.continuity(below, **section), formulas.tuck_midship(below, **ship, depth=values["depth"])
+    )
+    deeper, other = formulas.deeper_end(ship["block_coefficient"]), formulas.other_end(ship["block_coefficient"])
+    full, still = is_full(ship["block_coefficient"]), values["depth"] - values["draft"]
+    found = (
+        formulas.return_flow(below, **section), sinkage,
+        still - sinkage * np.where(full, deeper, other), still - sinkage * np.where(full, other, deeper),
+    )  # fmt: skip
+    return WaterUnderWay(*(np.where(slow, one, np.nan) for one in found))
+
+
+def speeds_afloat(values: Mapping[str, Number]) -> SpeedsAfloat:
+    """Return the speeds through the water that end the voyage of a ship by its particulars and section."""
+    length, beam, draft, block = (values[name] for name in ("length", "beam", "draft", "block_coefficient"))
+    width, depth = values["width"], values["depth"]
+    mean = (depth - draft) / formulas.deeper_end(block)
+    touching = np.minimum(
+        formulas.speed_that_sinks(mean, beam, draft, width, depth),
+        formulas.speed_that_sinks_midship(mean, length, beam, draft, block, depth),
+    )
+    choking = formulas.critical_speed(beam, draft, width, depth)
+    return SpeedsAfloat(np.minimum(np.where(touching < choking, touching, np.inf), BOUNDLESS), choking)
+
+
+def is_full(block_coefficient: Number) -> Number:
+    """Whether a ship sinks most at the bow; a fine one does at the stern."""
+    return np.asarray(block_coefficient) >= formulas.TRIMLESS
