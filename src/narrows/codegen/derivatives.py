@@ -1,4 +1,4 @@
-"""Exact derivatives line by line: the chain rule carried along a program (forward accumulation).
+"""Exact derivatives by forward-mode automatic differentiation, line by line of a program.
 
 Each line depends on few earlier ones, so that its slopes are short; whole formulas, differentiated, are not.
 """

@@ -1,4 +1,4 @@
-"""Derivatives of the motion as matrices: by state, by control, by coefficient."""
+"""Jacobian matrices of the motion: by state, by control, by coefficient."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

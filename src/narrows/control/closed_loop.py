@@ -1,4 +1,4 @@
-"""A ship, its gear, its sensors and what steers it as one loop: simulated, and linearised as it is shipped."""
+"""Simulate ship, gear, sensors, estimator and controller as one loop, and linearise it as it is shipped."""
 
 import math
 from collections.abc import Mapping, Sequence

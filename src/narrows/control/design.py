@@ -1,4 +1,4 @@
-"""Design regulators by flights: the few weights of one law, tuned on drawn ships, judged on others."""
+"""Tune the weights of a regulator by flights of drawn ships, and judge them on other ships (Monte Carlo)."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Flights that judge regulators: drawn ships, pushed and seen with noise, in the kernel."""
+"""Monte Carlo flights of regulators: drawn ships, disturbances and sensor noise, in the kernel."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A ship about its steady course as matrices with names: what linear control theory asks for."""
+"""The linear state-space system of a ship about a steady course, with named states and inputs."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace

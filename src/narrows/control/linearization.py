@@ -1,4 +1,4 @@
-"""Linearise the motion about steady courses: beside a bank, in a bend, in a current; one course, or many at once."""
+"""Linearise the motion about steady courses beside a bank, in a bend and in a current."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any

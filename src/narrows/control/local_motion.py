@@ -1,4 +1,4 @@
-"""The motion of a ship in the water at a place, in a bend and a current too: its rates, and their exact derivatives."""
+"""Rates of the motion at a place along a waterway, with exact derivatives."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

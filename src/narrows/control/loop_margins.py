@@ -1,4 +1,4 @@
-"""How far a loop is from instability, by its frequency response."""
+"""Gain margin, phase margin and delay margin of a loop, by its frequency response."""
 
 import math
 from collections.abc import Callable

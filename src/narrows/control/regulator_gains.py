@@ -1,4 +1,4 @@
-"""Gains of regulators by their weights: of one ship on its course, or of many, each on a course of its own."""
+"""Gains of linear-quadratic regulators from their weights, for one course or for many."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""A controller that sees a ship by its sensors, through an estimator."""
+"""A controller that gets the state of the ship from sensors through an estimator."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Numbers of the helms that one may want to change; times are in times of a ship length, rates in its inverse."""
+"""Settings of the helms; times in times of a ship length, rates in its inverse."""
 
 import math
 

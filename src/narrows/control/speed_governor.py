@@ -1,4 +1,4 @@
-"""A plan of speeds along the way: never over a limit, slowed for what lies ahead no faster than the ship loses way."""
+"""Plan speeds along a waterway: below every limit, slowed down in time for what lies ahead."""
 
 import math
 from collections.abc import Mapping, Sequence

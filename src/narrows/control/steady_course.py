@@ -1,4 +1,4 @@
-"""Rudder and drift that hold a ship at an offset, every force in balance; the propeller speed that holds its speed."""
+"""Rudder and drift that hold a ship at an offset, all forces in balance; revolutions that hold its speed."""
 
 from collections.abc import Mapping
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Planning tests: which runs a tank should make next so that the bank's coefficients become known."""
+"""Optimal experiment design: the runs that a tank should make next to identify the bank."""
 
 from narrows.experiment_design.candidates import Tank as Tank
 from narrows.experiment_design.candidates import candidates as candidates

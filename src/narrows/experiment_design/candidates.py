@@ -1,4 +1,4 @@
-"""Every run that a tank could make: harmonic sway and yaw, about the centreline and off it, and straight runs."""
+"""Candidate runs: harmonic sway and yaw, on the centreline and off it, and straight runs."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a run would tell before it is made: its columns as a few rows for each force, and the errors of runs."""
+"""Fisher information of a run before it is made: its columns as a few rows for each force, with run errors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

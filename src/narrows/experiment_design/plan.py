@@ -1,4 +1,4 @@
-"""``plan_tests``: a ship, a tank and a budget of runs in; the runs and what they would tell out."""
+"""``plan_tests``: choose runs by their expected information, from a ship, a tank and a budget."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace

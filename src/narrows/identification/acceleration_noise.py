@@ -1,4 +1,4 @@
-"""What noise in accelerations would do to coefficients, where no motion with time tells how much there is."""
+"""Bias of the estimates by noise in the accelerations (errors in variables), where its size is unknown."""
 
 import numpy as np
 

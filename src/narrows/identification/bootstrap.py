@@ -1,4 +1,4 @@
-"""The constrained fit over and over: with errors drawn anew, or with distinct motions drawn anew."""
+"""Bootstrap of the constrained fit: residuals drawn anew, or distinct motions drawn anew."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Tables that hold several conditions, water depths say: one fit for each."""
+"""Fit each condition of a table, such as each water depth, by itself."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Which coefficients stand in for one another: where an error of one is made good by another."""
+"""Correlations of the estimates: pairs of coefficients that the tests do not separate."""
 
 from dataclasses import dataclass
 

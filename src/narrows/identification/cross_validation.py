@@ -1,4 +1,4 @@
-"""Errors on what was left out of the fit: each distinct motion in turn with all its repeats, and each speed."""
+"""Cross-validation: errors on each distinct motion and each speed that is left out, with its repeats."""
 
 from collections.abc import Mapping
 from typing import NamedTuple

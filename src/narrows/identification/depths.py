@@ -1,4 +1,4 @@
-"""Whether a coefficient of the bank is the same at every depth, by the tests at each depth alone."""
+"""Test whether a coefficient of the bank is the same at every depth."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

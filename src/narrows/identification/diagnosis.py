@@ -1,4 +1,4 @@
-"""What the columns themselves say, before any force is looked at: rank, condition, VIF, correlation."""
+"""Collinearity of the columns of a force: rank, condition number, variance inflation factors, correlation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Diagnoses of every force's columns: over all rows, within each test, at each speed."""
+"""Collinearity diagnostics of every force: over all rows, within each test, at each speed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""``explain``: what a model says on a table of tests, and what that table can say of the model."""
+"""``explain``: the errors of a model on a table of tests, and what a fit to that table gives instead."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""A fit and everything that is known of it, each computed when it is first asked for."""
+"""The result of a fit; each part is computed when it is first used."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass

@@ -1,4 +1,4 @@
-"""The rows of forces that are fitted together, and what their effects are made of: columns, sizes, trends."""
+"""The rows of the forces that are fitted together, with the columns of their random effects."""
 
 from collections.abc import Mapping
 

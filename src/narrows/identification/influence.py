@@ -1,4 +1,4 @@
-"""Which motion tells of which coefficient, and which one moves it: the fit with each left out, its repeats with it."""
+"""Influence of each distinct motion: the jackknife, one motion and its repeats left out at a time."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Confidence intervals of bounded coefficients: never empty, never outside, and as sure at a bound as elsewhere."""
+"""Confidence intervals of bounded coefficients (unified intervals of Feldman and Cousins)."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""Motions left out in turn: how well the model predicts them, and what is known without them."""
+"""Predict each motion from the others, and measure the information that the others hold."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which tests are one motion made again, and which share a speed, a period, a depth, a side of the canal."""
+"""Group tests: repeats of one motion, one speed, one period, one depth, one side of the canal."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Whether a fit can be of this ship: its masses and inertias, the signs of forces and rudder, a rudder left out."""
+"""Check that a fit is plausible: masses and inertias, signs of forces and rudder, a rudder left out."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""A fit put on rows: forces estimated, what is left of the measured ones, and how large that is."""
+"""Predict forces on rows of a table, with residuals and errors."""
 
 from collections.abc import Mapping
 from pathlib import Path

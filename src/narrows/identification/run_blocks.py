@@ -1,4 +1,4 @@
-"""A few rows per motion and force that stand for all their rows: least squares on them is that on the rows."""
+"""Reduce the rows of each motion and force to a few (QR) with the same sums of products."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

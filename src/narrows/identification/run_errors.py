@@ -1,4 +1,4 @@
-"""How large errors of runs, of campaigns and of hull terms usually are: the prior of the mixed model."""
+"""Prior scales of the variance components: errors of runs, of campaigns and of hull terms."""
 
 from dataclasses import dataclass, fields
 

@@ -1,4 +1,4 @@
-"""Shapley shares of the terms of a force, exact, under three value functions (the paper names none)."""
+"""Shapley values of the terms of a force, exact, under three value functions."""
 
 from collections.abc import Callable, Mapping
 from math import factorial

@@ -1,4 +1,4 @@
-"""One thread for small matrices: those of a BLAS cost more than they save, a hundred times as much on busy cores."""
+"""Limit BLAS to one thread for small matrices."""
 
 from collections.abc import Callable
 from functools import wraps

@@ -1,1 +1,1 @@
-"""One phenomenon a file: functions of arithmetic and ``abs()``, so that floats, columns and symbols all pass."""
+"""Physics: one phenomenon a file, in functions of arithmetic and ``abs()`` for floats, arrays and symbols."""

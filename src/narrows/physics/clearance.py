@@ -1,4 +1,4 @@
-"""Where the banks are, seen from a ship with heading psi, and what that does to the pressure on its sides."""
+"""Distances to the banks, and the pressure difference between the sides of the ship that they cause."""
 
 import math
 

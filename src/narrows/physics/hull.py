@@ -1,4 +1,4 @@
-"""The hull of the MMG standard method: polynomials in sway and yaw over the whole speed, and its masses."""
+"""The hull of the MMG standard method: hydrodynamic derivatives in sway and yaw, and added masses."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Force on the rig that accelerates the hull and its added water, per unit of each coefficient."""
+"""Inertia of the hull and its added masses, as forces on a towing rig."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The propeller of the MMG standard method: what flows to it behind a turning hull, its thrust, its slipstream."""
+"""The propeller of the MMG standard method: wake fraction, thrust and slipstream. Thrust deduction is a coefficient."""
 
 import math
 from dataclasses import dataclass

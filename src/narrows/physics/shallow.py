@@ -1,4 +1,4 @@
-"""How hull derivatives grow as the water gets shallow: factors over those of deep water."""
+"""Factors of hydrodynamic derivatives in shallow water."""
 
 from narrows.quantities.names import Number
 

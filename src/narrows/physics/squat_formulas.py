@@ -1,4 +1,4 @@
-"""Squat: how far a ship sinks by its own speed, and the speed at which a canal chokes."""
+"""Squat formulas, and the speed at which a canal chokes."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""How fast, and how far off the middle of a canal, a ship is still in hand."""
+"""The safe envelope: how fast, and how far off the centreline, a ship stays controllable."""
 
 from narrows.safety.channel_rules import OutsideRules as OutsideRules
 from narrows.safety.channel_rules import outside_rules as outside_rules

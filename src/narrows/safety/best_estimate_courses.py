@@ -1,4 +1,4 @@
-"""Steady courses of the most likely coefficients: what a pilot who does not know the drawn ones goes by."""
+"""Steady courses with the best estimate of the coefficients, which a pilot without other knowledge assumes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What designers of channels and canals ask for: one table of rules, each with its source and who has read it."""
+"""Design rules of channels and canals, each with its source."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping

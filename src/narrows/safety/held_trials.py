@@ -1,4 +1,4 @@
-"""Trials of pilots: ships thrown off their steady courses, at every offset, speed and sample at once."""
+"""Monte Carlo trials: ships disturbed on their steady courses, at every offset, speed and sample."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Pilots by name, none of whom knows the coefficients of the ship that is drawn: what is tried at every place."""
+"""Pilots of the envelope, by name; none knows the coefficients of the drawn ship."""
 
 import math
 from collections.abc import Callable, Mapping

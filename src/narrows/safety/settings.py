@@ -1,4 +1,4 @@
-"""Numbers of the safe envelope that one may want to change: unit and reason of each."""
+"""Settings of the safe envelope, each with unit and reason."""
 
 # The question
 RESERVE = 1 / 3  # [1] of the rudder, left when the ship is steady

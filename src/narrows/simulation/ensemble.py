@@ -1,4 +1,4 @@
-"""Many voyages at once: grids and samples over anything, labelled in and out, on all cores or on a cluster."""
+"""Simulate many voyages at once (grids and Monte Carlo samples), on all cores or on a cluster."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -1,1 +1,1 @@
-"""A model as one table of terms: the term, the tables that come with the package, the forms of the bank term."""
+"""Tables of terms: hydrodynamic derivatives, forms of the bank term, rudder and propeller."""

@@ -1,4 +1,4 @@
-"""Tables made from others: with a rudder, with the asymmetry of a ship, with hull coefficients for each depth."""
+"""Tables derived from others: with a rudder, with asymmetry, with hull coefficients for each depth."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

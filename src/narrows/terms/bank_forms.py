@@ -1,4 +1,4 @@
-"""Forms of the bank term: each a pressure parameter or two, with where it is from, where it holds, and its standing."""
+"""Forms of the bank term, each with its source, range of validity and status."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

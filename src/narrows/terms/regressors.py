@@ -1,4 +1,4 @@
-"""Regressors made of physics functions: one fed by another, and one of more quantities than a signature can show."""
+"""Regressors composed of physics functions."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields

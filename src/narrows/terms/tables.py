@@ -1,4 +1,4 @@
-"""The tables of terms that come with the package, by name: a base, a form of its bank term, a rudder."""
+"""The tables of terms of the package, by name: hull, form of the bank term, rudder."""
 
 from collections.abc import Callable
 from functools import cache

@@ -1,4 +1,4 @@
-"""A model as one table of terms: columns, constraints, ties, players, dimensions, equations come from it."""
+"""A model as one table of terms, from which columns, constraints, ties, dimensions and equations come."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping

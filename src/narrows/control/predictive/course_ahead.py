@@ -1,4 +1,4 @@
-"""The course that a helm holds at the speed of the moment, and the best linear helm about it, place by place."""
+"""The steady course ahead and the linear-quadratic regulator about it, by place (terminal cost)."""
 
 from collections.abc import Mapping
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""A ship beside its line: derivatives of the rates of y, psi, v, r, rudder, in a bend and a current too."""
+"""Derivatives of the rates of y, psi, v, r and rudder along a line, in a bend and a current."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Plans of the rudder: from the last plan to the next by a step of sequential quadratic programming."""
+"""Plan the rudder by real-time iterations of sequential quadratic programming."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a ship will do, by the package's own kernel: every interval of a plan a lane, all in one call."""
+"""Predict the ship over the horizon by the kernel: each interval of a plan is a lane (multiple shooting)."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""A predictive helm: at every turn it plans the rudder for the minutes ahead, and orders the plan's beginning."""
+"""Model predictive controller: plans the rudder for the minutes ahead and orders the first move."""
 
 import math
 from collections.abc import Callable
