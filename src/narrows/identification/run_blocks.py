@@ -1,4 +1,4 @@
-"""Reduce the rows of each motion and force to a few (QR) with the same sums of products."""
+"""Reduce the rows of each motion and force to a few with the same sums of products."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
