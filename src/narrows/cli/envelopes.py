@@ -134,7 +134,9 @@ def envelope(
     ] = False,
     model: Annotated[str | None, Argument(help="Model file, or the name of a ship; none with --demo.")] = None,
 ) -> None:
-    """Find how fast and how far off the middle of its canal a ship is still in hand, as a table and a chart.
+    """Find the safe speeds and offsets of a ship in a canal.
+
+    The answer is a table and a chart.
 
     MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
     """

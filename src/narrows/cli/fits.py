@@ -74,7 +74,7 @@ def identify(
     delivery: ModelDelivery,
     stream: Annotated[bool, Option(help="Read block by block: for tables larger than memory.")] = False,
 ) -> None:
-    """Fit the coefficients to captive tests and say which of them can be trusted.
+    """Identify coefficients from captive tests, with their verdicts.
 
     A table that holds several conditions (water depths) gives one model each.
     """
@@ -96,7 +96,10 @@ def demo(
     out: Annotated[Path, Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
-    """Identify simulated tests of the DTC, where the bank is known, and measured ones of the KCS at three depths."""
+    """Identify the bundled tests, and write a report.
+
+    The first are simulated tests of the DTC, whose bank is known; then measured ones of the KCS at three depths.
+    """
     from narrows.captive.measured import measured_tests
     from narrows.identification.conditions import identify_conditions
 
@@ -129,7 +132,9 @@ def explain(
     ] = None,
     compare: Annotated[str, Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
 ) -> None:
-    """Put a model on any table of tests: its errors, what those tests can say of it, and which terms they prefer.
+    """Evaluate a model on any table of tests.
+
+    It gives the errors of the model, the verdicts of a fit to these tests, and the terms that predict them best.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -195,7 +200,10 @@ def reproduce(
     out: Annotated[Path, Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
     json: AsJson = False,
 ) -> None:
-    """Make every table and figure of the paper again, ours beside its own numbers."""
+    """Reproduce every table and figure of the 2025 paper.
+
+    Numbers of this package stand beside those of the paper.
+    """
     from narrows.report.reproduction import write_reproduction
     from narrows.studies.mikkelsen2025 import reproduce as made
 
@@ -261,7 +269,7 @@ def plan(
     delivery: TableDelivery,
     after: Annotated[Path | None, Option(help="Captive tests that were made already.")] = None,
 ) -> None:
-    """Propose the captive tests that make the bank's coefficients best known."""
+    """Choose captive tests that identify the bank."""
     from narrows.experiment_design import plan_tests
     from narrows.report.printed_tables import print_plan
     from narrows.terms.tables import table_named

@@ -94,7 +94,9 @@ def learn(
     model: OptionalModel = None,
     logs: Logs = None,
 ) -> None:
-    """Learn coefficients from the ship itself: its own log, or legs held to one side and then to the other.
+    """Learn coefficients from a ship's log or steady legs.
+
+    Steady legs are held to one side of the canal and then to the other.
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """

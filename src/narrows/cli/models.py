@@ -37,7 +37,9 @@ def scale(
     output: ModelOutput = None,
     json: AsJson = False,
 ) -> None:
-    """Scale a model to another length by Froude's law, and say what does not scale.
+    """Scale a model to another length by Froude's law.
+
+    It reports what does not scale.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -79,7 +81,9 @@ def export(
     ] = None,
     json: AsJson = False,
 ) -> None:
-    """Write a model as a file of another language, printed from the lines that voyages are sailed by.
+    """Export a model: C, C++, JavaScript, MATLAB, FMU and more.
+
+    The file has the equations of the simulation.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -140,7 +144,10 @@ def estimate(
     output: ModelOutput = None,
     json: AsJson = False,
 ) -> None:
-    """Estimate a model from main dimensions, with the spread that the formulas show on known ships."""
+    """Estimate a model from the main dimensions of a ship.
+
+    Its spread is the error of the formulas on known ships.
+    """
     from narrows.empirical.main_dimensions import estimate_model
     from narrows.model.model_file import save_model
     from narrows.report.printed_tables import estimate_summary, print_estimate
@@ -163,7 +170,7 @@ def estimate(
 
 @verb("narrows ships")
 def ships(json: AsJson = False) -> None:
-    """List the ships that are ready: each name goes wherever a model file does."""
+    """List ready ships: each name replaces a model file."""
     from narrows.empirical.fleet import ready_ships
     from narrows.report.printed_tables import print_ships
 

@@ -48,7 +48,7 @@ def simulate(
     water: WaterOptions,
     delivery: TrackDelivery,
 ) -> None:
-    """Simulate one voyage: where, when and on which side the ship grounds.
+    """Simulate one voyage, to where the ship grounds.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -78,7 +78,7 @@ def map_(
     delivery: DatasetDelivery,
     contact: ContactKind = "corners",
 ) -> None:
-    """Map where the ship grounds over one or two things that vary, or how likely it does.
+    """Map where the ship grounds, over one or two variables.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -115,7 +115,9 @@ def trials(
     plot: Plot = None,
     json: AsJson = False,
 ) -> None:
-    """Turn circles and sail zigzags in open water: advance, tactical diameter, overshoots.
+    """Simulate turning circles and zigzags in open water.
+
+    It gives advance, tactical diameter and overshoots.
 
     MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
     """
@@ -156,7 +158,10 @@ def waterway(
     output: WaterwayOutput = None,
     json: AsJson = False,
 ) -> None:
-    """Make a waterway, or check one: from a line with a width and a depth, from a chart, or from its GeoJSON."""
+    """Make or check a waterway file.
+
+    The source is a line with a width and a depth, a chart, or a GeoJSON file.
+    """
     from narrows.report.printed_tables import print_waterway, waterway_summary
     from narrows.waterway import read_waterway, write_waterway
     from narrows.waterway.geojson import read_line, waterway_from_line, with_depth

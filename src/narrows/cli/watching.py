@@ -86,7 +86,9 @@ def monitor(
     waterway: WaterwayFile = None,
     y: Annotated[float, Option(help="Line that a pilot who takes over brings the ship to [m].")] = 0.0,
 ) -> None:
-    """Watch a ship beside the banks of its waterway, and warn: decision support, no type-approved equipment.
+    """Watch a ship beside the banks, and warn.
+
+    It is decision support, not type-approved equipment.
 
     MODEL is a model file at the ship's own size, with the terms of a rudder; the waterway knows where on earth it is.
     Leaves with 1 where a recording or the demonstration came to a warning or more.

@@ -26,7 +26,7 @@ def safe_envelope(
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
     bank: str = "steep", controller: str = "regulator", workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
-    """Find how fast and how far off the middle a ship is still in hand.
+    """Find the speeds and offsets at which a ship stays controllable in its canal.
 
     At each offset and speed the steady course is sought that holds it: rudder, heading and drift in balance. The ship
     is safe there where that course leaves a reserve of rudder, one pilot with the real gear, who does not know the
